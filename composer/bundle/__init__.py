@@ -1,7 +1,7 @@
-"""Bundles: a finished model as `{path: bytes}` with a manifest, and the forms it is written in.
+"""Bundles: a finished model as `{path: bytes}` with a manifest, and the forms that it is written in.
 
-`composer.bundle.write` never leaves half an output. The manifest is in `composer.bundle.manifest`, which alone imports
-pydantic. What is not used is not imported.
+`composer.bundle.write` never leaves half an output. Only `composer.bundle.manifest` imports pydantic. Submodules
+are imported on first use.
 """
 
 from __future__ import annotations

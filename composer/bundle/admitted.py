@@ -1,4 +1,6 @@
-"""A bundle from anyone may read only itself: its model is asked what it names before MuJoCo has it."""
+"""Make sure that an untrusted bundle reads only its own files, by checking what its model names before MuJoCo opens
+it.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +15,10 @@ from composer.tree.parse import parse_file
 
 
 def outside(folder: Path, model: str, shown: str) -> tuple[Diagnostic, ...]:
-    """What is wrong with the files that a model names, whose bundle was written to `folder`; empty if nothing is.
+    """Return the faults in the files that a model names, whose bundle was written to `folder`; empty if there are
+    none.
 
-    `shown` is how messages name the bundle. What cannot be read as XML is wrong too: nobody knows what it names.
+    `shown` is the bundle's name in messages. Invalid XML is a fault too, because it may name any file.
     """
     if not model.lower().endswith(".xml"):
         return ()

@@ -1,7 +1,8 @@
-"""A bundle as a zip, which is a valid MJZ: MuJoCo opens it as it is.
+"""A bundle as a zip that is a valid MJZ, which MuJoCo opens directly.
 
 The same bundle gives the same bytes, whatever the clock, the time zone, the umask or the folder.
-(Packed bytes still depend on the zlib that Python was built with; `Bundle.sha256` does not.)
+
+(Compressed bytes still depend on the zlib of Python; `Bundle.sha256` does not.)
 """
 
 from __future__ import annotations
@@ -26,9 +27,10 @@ def write_archive(
 ) -> None:
     """Write the bundle as a zip to `out`: the model first, then the other files sorted by path.
 
-    (Other XML files would come before the model: of several, `MjSpec.from_zip` takes the last.)
-    All files are from 1980-01-01, or from SOURCE_DATE_EPOCH of the environment (seconds, UTC). Raises
-    OutputError; then an older `out` is untouched.
+    (Other XML files come before the model, because `MjSpec.from_zip` takes the last one.)
+
+    All files are dated 1980-01-01, or SOURCE_DATE_EPOCH of the environment (seconds, UTC). Raises OutputError, and
+    then leaves an older `out` untouched.
     """
     write_packed(bundle.files, bundle.model, out, environment, lambda path: packing(bundle, path))
 
@@ -40,11 +42,11 @@ def write_packed(
     environment: Mapping[str, str],
     packed: Callable[[str], Packed],
 ) -> None:
-    """The same for a bundle of which there are only its paths and how each file is packed."""
+    """Write a bundle of which only the paths and the compressed files are given."""
     if model.endswith(".xml") and model not in (
         MODEL,
         f"{out.stem}.xml",
-    ):  # what is not MJCF it does not open
+    ):  # MuJoCo opens only MJCF
         raise OutputError(
             "output-kind",
             f"MuJoCo opens `{MODEL}` or `{out.stem}.xml` in `{out.name}`, and the model is `{model}`",
@@ -54,7 +56,7 @@ def write_packed(
     with staged_file(out) as stage, zipfile.ZipFile(stage, "w") as archive:
         for path in sorted(paths, key=lambda path: _rank(path, model)):
             info = zipfile.ZipInfo(path, moment)
-            # Or Python 3.14 writes what it can in code page 437.
+            # Otherwise Python 3.14 writes names in code page 437 if it can.
             info.flag_bits = 0 if path.isascii() else _UTF8
             info.create_system = _UNIX
             info.external_attr = _MODE << 16
@@ -63,7 +65,7 @@ def write_packed(
 
 
 def _copy(archive: zipfile.ZipFile, info: zipfile.ZipInfo, packed: Packed) -> None:
-    """Put what is packed already into the archive, which `ZipFile` itself has no way to do."""
+    """Add an already compressed file to the archive, which `ZipFile` itself cannot do."""
     assert archive.fp is not None
     info.CRC, info.file_size, info.compress_size = packed.crc, packed.size, len(packed.data)
     info.header_offset = archive.fp.tell()

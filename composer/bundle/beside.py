@@ -1,4 +1,4 @@
-"""What stands beside a bundle: names of its files that come from the name of the model. No I/O."""
+"""Names of files next to a bundle, derived from the name of the model. No I/O."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import re
 
 
 def file_name(name: str) -> str:
-    """A model's name as that of a file, which stays in its folder.
+    """Return a model's name as a file name, which cannot lead out of its folder.
 
     >>> file_name("cell 1/left"), file_name("..")
     ('cell_1_left', 'model')
@@ -16,7 +16,7 @@ def file_name(name: str) -> str:
 
 
 def hash_of(name: str) -> str:
-    """The folder of a model among 256, so that none has very many: two digits of a hash of its name.
+    """Return the model's folder among 256, which keeps each of them small: two digits of a hash of its name.
 
     >>> hash_of("cell-s0001"), hash_of("cell-s0002")
     ('b0', '46')
@@ -25,7 +25,7 @@ def hash_of(name: str) -> str:
 
 
 def picture_of(name: str) -> str:
-    """The picture of a model, beside its bundle.
+    """Return the name of a model's picture, which is next to its bundle.
 
     >>> picture_of("demo")
     'demo.png'

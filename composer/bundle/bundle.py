@@ -1,4 +1,4 @@
-"""A finished model as plain data: files by their paths."""
+"""A finished model as plain data: files by path."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ _CONTROL = re.compile(r"[\x00-\x1f\x7f]")
 
 
 class BundleError(ValueError):
-    """A set of files that cannot be a bundle: a path that leads out, or two that are one on some systems."""
+    """The files cannot be a bundle: a path leads out of it, or two paths are equal on some systems."""
 
 
 @dataclass(frozen=True, slots=True)
 class Bundle:
-    """The model's MJCF and everything it needs, independent of how it is written down.
+    """The model's MJCF and everything it needs, independent of its form on disk.
 
-    `files` maps relative paths with forward slashes to their bytes; it is sorted and read-only. `model` is
-    the path of the MJCF among them. Raises BundleError for absolute paths, `..`, backslashes and paths that
-    differ only in case, for what is written here must be readable everywhere. Can be pickled.
+    `files` maps relative paths with forward slashes to bytes; it is sorted and read-only. `model` is the path of
+    the MJCF. Raises BundleError for absolute paths, `..`, backslashes and paths that differ only in case, because a
+    bundle must be readable on every system. Can be pickled.
     """
 
     files: Mapping[str, bytes]
@@ -44,20 +44,20 @@ class Bundle:
         return Bundle, (dict(self.files), self.model)
 
     def with_files(self, files: Mapping[str, bytes]) -> Bundle:
-        """The same bundle with these files added or replaced."""
+        """Return the same bundle with these files added or replaced."""
         made = Bundle({**self.files, **files}, self.model)
         made._digests.update((path, known) for path, known in self._digests.items() if path not in files)
         return made
 
     def digest(self, path: str) -> str:
-        """The sha256 of one file, in hexadecimal."""
+        """Return the sha256 of one file, in hexadecimal."""
         if path not in self._digests:
             self._digests[path] = hashlib.sha256(self.files[path]).hexdigest()
         return self._digests[path]
 
     @property
     def sha256(self) -> str:
-        """The identity of the bundle: of all paths and contents, whatever form it is written in."""
+        """The identity of the bundle: a hash of all paths and contents, independent of its form."""
         whole = hashlib.sha256()
         for path in self.files:
             whole.update(f"{path}\0{self.digest(path)}\n".encode())
@@ -65,7 +65,7 @@ class Bundle:
 
 
 def check_paths(paths: Iterable[str]) -> None:
-    """Raises BundleError for the first path that cannot stand in a bundle beside the ones before it.
+    """Raise BundleError for the first path that is invalid or conflicts with an earlier one.
 
     >>> check_paths(["a/b.obj", "a/B.obj"])
     Traceback (most recent call last):
@@ -93,7 +93,7 @@ def check_paths(paths: Iterable[str]) -> None:
 
 
 def _fault(path: str) -> str | None:
-    """What keeps a path from being relative, plain and the same on every system."""
+    """Return why a path is not relative, plain and valid on every system; None if it is."""
     if path.startswith("/") or _DRIVE.match(path):
         return "it is absolute"
     if "\\" in path:

@@ -1,4 +1,4 @@
-"""The files of a linked model: read once, equal bytes stored once, every path in the model made to fit."""
+"""Collect the files of a linked model: read each once, store equal bytes once, and update the paths in the model."""
 
 from __future__ import annotations
 
@@ -20,13 +20,15 @@ from composer.tree.files import NAMED_AFTER_FILE, in_archive, stem
 from composer.tree.unit import Unit
 
 Stored = dict[tuple[str, int], list[str]]
-"""The paths of the files that may stand for others, by suffix and size."""
+"""The paths of files that may replace equal ones, by suffix and size."""
 
 
 def collect(
     model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str
 ) -> dict[str, bytes]:
-    """Bytes by path in the bundle. A file that is missing is reported where the model names it, as `shown` calls it."""
+    """Return the bytes by path in the bundle. A missing file is reported where the model names it, under the name
+    `shown`.
+    """
     files: dict[str, bytes] = {}
     stored: Stored = {}
     stands_at: dict[str, str | None] = {}
@@ -47,14 +49,14 @@ def collect(
 
 
 class _Room:
-    """What a bundle may still take, counted by what the disk says of a file before it is read."""
+    """The remaining size of a bundle, counted by file sizes before files are read."""
 
     def __init__(self) -> None:
         limits = in_force()
         self.files, self.size = limits.output_files, limits.output_size
 
     def has(self, use: FileUse) -> bool:
-        with suppress(OSError):  # what cannot be read is reported where it is read
+        with suppress(OSError):  # unreadable files are reported when they are read
             self.size -= os.stat(use.source).st_size if use.content is None else len(use.content)
         self.files -= 1
         return self.files > 0 and self.size >= 0
@@ -70,7 +72,7 @@ class _Room:
 
 
 def check_files(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str) -> None:
-    """Report the files that are missing, of a model that will not be bundled for another fault."""
+    """Report missing files of a model that will not be bundled because of another fault."""
     for use in {use.path: use for use in uses if use.content is None}.values():
         try:
             os.stat(use.source)
@@ -79,7 +81,7 @@ def check_files(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callabl
 
 
 def read(model: Unit, use: FileUse, sink: Sink, shown: Callable[[Path], str] = str) -> bytes | None:
-    """The bytes of a file; None where they cannot be had, which is reported."""
+    """Return the bytes of a file, or None if it is unreadable, which is reported."""
     content = use.content
     if content is None:
         try:
@@ -107,7 +109,7 @@ def _store(
     sink: Sink,
     shown: Callable[[Path], str],
 ) -> str | None:
-    """Where the bytes of a file are in the bundle: under its own path, or that of an equal file of its kind."""
+    """Return the path of a file's bytes in the bundle: its own path, or that of an equal file of the same kind."""
     content = read(model, use, sink, shown)
     if content is None:
         return None
@@ -125,7 +127,7 @@ def _store(
 
 
 _LOOKED_FOR = 100
-"""Missing files of which others of that name are looked for, which reads a folder for each."""
+"""Missing files for which a file of the same name is searched, at the cost of reading a folder each."""
 
 
 def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Callable[[Path], str]) -> None:
@@ -137,7 +139,7 @@ def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Calla
         beside = []
         if isinstance(error, FileNotFoundError):
             message += f", and neither does the folder `{shown(source.parent)}`"
-    # What one folder lacks is one finding, unless each file needs a correction of its own.
+    # Missing files of one folder are one finding, unless they need different corrections.
     folder: Path | None = None
     if near := closest(source.name, beside):
         help = f"did you mean `{near[0]}`?"
@@ -164,9 +166,9 @@ def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Calla
 
 
 def _elsewhere(source: Path) -> Path | None:
-    """A file of that name in a folder beside or below that of the missing one."""
+    """Return a file of the same name in a folder next to or below that of the missing one."""
     for folder in (source.parent, source.parent.parent):
-        with suppress(OSError):  # a name that is too long, a folder that may not be read
+        with suppress(OSError):  # a name that is too long, or an unreadable folder
             for path in sorted(folder.glob(f"*/{glob.escape(source.name)}")):
                 if path.is_file():
                     return path

@@ -1,4 +1,4 @@
-"""Where the elements of a compiled model are written: the tag and the place of each, by kind and number."""
+"""Where the elements of a compiled model are written: tag and place by kind and number."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _SECTIONS = {"actuator": "actuator", "sensor": "sensor", "key": "keyframe"}
 def written_in(
     model: Unit, index: Index, place: Callable[[Span], str]
 ) -> dict[tuple[str, int], tuple[str, str]]:
-    """By kind and number: tag and place. What MuJoCo multiplied, and what has no name beside that, is left out."""
+    """Return tag and place by kind and number, without copies that MuJoCo made and the unnamed elements among them."""
     names = {
         "joint": [each.name for each in index.joints],
         "actuator": [each.name for each in index.actuators],
@@ -37,7 +37,7 @@ def written_in(
 
 
 def _matched(elements: Sequence[Node], names: Sequence[str]) -> Iterator[tuple[int, Node]]:
-    """Elements by their number: in order where each became one, by name where some became several."""
+    """Yield elements by number: in order if each became one element, by name if some became several."""
     if [str(each.get("name") or "") for each in elements] == list(names):
         yield from enumerate(elements)
         return
@@ -55,7 +55,7 @@ def _elements(root: Node, kind: str) -> Iterator[Node]:
 
 
 def _of_body(body: Node, tags: tuple[str, ...]) -> Iterator[Node]:
-    """What stands in a body, frames seen through, before what stands in the bodies below it: MuJoCo's order."""
+    """Yield the elements of a body, including those in frames, before those of child bodies: MuJoCo's order."""
     inner = list(through_frames(body))
     yield from (each for each in inner if each.tag in tags)
     for each in inner:

@@ -11,17 +11,16 @@ from composer.bundle.bundle import MANIFEST, Bundle
 from composer.bundle.output_error import OutputError, unwritable
 from composer.bundle.staging import aside, parents, real, stage_beside, write_files
 
-# what others leave in a folder without being asked
+# files that other programs leave in a folder
 _LITTER = {"MUJOCO_LOG.TXT", ".DS_Store", "Thumbs.db", "desktop.ini"}
 _LARGEST_MANIFEST = 64 << 20
 
 
 def write_folder(bundle: Bundle, out: Path) -> None:
-    """Write the bundle's files into the folder `out`, which afterwards holds them and nothing else.
+    """Write the bundle's files into the folder `out`, which then holds nothing else.
 
-    The folder is built beside `out` and takes its place by renaming. A folder that is already there is
-    replaced only if it is empty or an earlier output with no other files in it. Raises OutputError; then
-    `out` is as it was before.
+    The folder is built next to `out` and renamed. An existing folder is replaced only if it is empty or an earlier
+    output without other files in it. Raises OutputError, and then leaves `out` as it was.
     """
     target = real(out)
     if not target.name:
@@ -37,7 +36,7 @@ def write_folder(bundle: Bundle, out: Path) -> None:
 
 
 def _swap(stage: Path, target: Path) -> None:
-    """Put `stage` in the place of `target`; a target that was there is put back if that fails."""
+    """Move `stage` to `target`; if that fails, restore an earlier target."""
     if not os.path.exists(target):
         stage.replace(target)
         return
@@ -81,7 +80,7 @@ def _check_replaceable(target: Path, out: Path) -> None:
 
 
 def _files_in(folder: Path) -> set[str]:
-    """All files below a folder, and all links, as paths with forward slashes."""
+    """Return all files and links below a folder as paths with forward slashes."""
     found: set[str] = set()
     for parent, folders, files in os.walk(folder, onerror=_raise):
         links = [name for name in folders if (Path(parent) / name).is_symlink()]
@@ -90,7 +89,9 @@ def _files_in(folder: Path) -> set[str]:
 
 
 def _own_files(folder: Path) -> set[str] | None:
-    """The files an earlier output's manifest lists, with itself; None if no such manifest exists."""
+    """Return the files in the manifest of an earlier output, including the manifest, or None if there is no such
+    manifest.
+    """
     file = folder / MANIFEST
     with contextlib.suppress(OSError, ValueError, TypeError, KeyError, RecursionError):
         if file.is_symlink() or file.stat().st_size > _LARGEST_MANIFEST:

@@ -1,4 +1,4 @@
-"""The forms a bundle can be written in, and which one an output's name asks for."""
+"""The forms that a bundle is written in, selected by the output's name."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from composer.bundle.output_error import OutputError
 
 
 class Form(StrEnum):
-    """The forms a bundle can be written in."""
+    """The forms that a bundle is written in."""
 
     FOLDER = "folder"
     ARCHIVE = "archive"
@@ -26,9 +26,9 @@ _SUFFIXES |= dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), Form.USD)
 
 
 def form_of(out: str | PathLike[str]) -> Form:
-    """The form that an output's name asks for. Raises OutputError.
+    """Return the form for an output's name. Raises OutputError.
 
-    A name that ends in a slash or has no suffix is a folder, and so is a folder that exists.
+    A name that ends in a slash or has no suffix is a folder, and so is an existing folder.
 
     >>> form_of("build/arm"), form_of("arm.mjz")
     (<Form.FOLDER: 'folder'>, <Form.ARCHIVE: 'archive'>)

@@ -1,4 +1,4 @@
-"""A bundle held against its manifest: its files, and the order of what was compiled."""
+"""Compare a bundle with its manifest: its files, and the index of the compiled model."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _KINDS = tuple(Index.model_fields)
 
 
 def manifest_of(text: bytes | None, shown: str, sink: Sink) -> Manifest | None:
-    """The manifest of a bundle; where it is missing or broken that is reported, and None is given."""
+    """Return the manifest of a bundle, or None if it is missing or broken, which is reported."""
     if text is None:
         sink.error("bundle-manifest", f"`{shown}` has no `{MANIFEST}`: there is nothing to hold it against")
         return None
@@ -45,7 +45,7 @@ def manifest_of(text: bytes | None, shown: str, sink: Sink) -> Manifest | None:
 
 
 def check_files(bundle: Bundle, manifest: Manifest, shown: str, sink: Sink) -> None:
-    """Report which files are missing, other ones, or not listed."""
+    """Report files that are missing, changed, or not listed."""
     listed = {file.path: file for file in manifest.files}
     for path, file in listed.items():
         if path not in bundle.files:
@@ -65,7 +65,7 @@ def check_files(bundle: Bundle, manifest: Manifest, shown: str, sink: Sink) -> N
 
 
 def check_index(expected: Index, actual: Index, shown: str, sink: Sink) -> None:
-    """Report where the compiled model has another order, other addresses or other limits than its manifest says."""
+    """Report where the compiled model has another order, other addresses or other limits than its manifest."""
     for kind in _KINDS:
         said, found = (_plain(kind, getattr(index, kind)) for index in (expected, actual))
         if said == found:
@@ -82,7 +82,7 @@ def check_index(expected: Index, actual: Index, shown: str, sink: Sink) -> None:
 
 
 def _plain(kind: str, entries: Sequence[Any]) -> list[str]:
-    """Entries as text, without how and where they are written."""
+    """Return entries as text, without their origin and type of writing."""
     return [
         each.model_dump_json(exclude=_HOW_WRITTEN if kind == "actuators" else {"origin"}) for each in entries
     ]

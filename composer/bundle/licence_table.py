@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One part: the model reference, its licence as an SPDX expression, None where it is not known, and the files
-    that say something.
+    """One part: its model reference, its licence as an SPDX expression or None if it is unknown, and its licence
+    files.
     """
 
     part: str
@@ -25,12 +25,12 @@ class Row:
 
     @property
     def has_none(self) -> bool:
-        """Whether nothing at all says what the licence is; a text that is not recognised is one."""
+        """Whether nothing states the licence; an unrecognised licence text counts as a statement."""
         return self.licence is None and not self.files
 
 
 def licence_rows(plan: Plan, context: Context) -> list[Row]:
-    """A row for each part, the base by the name of its file. Reads the licence files and the heads of the models."""
+    """Return a row for each part, with the base named after its file. Reads licence files and the heads of models."""
     from composer.bundle.assemble import sources  # what was built before needs none of this
     from composer.sources.spdx import is_empty, licence_of
 
@@ -46,7 +46,7 @@ def licence_rows(plan: Plan, context: Context) -> list[Row]:
 
 
 def licence_table(rows: Iterable[Row]) -> str:
-    """The rows under their headings, in columns."""
+    """Return the rows in columns, with headings."""
     from composer.sources.spdx import UNKNOWN
 
     lines = [("part", "source", "licence", "file")]

@@ -1,4 +1,4 @@
-"""The licences of the parts, which travel with what is made of them."""
+"""Collect the licence files of the parts for a bundle."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _UNSAFE = re.compile(r"[^\w.+@=-]+")
 
 @dataclass(frozen=True, slots=True)
 class Licences:
-    """`files` are paths in the bundle and contents; `of` has the paths of each label."""
+    """`files` maps paths in the bundle to contents; `of` has the paths by label."""
 
     files: Mapping[str, bytes]
     of: Mapping[str, tuple[str, ...]]
@@ -24,11 +24,11 @@ class Licences:
 def licence_files(
     licences: Mapping[str, Iterable[Path]], read: Callable[[Path], bytes] = read_regular
 ) -> Licences:
-    """Every licence file once, as `LICENSES/LABEL/FILE NAME`: equal bytes of one name have the first of their labels.
+    """Return every licence file once, as `LICENSES/LABEL/FILE NAME`; equal files of one name go under the first
+    label.
 
-    `licences` maps a label (a part's prefix such as `left/gripper`, or a source) to its licence files. Files
-    of one label with the same name and different content are numbered. Raises OSError when a file cannot be
-    read.
+    `licences` maps a label (a part's prefix such as `left/gripper`, or a source) to its licence files. Files of one
+    label with the same name and different contents are numbered. Raises OSError if a file cannot be read.
     """
     files: dict[str, bytes] = {}
     of: dict[str, tuple[str, ...]] = {}
@@ -51,7 +51,7 @@ def licence_files(
 
 
 def _free(path: str, suffix: str, taken: set[str]) -> str:
-    """The path, numbered if there is one like it already."""
+    """Return the path, with a number if it is taken."""
     stem, number = path.removesuffix(suffix), 1
     while path.casefold() in taken:
         number += 1
@@ -61,7 +61,7 @@ def _free(path: str, suffix: str, taken: set[str]) -> str:
 
 
 def licence_folder(label: str) -> str:
-    """Where the licences of one label stand in the bundle.
+    """Return the folder in the bundle for the licences of a label.
 
     >>> licence_folder("left/gripper")
     'LICENSES/left/gripper'
@@ -71,5 +71,5 @@ def licence_folder(label: str) -> str:
 
 
 def _segment(name: str) -> str:
-    """A name as one segment of a path that every file system can hold."""
+    """Return a name as a path segment that is valid on every file system."""
     return _UNSAFE.sub("_", name).strip(".") or "_"

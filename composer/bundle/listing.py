@@ -1,4 +1,4 @@
-"""The index that `build --all` writes of all models in a folder, `models.csv` or `models.parquet`: a row for each."""
+"""Read the index that `build --all` writes of all models in a folder, `models.csv` or `models.parquet`."""
 
 from __future__ import annotations
 
@@ -26,23 +26,23 @@ COLUMNS: Mapping[str, type] = {
     "model": str, "cell": str, "sample": int, "path": str, "sha256": str, "mujoco": str, "checks": int,
     **dict.fromkeys(SIZES, int),
 }  # fmt: skip
-"""The columns that every model has; behind them come what the matrix sets and what was drawn."""
+"""The columns of every model, followed by those of the matrix and of draws."""
 
 
 class ListingError(DiagnosticError):
-    """There is no index, or it is not one."""
+    """There is no index, or the file is not an index."""
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One model of an index: `file` is where it is, `values` what stands in its columns, without the empty ones."""
+    """One model of an index: `file` is its bundle, `values` are the non-empty values by column."""
 
     file: Place
     values: Mapping[str, Value]
 
 
 def column(name: str) -> str:
-    """What the column of a value is called.
+    """Return the column for a value.
 
     >>> column("payload"), column("path")
     ('payload', 'value path')
@@ -51,7 +51,7 @@ def column(name: str) -> str:
 
 
 def rows(path: Place, shown: str) -> Iterator[Row]:
-    """The models of a folder with such an index, of all its parts, or of the index itself; raises ListingError.
+    """Yield the models of an index, given as a folder, one of its parts, or the index itself. Raises ListingError.
 
     A folder or an index may be at an address.
     """
@@ -105,7 +105,7 @@ def _rows(stream: IO[bytes], file: str, folder: Place) -> Iterator[Row]:
 
 
 def _records(stream: IO[bytes], file: str) -> Iterator[Mapping[str, Any]]:
-    """The rows of a table by its columns; a CSV has texts alone."""
+    """Yield the rows of a table by column; in CSV all values are text."""
     if file.lower().endswith(".parquet"):
         columns, records = _of_parquet(stream, file)
     else:
@@ -144,7 +144,7 @@ def _files(path: Path, shown: str) -> list[Path]:
 
 
 def _indexes(names: Mapping[str, Item]) -> list[Item]:
-    """Which of these are the index of a folder, and its parts: CSV, or Parquet where that alone is there."""
+    """Return the index of a folder and its parts: CSV, or Parquet if there is no CSV."""
     for form in _FORMS:
         parts = sorted(
             (name for name in names if _PART.fullmatch(name) and name.endswith(form)), key=_in_order
@@ -164,7 +164,7 @@ def _none(shown: str) -> ListingError:
 
 
 def _value(name: str, text: Any) -> Value:
-    """What a text of the table was: of columns that every model has by their type, else by how it looks."""
+    """Convert a text of the table: by the type of a column that every model has, else by its form."""
     if not isinstance(text, str):
         return text  # type: ignore[no-any-return]  # of Parquet, which has types
     if COLUMNS.get(name) is str:

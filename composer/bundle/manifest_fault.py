@@ -1,4 +1,4 @@
-"""What is wrong with the text of a manifest, in words."""
+"""Describe the faults in a manifest's text."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ if TYPE_CHECKING:
 
 
 def faults_of(error: ValueError) -> tuple[str, ...]:
-    """What is wrong with the text of a manifest that `from_json` refused, in words."""
+    """Return the faults in a manifest that `from_json` refused, in words."""
     if not isinstance(error, ValidationError):
         return (str(error),)
     return tuple(_in_words(each) for each in error.errors(include_url=False, include_context=False))
 
 
 def newer_format(error: ValueError) -> int | None:
-    """The format of a manifest that a later mjcompose wrote and `from_json` refused; None where that is not why."""
+    """Return the format version of a refused manifest if it is newer than ours, else None."""
     if isinstance(error, ValidationError):
         for each in error.errors():
             if each["loc"] == ("manifest",) and isinstance(each["input"], int) and each["input"] > FORMAT:

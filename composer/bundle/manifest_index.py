@@ -1,4 +1,4 @@
-"""The index of a manifest, made of what MuJoCo says of the compiled model."""
+"""Convert MuJoCo's description of a compiled model to the index of a manifest."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from composer import engine
 
 Written = Mapping[tuple[str, int], tuple[str, str]]
-"""By kind (`joint`, `actuator`, `sensor`, `camera`, `key`) and number: the tag of an element, and FILE:LINE."""
+"""Tag and FILE:LINE of elements by kind (`joint`, `actuator`, `sensor`, `camera`, `key`) and number."""
 
 
 def _range(pair: tuple[float, float] | None) -> Range | None:
-    """What JSON can say of a range: it has no infinity."""
+    """Return a range with None for infinite ends, which JSON cannot represent."""
     if pair is None or not any(map(math.isfinite, pair)):
         return None
     low, high = (end if math.isfinite(end) else None for end in pair)
@@ -25,7 +25,7 @@ def _range(pair: tuple[float, float] | None) -> Range | None:
 
 
 def index_of(index: engine.Index, written: Written | None = None) -> Index:
-    """The manifest's index of a compiled model; `written` knows where its elements are written."""
+    """Return the manifest's index of a compiled model; `written` has the places of its elements."""
     known = written or {}
 
     def origin(kind: str, number: int) -> str | None:

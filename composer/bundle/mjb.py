@@ -1,4 +1,4 @@
-"""A bundle as a compiled model, with the manifest beside it."""
+"""A bundle as a compiled model with a manifest next to it."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ def write_mjb(
 ) -> None:
     """Compile the bundle and write MuJoCo's binary form, which only the same version of MuJoCo reads.
 
-    A manifest goes beside it, which lists that one file. Raises OutputError, also when the model does not compile;
-    then an older `out` is untouched.
+    A manifest that lists this one file is written next to it. Raises OutputError, also if the model does not
+    compile, and then leaves an older `out` untouched.
     """
     with staged_file(out) as stage:
-        stage.touch()  # whoever may not write there learns it now, from the operating system
+        stage.touch()  # fail now if the operating system does not allow writing there
         try:
             with scratch("bundle") as folder:
                 write_files(bundle, Path(folder))
@@ -44,7 +44,7 @@ def write_mjb(
 
 
 def manifest_beside(out: Path) -> Path:
-    """Where the manifest of a compiled model is. No I/O.
+    """Return the path of a compiled model's manifest. No I/O.
 
     >>> manifest_beside(Path("build/arm.mjb")).as_posix()
     'build/arm.manifest.json'
@@ -53,9 +53,9 @@ def manifest_beside(out: Path) -> Path:
 
 
 def with_version(out: str, version: str | None = None) -> str:
-    """The name of a compiled model, in which `{mujoco}` is the version of MuJoCo, the only one that reads it.
+    """Replace `{mujoco}` in a compiled model's name by the version of MuJoCo, the only one that reads it.
 
-    No I/O but for the version of the MuJoCo that is installed, where none is given.
+    No I/O except for the installed version of MuJoCo, if no version is given.
 
     >>> with_version("build/arm-{mujoco}.mjb", "4.0.0"), with_version("build/arm.mjb", "4.0.0")
     ('build/arm-4.0.0.mjb', 'build/arm.mjb')
@@ -66,7 +66,7 @@ def with_version(out: str, version: str | None = None) -> str:
 
 
 def _manifest(text: bytes, name: str, content: bytes) -> bytes:
-    """The bundle's manifest about its compiled form alone."""
+    """Return the bundle's manifest with the compiled form as only file."""
     manifest = json.loads(text)
     manifest["model"] = name
     manifest["files"] = [{"path": name, "sha256": hashlib.sha256(content).hexdigest(), "size": len(content)}]

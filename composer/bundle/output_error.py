@@ -1,4 +1,4 @@
-"""An output that cannot be written."""
+"""The error for an output that cannot be written."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from composer.diagnostics.error import DiagnosticError
 
 
 class OutputError(DiagnosticError):
-    """An output cannot be written. Whoever raises it has put everything back as it was."""
+    """An output cannot be written. The raising code has restored the previous state."""
 
 
 _FULL = {errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC)}
@@ -23,7 +23,7 @@ _HELP = {
 
 
 def unwritable(out: str | PathLike[str], error: OSError) -> OutputError:
-    """The operating system's refusal in the user's terms."""
+    """Return the operating system's error in the user's terms."""
     reason = error.strerror or str(error) or type(error).__name__
     return OutputError(
         "output-full" if error.errno in _FULL else "output-unwritable",

@@ -1,7 +1,7 @@
-"""Files as a zip holds them, so that what was packed once is copied from then on.
+"""Compress files for a zip, so that each is compressed only once.
 
-How much a file is packed depends on its name alone: MJCF and other text as far as is usual; meshes lightly, which for
-them is nearly as small and several times faster; images and archives, which are packed already, not at all.
+The level depends on the name alone: the usual one for MJCF and other text; a low one for meshes, which is several
+times faster and nearly as good; none for images and archives, which are compressed already.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _HEAD = struct.Struct("<IQ")
 
 
 class Packed(NamedTuple):
-    """The CRC-32 and the size of a file's bytes, and what a zip holds of it."""
+    """The CRC-32 and the size of a file's bytes, and the compressed data."""
 
     crc: int
     size: int
@@ -31,9 +31,9 @@ class Packed(NamedTuple):
 
 
 class PackedAhead:
-    """The files of a bundle, packed by a thread while this one waits for MuJoCo.
+    """The files of a bundle, compressed by a thread during MuJoCo's work.
 
-    `find` gives what is known of a file by its hash and its level, None for what is not.
+    `find` returns a known compressed file by hash and level, or None.
     """
 
     def __init__(self, bundle: Bundle, find: Callable[[str, int], Packed | None]) -> None:
@@ -50,23 +50,23 @@ class PackedAhead:
                 self._known[bundle.digest(path)] = known or pack(bundle.files[path], level), known is None
 
     def take(self, digest: str) -> tuple[Packed, bool] | None:
-        """A file as a zip holds it, and whether it was packed anew; None for one that the bundle did not have then."""
+        """Return a compressed file, and whether it was compressed now; None for a file that the bundle did not have."""
         self._thread.join()
         return self._known.get(digest)
 
     def end(self) -> None:
-        """Nothing more is wanted."""
+        """Stop the thread and discard the files."""
         self._is_wanted = False
         self._thread.join()
         self._known.clear()
 
 
 Packing = Callable[[Bundle, str], Packed]
-"""Gives a file of a bundle as a zip holds it, by its path."""
+"""Returns a file of a bundle in compressed form, by its path."""
 
 
 def level_of(path: str) -> int:
-    """How hard a file is packed, 0 for not at all. No I/O.
+    """Return the compression level for a file, 0 for none. No I/O.
 
     >>> level_of("model.xml"), level_of("assets/arm/link.stl"), level_of("assets/wood.PNG")
     (6, 1, 0)
@@ -78,7 +78,7 @@ def level_of(path: str) -> int:
 
 
 def pack(content: bytes, level: int) -> Packed:
-    """The bytes as a zip holds them. No I/O."""
+    """Compress bytes for a zip. No I/O."""
     data = content
     if level:
         packer = zlib.compressobj(level, zlib.DEFLATED, -zlib.MAX_WBITS)
@@ -87,16 +87,16 @@ def pack(content: bytes, level: int) -> Packed:
 
 
 def packed_now(bundle: Bundle, path: str) -> Packed:
-    """A file of a bundle, packed without anybody's memory."""
+    """Compress a file of a bundle without a cache."""
     return pack(bundle.files[path], level_of(path))
 
 
 def wrapped(packed: Packed) -> bytes:
-    """All of it as one text of bytes, for a store. No I/O."""
+    """Serialize a compressed file for the store. No I/O."""
     return _HEAD.pack(packed.crc, packed.size) + packed.data
 
 
 def unwrapped(content: bytes) -> Packed:
-    """What was wrapped. No I/O."""
+    """Parse what `wrapped` returned. No I/O."""
     crc, size = _HEAD.unpack_from(content)
     return Packed(crc, size, content[_HEAD.size :])

@@ -1,4 +1,4 @@
-"""Where an output is: a path of this machine, or an address such as `s3://bucket/cell.zip`."""
+"""The place of an output: a path on this machine, or an address such as `s3://bucket/cell.zip`."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import TypeAlias
 
 Place: TypeAlias = Path | str
-"""A path; a text is an address."""
+"""A path, or an address as text."""
 _ADDRESS = re.compile(r"[a-z][a-z0-9+.-]+://")
 
 
 def is_address(text: object) -> bool:
-    """Whether a text is an address, and no path.
+    """Return whether a text is an address and not a path.
 
     >>> is_address("s3://bucket/a.zip"), is_address("build/a.zip"), is_address("c:/a.zip")
     (True, False, False)
@@ -22,7 +22,7 @@ def is_address(text: object) -> bool:
 
 
 def place(folder: Path, out: str) -> Place:
-    """What a text names that is written in a folder.
+    """Return the place that a text in a folder names.
 
     >>> place(Path("/home/me"), "a.zip").as_posix(), place(Path("/home/me"), "s3://bucket/a.zip")
     ('/home/me/a.zip', 's3://bucket/a.zip')

@@ -1,4 +1,4 @@
-"""Files as any machine may name them: from the recipe, or from what they were fetched or installed with."""
+"""Name files independently of the machine: relative to the recipe, or by the reference of their origin."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ from composer.tree.unit import Unit
 
 
 class Portable:
-    """Names files of one composition: of the recipe at `recipe`, its `sources`, what recipes were `fetched` with."""
+    """Names files of one composition: of the recipe at `recipe`, its `sources`, and the `fetched` origins of its
+    recipes.
+    """
 
     def __init__(
         self,
@@ -36,10 +38,10 @@ class Portable:
         self.named: dict[str, str] = {}
 
     def name(self, path: Path) -> str:
-        """The name of a file: `models/arm.xml`, `menagerie:franka_emika_panda/panda.xml`.
+        """Return the name of a file: `models/arm.xml`, `menagerie:franka_emika_panda/panda.xml`.
 
-        What is neither below the recipe nor belongs to something fetched is named from the reference of the model
-        that it goes with, as the recipe writes that.
+        A file that is neither below the recipe nor part of an origin is named relative to the reference of its
+        model, as the recipe writes it.
         """
         real = Path(real_path(path))
         if (origin := self.origin_of(real)) is not None:
@@ -51,33 +53,33 @@ class Portable:
         return as_text(self._beside(real))
 
     def origin_of(self, real: Path) -> tuple[Path, Origin] | None:
-        """What a file was fetched or installed with; the innermost where folders lie in one another."""
+        """Return the origin of a file; the innermost if origins are nested."""
         around = [each for each in self.origins if real.is_relative_to(each[0])]
         return max(around, key=lambda each: len(str(each[0])), default=None)
 
     def place(self, span: Span) -> str:
-        """A place in a source or a recipe, as FILE:LINE."""
+        """Return a place in a source or a recipe as FILE:LINE."""
         if span.file not in self.named:
             self.named[span.file] = self.name(self.path(span.file))
         return f"{self.named[span.file]}:{span.line}"
 
     def text(self, message: str) -> str:
-        """A message with the files that it names called so."""
+        """Return a message with portable names for its files."""
         for shown in sorted(self.texts, key=len, reverse=True):
             if shown in message:
                 message = message.replace(shown, self.name(self.path(shown)))
         return message
 
     def texts_on_disk(self) -> list[Path]:
-        """The models and recipes that the composition was read from, as far as they are files."""
+        """Return the models and recipes that the composition was read from, if they are files."""
         return [path for shown in self.texts if (path := self.path(shown)).is_file()]
 
     def path(self, shown: str) -> Path:
-        """The file that messages call so."""
+        """Return the file of that name in messages."""
         return self.context.folder / shown
 
     def _beside(self, real: Path) -> str:
-        """From the nearest model that a path names, through that path."""
+        """Return a name that goes through the nearest model with a path reference."""
         near: tuple[int, str] | None = None
         for source in self.sources:
             if source.origin is None:

@@ -1,4 +1,4 @@
-"""A bundle from a folder or an archive, which may come from anyone."""
+"""Read a bundle from a folder or an archive, which may come from anyone."""
 
 from __future__ import annotations
 
@@ -26,22 +26,22 @@ _NAMED = re.compile(rb"""<(?:include|model)\s[^>]*?file\s*=\s*["']([^"']*)["']""
 
 @dataclass(frozen=True, slots=True)
 class ReadLimits:
-    """How many files, and how many bytes in all once unpacked, a bundle may have."""
+    """The maximum number of files in a bundle, and of bytes in all when decompressed."""
 
     files: int = field(default_factory=lambda: in_force().output_files)
     bytes: int = field(default_factory=lambda: in_force().output_size)
 
 
 class ReadError(DiagnosticError):
-    """Why something is not a bundle that can be read."""
+    """The reason why a bundle cannot be read."""
 
 
 def read(path: Path, limits: ReadLimits | None = None, shown: str | None = None) -> Bundle:
-    """The bundle in a folder, a zip or an MJZ. Raises ReadError, whose message calls the path `shown`.
+    """Return the bundle in a folder, a zip or an MJZ. Raises ReadError, with `shown` as the path in messages.
 
-    Links, paths that lead out, packed files that exceed the limits and encrypted ones are refused before
-    anything is unpacked. The model is what the manifest says, otherwise `model.xml`, otherwise `STEM.xml`,
-    otherwise the one model there is that no other names.
+    Links, paths that lead out, encrypted files and files beyond the limits are refused before anything is
+    decompressed. The model is the one in the manifest, else `model.xml`, else `STEM.xml`, else the only model that
+    no other one names.
     """
     limits, shown = limits or ReadLimits(), shown or str(path)
     try:
@@ -72,7 +72,7 @@ def read(path: Path, limits: ReadLimits | None = None, shown: str | None = None)
 
 
 def _check_size(bundle: Bundle, path: Path, shown: str) -> None:
-    """Raises ReadError for a model that is larger than the limits allow, once it is expanded."""
+    """Raise ReadError for a model that is too large once it is expanded."""
     texts = (content for name, content in bundle.files.items() if name.endswith(".xml"))
     if not any(map(_EXPANDS.search, (bundle.files[bundle.model], *texts))):
         return
@@ -159,7 +159,7 @@ def _model(files: dict[str, bytes], path: Path, shown: str) -> str:
 
 
 def named_model(manifest: bytes) -> str:
-    """What the text of a manifest calls the model; empty where it does not say. No I/O."""
+    """Return the model's path in the text of a manifest, or an empty text if there is none. No I/O."""
     try:
         named = json.loads(manifest)["model"]
     except (KeyError, TypeError, ValueError, RecursionError):
@@ -168,7 +168,7 @@ def named_model(manifest: bytes) -> str:
 
 
 def _models(files: Mapping[str, bytes]) -> list[str]:
-    """The MJCF files that no other MJCF file includes or attaches."""
+    """Return the MJCF files that no other MJCF file includes or attaches."""
     models = {path: content for path, content in files.items() if _ROOT.match(content)}
     named = {
         posixpath.basename(name.decode("utf-8", "replace"))

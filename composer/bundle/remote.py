@@ -1,7 +1,7 @@
-"""Outputs and bundles at addresses, such as `s3://bucket/cell.zip`, by the file systems of `fsspec`.
+"""Outputs and bundles at addresses such as `s3://bucket/cell.zip`, accessed through `fsspec`.
 
-An object store has no folders and renames nothing: a bundle there is whole if its manifest is there, which is written
-last and taken away first. A single file is written in one step.
+An object store has no folders and cannot rename: a bundle there is complete if its manifest exists, which is
+written last and removed first. A single file is written in one step.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ FileSystem: TypeAlias = Any
 
 
 class RemoteError(Exception):
-    """What an address cannot be, or what its file system refuses."""
+    """An invalid address, or an error of its file system."""
 
 
 @contextmanager
 def opened(address: str) -> Iterator[tuple[FileSystem, str]]:
-    """The file system of an address, and the path there; what it refuses in the block is a RemoteError."""
+    """Yield the file system of an address and the path in it; its errors inside the block become RemoteError."""
     try:
         import fsspec
     except ImportError:
@@ -42,7 +42,7 @@ def opened(address: str) -> Iterator[tuple[FileSystem, str]]:
         yield fs, path.rstrip("/")
     except (RemoteError, DiagnosticError):
         raise
-    except Exception as error:  # each file system has its own
+    except Exception as error:  # each file system raises its own exceptions
         said = " ".join(str(error).split()) or type(error).__name__
         raise RemoteError(hide(said)) from error
 
@@ -58,7 +58,7 @@ def _writing(address: str) -> Iterator[tuple[FileSystem, str]]:
 
 
 def check_writable(address: str) -> None:
-    """Put something below an address and take it away again. Raises OutputError."""
+    """Write something below an address and remove it again. Raises OutputError."""
     with _writing(address) as (fs, path):
         probe = f"{path}/.mjcompose-{os.urandom(6).hex()}"
         _put(fs, probe, b"mjcompose looks whether it may write here")
@@ -66,13 +66,13 @@ def check_writable(address: str) -> None:
 
 
 def deliver_file(file: Path, address: str) -> None:
-    """Put a file at an address, in one step. Raises OutputError."""
+    """Write a file to an address in one step. Raises OutputError."""
     with _writing(address) as (fs, path):
         _put(fs, path, file.read_bytes())
 
 
 def deliver_folder(folder: Path, address: str) -> None:
-    """Put a bundle at an address, in the place of an earlier one. Raises OutputError."""
+    """Write a bundle to an address, replacing an earlier one. Raises OutputError."""
     with _writing(address) as (fs, path):
         there = {each[len(path) + 1 :] for each in fs.find(path)}
         known = _listed(fs, f"{path}/{MANIFEST}") if MANIFEST in there else None
@@ -93,7 +93,7 @@ def deliver_folder(folder: Path, address: str) -> None:
 
 
 def deliver_assets(folder: Path, address: str) -> None:
-    """Put shared assets, which are called after their contents, where they are not. Raises OutputError."""
+    """Upload shared assets, which are named after their contents, unless they exist. Raises OutputError."""
     with _writing(address) as (fs, path):
         for file in sorted(folder.iterdir()):
             at, content = f"{path}/{file.name}", file.read_bytes()
@@ -102,7 +102,7 @@ def deliver_assets(folder: Path, address: str) -> None:
 
 
 def manifest_at(address: str) -> bytes:
-    """The manifest of a bundle at an address. Raises OSError and what zip files raise."""
+    """Return the manifest of a bundle at an address. Raises OSError and the exceptions of `zipfile`."""
     try:
         with opened(address) as (fs, path):
             if path.endswith((".zip", ".mjz")):
@@ -115,7 +115,7 @@ def manifest_at(address: str) -> bytes:
 
 
 def stamps(address: str) -> list[list[object]]:
-    """What changes when something at an address does; nothing where there is nothing. No error is raised."""
+    """Return data that changes with the contents at an address; empty if there are none. Never raises."""
     try:
         with opened(address) as (fs, path):
             found = fs.find(path, detail=True) if fs.isdir(path) else {path: fs.info(path)}
@@ -125,9 +125,9 @@ def stamps(address: str) -> list[list[object]]:
 
 
 def download(address: str, folder: Path, files: int, size: int) -> Path:
-    """Fetch a bundle to an empty folder, with the assets beside it that it shares; gives its path there.
+    """Download a bundle and the shared assets next to it to an empty folder; return its path there.
 
-    It may have so many `files`, and in all so many bytes, `size`. Raises RemoteError.
+    Raises RemoteError, also for more than `files` files or `size` bytes.
     """
     name = PurePosixPath(address.rstrip("/")).name
     with opened(address) as (fs, path):
@@ -172,7 +172,7 @@ def _put(fs: FileSystem, path: str, content: bytes) -> None:
 
 
 def _listed(fs: FileSystem, path: str) -> set[str] | None:
-    """The files that a manifest lists, with itself; None for what is no manifest."""
+    """Return the files in a manifest, including the manifest, or None if it is not a manifest."""
     import json
 
     try:

@@ -1,4 +1,4 @@
-"""Which names of the parts are not the own names behind the prefix any more."""
+"""Names of parts that are no longer their own names with a prefix."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from composer.tree.kinds import kind_of, naming_attribute
 from composer.tree.unit import Unit
 
 Renamed = Mapping[str, Mapping[str, Mapping[str, str]]]
-"""By part and kind of name: own names, and those in the model."""
+"""By part and kind of name: own names mapped to names in the model."""
 
 
 def renamed_in(model: Unit, members: Iterable[PartRecord]) -> Renamed:
-    """What edits renamed, traced back through prefixes that came later; what was removed since is left out."""
+    """Return what edits renamed, traced back through later prefixes; elements removed since are left out."""
     by_prefix = {member.prefix: member.part for member in reversed(list(members))}
     found: dict[str, dict[str, dict[str, str]]] = {}
     for node, steps in model.origins.renamed.items():

@@ -1,4 +1,4 @@
-"""What an output was made of before another build takes its place."""
+"""What an output was made from, before another build replaces it."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ _MAX = 64 << 20
 
 @dataclass(frozen=True, slots=True)
 class MadeOf:
-    """The recipe of a model and what it was built with; `values` are parameters, variants, the cell and the sample."""
+    """The recipe of a model and its options; `values` are parameters, variants, the cell and the sample."""
 
     recipe: str
     values: Mapping[str, Any]
 
     def other_than(self, new: MadeOf) -> dict[str, Any]:
-        """What of this is different in the new one: its recipe, or the values that it had.
+        """Return what differs from the new model: the recipe, or the old values.
 
         >>> MadeOf("a.yaml", {"x": 1, "y": 2}).other_than(MadeOf("a.yaml", {"x": 3, "y": 2}))
         {'x': 1}
@@ -40,7 +40,7 @@ class MadeOf:
 
 
 def made_of(out: Path | str) -> MadeOf | None:
-    """What the manifest of an output says; None where there is none, or nothing to be read."""
+    """Return what the manifest of an output says, or None if there is no readable one."""
     try:
         manifest = json.loads(_manifest(out))
         values = {**manifest["params"], **manifest["variants"]}
@@ -58,7 +58,7 @@ def made_of(out: Path | str) -> MadeOf | None:
         NotImplementedError,
         zipfile.BadZipFile,
     ):
-        return None  # it is whatever it is: `staged_file` says whether it may be replaced
+        return None  # any other file: `staged_file` decides whether it may be replaced
 
 
 def _manifest(out: Path | str) -> bytes:

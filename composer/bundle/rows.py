@@ -1,4 +1,4 @@
-"""A table as CSV."""
+"""Write a table as CSV."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, TextIO
 
 
 def write_rows(file: TextIO, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
-    """A header and the rows; numbers as the shortest text that reads back the same, nothing for None."""
+    """Write a header and rows; numbers as the shortest text that reads back the same, nothing for None."""
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(columns)
     for row in rows:

@@ -1,7 +1,8 @@
-"""Bundles as folders side by side that share one folder of assets: `NAME/model.xml` refers to `../assets/…`.
+"""Bundles as neighbouring folders that share one folder of assets: `NAME/model.xml` refers to `../assets/…`.
 
-A shared asset is called after its content too, so that it is the same file for all models, whichever are written, in
-whatever order and by how many processes. What a model has besides (manifest, licences, models inside it) stays its own.
+A shared asset is named after its content too, so that it is the same file for all models, independent of which
+models are written, in which order and by how many processes. Other files (manifest, licences, submodels) are not
+shared.
 """
 
 from __future__ import annotations
@@ -29,11 +30,11 @@ _SHARED = re.compile(rf"((?:\.\./){{1,2}}){ASSETS}/([^/]+)")
 
 
 def write_shared(bundle: Bundle, out: Path, above: int = 1) -> tuple[Path, ...]:
-    """Write the folder `out`, and its assets to the folder `assets` beside it; gives their paths.
+    """Write the folder `out`, and its assets to the folder `assets` next to it; return their paths.
 
-    With `above` 2 that is beside the folder that `out` is in.
+    With `above` 2, that folder is one level higher.
 
-    Raises OutputError; then `out` is as it was before, and beside it there are at most more whole assets.
+    Raises OutputError, and then leaves `out` as it was, with at most additional complete assets next to it.
     """
     if out.name == ASSETS:
         raise OutputError(
@@ -58,7 +59,7 @@ def _is_there(path: Path, content: bytes) -> bool:
 
 
 def share(bundle: Bundle, above: int = 1) -> tuple[Bundle, dict[str, bytes]]:
-    """The bundle without its assets, and these by their names in the folder so many levels up. No I/O."""
+    """Return the bundle without its assets, and the assets by their names in the folder so many levels up. No I/O."""
     beside = f"{'../' * above}{ASSETS}/"
     root = etree.fromstring(bundle.files[bundle.model])
     moved: dict[str, str] = {}
@@ -77,13 +78,13 @@ def share(bundle: Bundle, above: int = 1) -> tuple[Bundle, dict[str, bytes]]:
 
 
 def gathered(files: Mapping[str, bytes], folder: Path) -> dict[str, bytes]:
-    """The files of such a folder with those beside it that its manifest lists, as a bundle of its own has them.
+    """Return the files of such a folder, with the shared assets in its manifest, as a self-contained bundle.
 
-    Files as they are where the manifest lists none beside it. Raises OSError.
+    If the manifest lists no shared assets, the files are unchanged. Raises OSError.
     """
     try:
         manifest = from_json(files.get(MANIFEST, b""))
-    except ValueError:  # reported by who reads these
+    except ValueError:  # the reader of the bundle reports it
         return dict(files)
     model = manifest.model
     listed = (each.path for each in manifest.files)
@@ -106,7 +107,7 @@ def gathered(files: Mapping[str, bytes], folder: Path) -> dict[str, bytes]:
     text = write(root)
     if _listed_digest(files[MANIFEST], model) == hashlib.sha256(files[model]).hexdigest():
         found[MANIFEST] = _with_shared(files[MANIFEST], names, model, text)
-    else:  # which is to be reported
+    else:  # which the reader reports
         found[MANIFEST] = _with_shared(files[MANIFEST], names, model, None)
     found[model] = text
     return found
@@ -122,7 +123,7 @@ def _listed_digest(manifest: bytes, path: str) -> str | None:
 
 
 def _with_shared(manifest: bytes, names: Mapping[str, str], model: str, text: bytes | None) -> bytes:
-    """The manifest with files under other paths, and with another text of the model."""
+    """Return the manifest with other paths for its files, and another text of the model."""
     data: dict[str, Any] = json.loads(manifest)
     for each in data["files"]:
         each["path"] = names.get(each["path"], each["path"])

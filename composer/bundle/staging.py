@@ -1,4 +1,4 @@
-"""Writing beside the target first, so that an output is either complete or absent."""
+"""Write next to the target first, so that an output is either complete or absent."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ if TYPE_CHECKING:
 
 _OLD = "old-output"
 _STAGE = re.compile(r"\.(.+)\.tmp-[0-9a-f]{12}", re.DOTALL)
-"""How the folder of a stage is called, and with that its target."""
+"""The name of a stage's folder, which contains the name of its target."""
 
 
 def sibling(target: Path, purpose: str) -> Path:
-    """A path beside `target`, on the same file system, that nobody uses."""
+    """Return an unused path next to `target`, on the same file system."""
     return target.with_name(f".{target.name}.{purpose}-{os.urandom(6).hex()}")
 
 
 @contextlib.contextmanager
 def staged_file(out: Path) -> Iterator[Path]:
-    """Gives a path to write to; when the block ends well the file moves to `out` in one step.
+    """Yield a path to write to; when the block succeeds, the file moves to `out` in one step.
 
-    Folders on the way to `out` are created. On any failure nothing of it stays and an older `out` is
-    untouched; failures of the file system become OutputError.
+    Folders above `out` are created. After a failure nothing is left and an older `out` is untouched; errors of the
+    file system become OutputError.
     """
     target = real(out)
     if os.path.isdir(target):
@@ -51,9 +51,9 @@ def staged_file(out: Path) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def stage_beside(target: Path) -> Iterator[Path]:
-    """A path beside `target`, in whose folder, which exists, it may move in one step. Raises OSError.
+    """Yield a path that can be renamed to `target`, whose folder exists, in one step. Raises OSError.
 
-    It stands in a folder that is locked, and gone after the block. What a killed process left beside is swept.
+    It is in a locked folder that is removed after the block. Leftovers of killed processes are removed as well.
     """
     sweep_once(target.parent, _is_stage, _put_back)
     with locked_folder(sibling(target, "tmp")) as folder:
@@ -61,7 +61,7 @@ def stage_beside(target: Path) -> Iterator[Path]:
 
 
 def aside(stage: Path) -> Path:
-    """Where an older output waits while the new one takes its place: a killed process' is put back."""
+    """Return where an older output is kept while the new one replaces it; after a kill it is restored from there."""
     return stage.with_name(_OLD)
 
 
@@ -70,7 +70,7 @@ def _is_stage(name: str) -> bool:
 
 
 def _put_back(folder: Path) -> None:
-    """The older output, where its process was killed before the new one had taken its place."""
+    """Restore the older output if its process was killed before the new one replaced it."""
     found = _STAGE.fullmatch(folder.name)
     assert found is not None
     target = folder.with_name(found.group(1))
@@ -80,7 +80,7 @@ def _put_back(folder: Path) -> None:
 
 @contextlib.contextmanager
 def parents(target: Path) -> Iterator[None]:
-    """The folders above `target` exist inside the block; those made here go away again if it fails."""
+    """Create the folders above `target` for the block, and remove them again if it fails."""
     made: list[Path] = []
     missing = [folder for folder in target.parents if not os.path.exists(folder)]
     try:
@@ -96,7 +96,7 @@ def parents(target: Path) -> Iterator[None]:
 
 
 def real(out: Path) -> Path:
-    """`out` made absolute, with links followed: what is replaced is what a link points to."""
+    """Return `out` as absolute path with links resolved: the target of a link is replaced, not the link."""
     return Path(os.path.realpath(out))
 
 

@@ -1,4 +1,4 @@
-"""A bundle as one MJCF file."""
+"""Write a bundle as one MJCF file."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from composer.bundle.staging import staged_file
 
 
 def write_text(bundle: Bundle, out: Path) -> None:
-    """Write the model's MJCF alone to `out`; manifest and licences stay behind.
+    """Write only the model's MJCF to `out`, without manifest and licences.
 
-    Raises OutputError when the model has files beside it, which would be lost; then an older `out` is
+    Raises OutputError if the model needs other files, which would be lost, and then leaves an older `out`
     untouched.
     """
     needed = needed_files(bundle)
@@ -28,7 +28,7 @@ def write_text(bundle: Bundle, out: Path) -> None:
 
 
 def needed_files(bundle: Bundle) -> list[str]:
-    """The files without which the model's MJCF does not load."""
+    """Return the files that the model's MJCF needs to load."""
     return [
         path
         for path in bundle.files

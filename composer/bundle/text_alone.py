@@ -1,4 +1,4 @@
-"""A composed model as text without its files, which it then names where they are."""
+"""Write a composed model as text that refers to its files at their original places."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from composer.tree.write import write
 
 
 def text_alone(model: Unit, uses: Iterable[FileUse], out: str, folder: Path) -> bytes:
-    """The text for the output `out`, `-` for standard output.
+    """Return the text for the output `out`, `-` for standard output.
 
     Files are named by paths from the folder of the output (from `folder` for `-`) to the sources, so that the text
-    loads where it was written. Raises OutputError for what no file on disk holds.
+    loads where it is written. Raises OutputError for files that are not on disk.
     """
     target = folder / out
     start = folder if out == "-" else target.parent
@@ -39,5 +39,5 @@ def text_alone(model: Unit, uses: Iterable[FileUse], out: str, folder: Path) -> 
 
 
 def _is_text(path: str) -> bool:
-    """Whether a path is text; bytes that the file system allows and UTF-8 does not are surrogates in it."""
+    """Return whether a path is valid UTF-8; in other paths, undecodable bytes are surrogates."""
     return not any("\ud800" <= char <= "\udfff" for char in path)

@@ -1,4 +1,4 @@
-"""The one time that all files of an archive carry."""
+"""The timestamp of all files in an archive."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _LAST_SECOND = 4354819198  # 2107-12-31 23:59:58, the last
 
 
 def moment_of(environment: Mapping[str, str]) -> Moment:
-    """1980-01-01, or SOURCE_DATE_EPOCH (seconds, UTC) as far as a zip can hold it. Raises OutputError.
+    """Return 1980-01-01, or SOURCE_DATE_EPOCH (seconds, UTC) limited to what a zip can hold. Raises OutputError.
 
     >>> moment_of({"SOURCE_DATE_EPOCH": "1700000000"})
     (2023, 11, 14, 22, 13, 20)
@@ -37,7 +37,7 @@ def moment_of(environment: Mapping[str, str]) -> Moment:
 
 
 def with_moment(archive: bytes, moment: Moment) -> bytes:
-    """A zip that somebody else wrote, its files of that time; nothing else of it is moved or changed. No I/O."""
+    """Return a zip from another program with this timestamp on all its files, otherwise unchanged. No I/O."""
     year, month, day, hour, minute, second = moment
     stamp = struct.pack("<HH", hour << 11 | minute << 5 | second // 2, (year - 1980) << 9 | month << 5 | day)
     changed = bytearray(archive)

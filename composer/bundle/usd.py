@@ -1,4 +1,4 @@
-"""A bundle as USD, by the converter that the extra `usd` installs."""
+"""Write a bundle as USD, with the converter of the extra `usd`."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ def write_usd(
 ) -> None:
     """Write the model as USD: one layer (`.usd`, `.usda`, `.usdc`), or a package with its textures (`.usdz`).
 
-    `warn` hears what the converter warns about, such as elements that USD has no place for. The same model gives the
-    same bytes; the files of a package are from SOURCE_DATE_EPOCH, as those of an archive are. Raises OutputError; then
-    an older `out` is untouched.
+    `warn` receives the converter's warnings, such as elements that USD cannot represent. The same model gives the
+    same bytes; files of a package are dated SOURCE_DATE_EPOCH as in an archive. Raises OutputError, and then leaves
+    an older `out` untouched.
     """
     if session is None:
         with engine.Session(limits) as own:

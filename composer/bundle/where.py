@@ -1,4 +1,4 @@
-"""A condition on the rows of an index, in the expressions of recipes: `payload > 2 and nv == 15`."""
+"""A condition on the rows of an index, in the expression language of recipes: `payload > 2 and nv == 15`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 
 def with_fields(values: Mapping[str, T]) -> dict[str, T]:
-    """The values of a row, and by its name each drawn field that has one column.
+    """Return the values of a row, and also each drawn field with a single column by its plain name.
 
     >>> with_fields({"sample": 1, "friction[cube]": 0.5, "mass[a]": 2, "mass[b]": 3})["friction"]
     0.5
@@ -33,10 +33,10 @@ def with_fields(values: Mapping[str, T]) -> dict[str, T]:
 
 
 class Condition:
-    """Of an index, from its first row to its last. Raises ListingError for what cannot be an expression.
+    """A condition for all rows of an index. Raises ListingError if it is not a valid expression.
 
-    A model that has no value of a name, such as one of a cell that does not set it, does not fulfil the condition;
-    `lacking` counts such models by name. A name that no model has is an error, which `check` raises.
+    A model without a value for a name, such as one of a cell that does not set it, does not match; `lacking` counts
+    such models by name. A name that no model has is an error, which `check` raises.
     """
 
     def __init__(self, text: str) -> None:
@@ -51,7 +51,7 @@ class Condition:
         self.count = 0
 
     def holds(self, row: Row) -> bool:
-        """Whether a model fulfils it. Raises ListingError."""
+        """Return whether a model matches. Raises ListingError."""
         self.count += 1
         self._known.update(dict.fromkeys(row.values))
         values = with_fields(row.values)
@@ -69,7 +69,7 @@ class Condition:
         return value
 
     def check(self) -> None:
-        """At the end: a name that no model has is an error."""
+        """Raise an error for a name that no model has. Call it after the last row."""
         for name, count in self.lacking.items():
             if count == self.count:
                 words = [each for each in self._known if each.isidentifier()]
@@ -83,7 +83,7 @@ class Condition:
                                    notes=(note,))  # fmt: skip
 
     def _fault(self, error: ExpressionError) -> ListingError:
-        assert not isinstance(error, UnknownName)  # names that a row lacks are counted
+        assert not isinstance(error, UnknownName)  # missing names are counted
         return ListingError(
             "expression", f"`{self.text}`, character {error.start + 1}: {error.message}", error.help
         )

@@ -1,4 +1,4 @@
-"""Where a bundle goes, by the name of the output."""
+"""Write a bundle in the form that the output's name selects."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ def write(
     packing: Packing = packed_now,
     warn: Callable[[str], None] = lambda _: None,
 ) -> Form:
-    """Write the bundle to `out` in the form its name asks for; the form is returned.
+    """Write the bundle to `out` in the form for its name, and return the form.
 
-    Either the output is complete or everything is as it was, and OutputError says why. `environment` may hold
-    SOURCE_DATE_EPOCH; `limits` or `session` are for MJB and USD, which MuJoCo is needed for, `packing` for archives;
-    `warn` hears what USD does not hold.
+    The output is complete, or OutputError is raised and everything is as before. `environment` may hold
+    SOURCE_DATE_EPOCH; `limits` or `session` are for MJB and USD, which need MuJoCo, `packing` for archives; `warn`
+    receives what USD cannot represent.
     """
     form = form_of(out)
     path = Path(out)

@@ -1,4 +1,4 @@
-"""What Python's `zipfile` raises for an archive that is damaged, or was made to break readers."""
+"""The exceptions that Python's `zipfile` raises for a damaged or malicious archive."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ ZIP_FAULTS: tuple[type[Exception], ...] = (
     zlib.error,
     lzma.LZMAError,
     struct.error,
-    NotImplementedError,  # a way of packing that Python does not have
+    NotImplementedError,  # a compression method that Python lacks
     RuntimeError,  # an encrypted file
     EOFError,
     OverflowError,

@@ -1,1 +1,1 @@
-"""Many models of one recipe."""
+"""Build many models of one recipe, with a cache."""

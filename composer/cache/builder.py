@@ -1,4 +1,4 @@
-"""Models of one recipe, each built only if the cache does not know it."""
+"""Build the models of a recipe, unless the cache has them."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ if TYPE_CHECKING:
     from composer.verify.outcome import Outcome
 
 Placing = Callable[[str, "str | None"], "Place | None"]
-"""Where a model is to be written, by its name and the version of MuJoCo that compiled it; None for nowhere."""
+"""Returns the output's place by the model's name and its version of MuJoCo; None to write nothing."""
 
 
 def nowhere(name: str, mujoco: str | None) -> None:
-    """The place of models that are not written."""
+    """Return None, for models that are not written."""
 
 
 _SETTLED = "the recipe changed, in nothing that this model is made of"
@@ -43,7 +43,7 @@ _SETTLED = "the recipe changed, in nothing that this model is made of"
 class Maker:
     """Makes the models of a recipe.
 
-    `form` is that of the output, `place` gives its path by the name of the model; None where nothing is written.
+    `form` is the form of the output, `place` returns its place by the name of the model, or None to write nothing.
     """
 
     def __init__(
@@ -64,7 +64,7 @@ class Maker:
         self._since = now()
 
     def key(self, cell: str | None = None, values: Mapping[str, str] | None = None) -> CacheKey | None:
-        """What the model of the recipe, or a cell of it, is called by the cache."""
+        """Return the cache key of the recipe's model or of one of its cells."""
         if self.cache is None:
             return None
         if self._key is None:
@@ -76,9 +76,9 @@ class Maker:
     def recall(
         self, key: CacheKey | None, context: Context, outcomes: list[Outcome] | None = None
     ) -> tuple[Made | None, tuple[str, ...]]:
-        """The model if the cache knows it, before anything is read; or why it does not.
+        """Return the model if the cache has it, before anything is read; or why it does not.
 
-        What was reported of it goes to the context's sink once more, what came of its checks to `outcomes`.
+        The stored diagnostics go to the context's sink again, the outcomes of checks to `outcomes`.
         """
         if self.cache is None or key is None:
             return None, ("the cache is not used",)
@@ -106,7 +106,7 @@ class Maker:
         why: tuple[str, ...] = (),
         outcomes: list[Outcome] | None = None,
     ) -> Made | None:
-        """Plan the model, and build it unless the cache knows what is planned; faults go to the context's sink."""
+        """Plan the model, and build it unless the cache has the plan; errors go to the context's sink."""
         from composer import stages
 
         outcomes = [] if outcomes is None else outcomes
@@ -127,7 +127,7 @@ class Maker:
             known = self._recall_planned(plan, name, context, key, outcomes)
             if known is not None:
                 return known
-        if self._ahead is not None:  # of the model before
+        if self._ahead is not None:  # from the previous model
             self._ahead.end()
             self._ahead = None
         built = stages.built(plan, request, context, session, self.library, outcomes.append, self._pack_ahead)
@@ -141,24 +141,24 @@ class Maker:
         return made
 
     def with_text(self, made: Made, text: bytes, context: Context) -> Made:
-        """The model with its text alone, which is made when it is to be written, and is remembered."""
+        """Return the model with its text, which is written for this output and stored in the cache."""
         self._keep(made, (), context, None, text)
         return replace(made, text=text)
 
     def content(self, made: Made) -> str:
-        """What the bytes of an output are called."""
+        """Return an identifier of an output's bytes."""
         if made.text is not None:
             return sha256(made.text).hexdigest()
         return key_of([made.sha256, self.form, self.context.environment.get("SOURCE_DATE_EPOCH")])
 
     def note_written(self, made: Made, beside: Iterable[Path] = ()) -> None:
-        """Remember that an output, with files `beside` it, has this content now."""
+        """Record the content of an output and of the files `beside` it."""
         target = self.place(made.name, made.mujoco)
         if self.cache is not None and target is not None and not made.is_written:
             self.cache.note_written(target, self.content(made), beside)
 
     def packing(self, bundle: Bundle, path: str) -> Packed:
-        """A file as a zip holds it, packed once for all models that have it."""
+        """Return a compressed file, compressed once for all models that have it."""
         from composer.bundle.packing import level_of, pack
 
         level, digest = level_of(path), bundle.digest(path)
@@ -174,14 +174,14 @@ class Maker:
         return None if self.cache is None else self.cache.packed(digest, level)
 
     def _pack_ahead(self, bundle: Bundle) -> None:
-        """Pack what will be written, while MuJoCo is at work on it."""
+        """Compress the files of the output during MuJoCo's work."""
         from composer.bundle.packing import PackedAhead
 
         if self.form == "archive":
             self._ahead = PackedAhead(bundle, self._packed)
 
     def _with_files(self, record: Record, answer: Answer | None) -> Made | None:
-        """What was built before with as much of it as its output needs; None where that is no longer whole."""
+        """Return a stored model with the data that its output needs, or None if that is damaged."""
         assert self.cache is not None
         made = recalled(record, tuple(each.path for each in answer.inputs) if answer else ())
         target = self.place(record.name, record.mujoco)
@@ -205,7 +205,7 @@ class Maker:
         return None if files is None else replace(made, bundle=Bundle(files, record.model))
 
     def _planned(self, plan: Plan, cell: str | None) -> CacheKey:
-        """The key of what is planned, whatever recipe file says it."""
+        """Return the key of a plan, independent of the recipe file."""
         key = self.key()
         assert key is not None
         return key.of_plan(plan, cell, self.options.choices)
@@ -213,7 +213,7 @@ class Maker:
     def _recall_planned(
         self, plan: Plan, cell: str | None, context: Context, key: CacheKey, outcomes: list[Outcome]
     ) -> Made | None:
-        """A model that another state of the recipe file gave, reported as this one gives it."""
+        """Return a model that another state of the recipe file gave, with the diagnostics of this state."""
         from composer.cache.inputs import may_move
         from composer.cache.places import places
         from composer.verify.checks import places as places_of_checks
@@ -243,7 +243,7 @@ class Maker:
         return replace(made, why=(_SETTLED,))
 
     def _of_recipes(self, record: Record, states: Mapping[str, str]) -> Record | None:
-        """The record of the same model made by other bytes of its recipes, whose hashes are in its manifest."""
+        """Return the record of the same model from recipes with other bytes, whose hashes are in its manifest."""
         from composer.bundle.bundle import MANIFEST, Bundle
         from composer.bundle.manifest import with_read
 
@@ -268,7 +268,7 @@ class Maker:
         cell: str | None,
         text: bytes | None = None,
     ) -> None:
-        """Remember a model that was built now, unless something that it was made of has changed meanwhile."""
+        """Store a model that was built now, unless one of its inputs has changed meanwhile."""
         from composer.bundle.assemble import portable
         from composer.bundle.bundle import MANIFEST
         from composer.cache.entry import KeptRecipe, Record
@@ -311,7 +311,7 @@ class Maker:
             cache.keep(self._planned(built.plan, cell), record, others, packages)
 
     def _kept(self, bundle: Bundle, known: Mapping[str, str]) -> tuple[KeptFile, ...]:
-        """The files of a bundle; those that no file of the user's has (`known`, by hash) go to the store."""
+        """Return the files of a bundle; those that no input file holds (`known`, by hash) go to the store."""
         from composer.cache.entry import KeptFile
 
         assert self.cache is not None

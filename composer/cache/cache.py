@@ -1,10 +1,12 @@
-"""The build cache: what was built is not built again while nothing changed that it depends on.
+"""The build cache: a model is not built again unless something that it depends on has changed.
 
-asked/    by the digest of a key, the files that were read and their hashes → a record; the last key of a subject;
-the last content of an output
-built/    records of builds that went well (`entry.py`)
-raw/      files that no source has, such as `model.xml`, by their sha256
-packed/   files as a zip holds them, by their sha256 and how hard they are packed
+    asked/    by the digest of a key, the files that were read and their hashes → a record; the last key of a
+              subject; the last content of an output
+    built/    records of successful builds (`entry.py`)
+    raw/      files without a source, such as `model.xml`, by their sha256
+    packed/   compressed files, by their sha256 and compression level
+
+All entries are single files (`composer/sources/blobs.py`).
 """
 
 from __future__ import annotations
@@ -33,17 +35,17 @@ if TYPE_CHECKING:
     from composer.diagnostics.sink import Sink
 
 _ANSWERS = 4
-"""How many states of its files a key has an answer for: another branch of a repository, and back."""
+"""How many states of its files a key remembers, for switching to another branch and back."""
 
 LOST = "what was kept of it is damaged or was removed"
 
 Package = tuple[str, str, str]
-"""Name, version, and a file that only this version has."""
+"""Name, version, and a file that exists only in this version."""
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """A record, and what it depends on besides the key."""
+    """The name of a record, and its dependencies besides the key."""
 
     record: str
     inputs: tuple[Seen, ...]
@@ -52,7 +54,7 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """A record and the answer that named it; or, in words, why there is none."""
+    """A record and the answer that names it; or, in words, why there is none."""
 
     record: Record | None = None
     answer: Answer | None = None
@@ -61,9 +63,9 @@ class Found:
 
 @dataclass(slots=True)
 class Cache:
-    """The cache in a store. It never fails: what cannot be kept is reported once through `warn`.
+    """The build cache in a store. It never fails: errors on writing are reported once through `warn`.
 
-    `on_keep` hears of everything that is kept.
+    `on_keep` is called with everything that is stored.
     """
 
     store: Store
@@ -74,7 +76,7 @@ class Cache:
     on_keep: Callable[[Record, Sequence[Seen]], None] | None = None
 
     def find(self, key: CacheKey) -> Found:
-        """The record of what is asked for; or why there is none."""
+        """Return the record for a key, or why there is none."""
         answers = self._answers(key.digest)
         for answer in answers:
             if self._changes(answer):
@@ -89,19 +91,19 @@ class Cache:
         return Found(why=self._why(key, answers))
 
     def _mark_used(self, answer: Answer) -> None:
-        """Mark as used what was fetched and the answer needs."""
+        """Mark the fetched sources that the answer needs as used."""
         own = os.path.join(self.store.folder, "")
         inside = (
             each.path.removeprefix(own).split(os.sep) for each in answer.inputs if each.path.startswith(own)
         )
         for folder in {os.path.join(*path[:2]) for path in inside if path[0] in KINDS and len(path) > 2}:
-            with contextlib.suppress(OSError):  # somebody else's store, which may be read
+            with contextlib.suppress(OSError):  # the store of another user may be read-only
                 os.utime(self.store.folder / folder / ENTRY)
 
     def keep(
         self, key: CacheKey, record: Record, inputs: Iterable[Seen], packages: Iterable[Package]
     ) -> None:
-        """Remember the answer to a key."""
+        """Store the answer to a key."""
         text = to_json(record)
         digest = key_of([text.decode()])
         self._put("built", digest, text)
@@ -115,7 +117,7 @@ class Cache:
             self._put("raw", sha256, content)
 
     def raw(self, file: KeptFile) -> bytes | None:
-        """The bytes of a file; None where they are nowhere any more."""
+        """Return the bytes of a file, or None if they no longer exist."""
         if file.source is None:
             return blobs.get(self.store.folder, "raw", file.sha256)
         from hashlib import sha256
@@ -127,7 +129,7 @@ class Cache:
         return None
 
     def packed(self, sha256: str, level: int) -> Packed | None:
-        """A file as a zip holds it."""
+        """Return a file in compressed form."""
         from composer.bundle.packing import unwrapped
 
         content = blobs.get(self.store.folder, "packed", packed_key(sha256, level))
@@ -139,15 +141,15 @@ class Cache:
         self._put("packed", packed_key(sha256, level), wrapped(packed))
 
     def is_written(self, out: Place, content: str) -> bool:
-        """Whether an output is as it was when `note_written` noted that this is its content."""
+        """Return whether an output is unchanged since `note_written` recorded this content."""
         return is_written(self.store.folder, os.fspath(out), content)
 
     def note_written(self, out: Place, content: str, beside: Iterable[Path] = ()) -> None:
-        """`beside` are files that belong to the output and stand elsewhere."""
+        """Record an output; `beside` are files elsewhere that belong to it."""
         self._keep(lambda: note_written(self.store.folder, os.fspath(out), content, beside))
 
     def close(self) -> None:
-        """Keep the store below its bound, if anything was added to it."""
+        """Keep the store below its limit, if anything was added to it."""
         if self.grown and not self.broken:
             self.grown = False
             with contextlib.suppress(Exception):  # another run will do it
@@ -164,7 +166,7 @@ class Cache:
             return []
 
     def _record(self, answer: Answer) -> Record | None:
-        """What an answer says; None where that is no longer whole."""
+        """Return the record that an answer names, or None if it is damaged."""
         text = blobs.get(self.store.folder, "built", answer.record)
         if text is None:
             return None
@@ -174,7 +176,7 @@ class Cache:
             return None
 
     def _changes(self, answer: Answer) -> list[str]:
-        """What it depends on and is no longer as it was, in words."""
+        """Return the changed dependencies, in words."""
         changed = [each for each in answer.inputs if not self.files.is_same(each)]
         lines = [_change(each, self.files.look(each.path)) for each in changed]
         return lines + [
@@ -195,7 +197,7 @@ class Cache:
         return ("nothing was kept of its last build",)
 
     def _refresh(self, key: CacheKey, answer: Answer, answers: Sequence[Answer]) -> None:
-        """The answer first, with its files' stamps as they are now."""
+        """Move the answer to the front, with the current stamps of its files."""
         now = Answer(
             answer.record, tuple(self.files.look(each.path) for each in answer.inputs), answer.packages
         )
@@ -238,7 +240,7 @@ class Cache:
 
 
 def opened_cache(store: Store, sink: Sink) -> Cache:
-    """The cache in a store; what it cannot keep is a warning, reported once."""
+    """Return the cache in a store; errors on writing become one warning."""
 
     def warn(message: str) -> None:
         help = "make room, name another folder in `MJCOMPOSE_CACHE`, or build with `--no-cache`"

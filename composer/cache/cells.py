@@ -1,4 +1,4 @@
-"""Which cells of a recipe's matrix, and which samples of what it draws, are meant."""
+"""Select cells of a recipe's matrix, and samples of its draws."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ from composer.plan.matrix import read_matrix
 
 
 def cells_of(recipe: Path, context: Context, given: dict[str, Node] | None = None) -> list[Cell]:
-    """What `--all` builds, in order, all names and values checked; faults go to the context's sink and give none.
+    """Return what `--all` builds, in order, with all names and values checked; empty after errors, which go to the
+    sink.
 
-    These are the cells of the matrix, each with its samples where the recipe draws some.
+    These are the cells of the matrix, each with its samples if the recipe draws some.
     """
     if use_lock(recipe, context) is None:
         return []
@@ -30,10 +31,10 @@ def cells_of(recipe: Path, context: Context, given: dict[str, Node] | None = Non
 
 
 def picked(every: Sequence[Cell], picks: Iterable[str], sink: Sink, recipe: str) -> list[Cell]:
-    """The cells that are picked, each once, in the order of the picks; what picks none is an error.
+    """Return the picked cells, each once, in the order of the picks; a pick that matches nothing is an error.
 
-    A pick is a name, of which that of a cell which is built as samples means all of these, or it is
-    `AXIS=VALUE[,AXIS=VALUE...]`: all cells with these values.
+    A pick is the name of a sample, of a cell (which selects all its samples), or `AXIS=VALUE[,AXIS=VALUE...]`: all
+    cells with these values.
     """
     found: dict[str, Cell] = {}
     for pick in picks:
@@ -45,7 +46,7 @@ def picked(every: Sequence[Cell], picks: Iterable[str], sink: Sink, recipe: str)
 
 
 def of_samples(cells: Iterable[Cell], samples: Iterable[int], sink: Sink) -> list[Cell]:
-    """Those of the cells that are one of these samples; a sample that none has is an error."""
+    """Return the cells that are one of these samples; a sample that does not exist is an error."""
     cells = list(cells)
     wanted = list(dict.fromkeys(samples))
     known = sorted({cell.sample for cell in cells if cell.is_sample})
@@ -57,7 +58,7 @@ def of_samples(cells: Iterable[Cell], samples: Iterable[int], sink: Sink) -> lis
 
 
 def picked_one(every: Sequence[Cell], pick: str, sample: int | None, sink: Sink, recipe: str) -> Cell | None:
-    """The one cell that is picked; of one that is built as samples the nominal model, or another `sample`.
+    """Return the one picked cell; if it has samples, the nominal model or the given `sample`.
 
     Anything else is an error.
     """
@@ -73,7 +74,7 @@ def picked_one(every: Sequence[Cell], pick: str, sample: int | None, sink: Sink,
 
 
 def check_axes_are_free(chosen: Iterable[Cell], given: Iterable[str], sink: Sink, instead: str) -> None:
-    """What a cell sets cannot be given: `instead` says what to do without."""
+    """Report values that the user gives although a cell sets them; `instead` says what to do."""
     names = dict.fromkeys(name for cell in chosen for name in cell.given)
     for name in given:
         if name in names:
@@ -106,5 +107,5 @@ def _report_none(every: Sequence[Cell], pick: str, sink: Sink, recipe: str) -> N
 
 
 def text_of(node: Node) -> str:
-    """A value as a pick writes it."""
+    """Return a value in the syntax of a pick."""
     return node.text if isinstance(node, Scalar) else json.dumps(to_python(node))

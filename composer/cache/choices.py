@@ -1,4 +1,4 @@
-"""The combinations of variants that `--variant` may choose, whatever the matrix has."""
+"""The combinations of variants that `--variant` can select, independent of the matrix."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MANY = 64
 
 
 def choices_of(recipe: Path, context: Context) -> Iterator[dict[str, Node]]:
-    """All combinations; where there are more than `MANY`, every value once, the other axes at their default."""
+    """Yield all combinations; if there are more than `MANY`, every value once with the other axes at their default."""
     node = read_recipe(context.folder / recipe, context)
     axes = read_axes(node, Sink()) if isinstance(node, Mapping) else {}
     values: dict[str, list[Node]] = {

@@ -1,4 +1,4 @@
-"""What is kept of a build: all that is reported of it, and of every file its hash and where its bytes are."""
+"""The stored record of a build: its diagnostics and results, and for each file its hash and where its bytes are."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from composer.verify.outcome import Outcome
 
 @dataclass(frozen=True, slots=True)
 class KeptFile:
-    """A file of a bundle; `source` is a file of the user's with the same bytes, without which they are in the store."""
+    """A file of a bundle; `source` is an input file with the same bytes, or None if the bytes are in the store."""
 
     path: str
     sha256: str
@@ -29,7 +29,7 @@ class KeptFile:
 
 @dataclass(frozen=True, slots=True)
 class KeptRecipe:
-    """A recipe file, its name in the manifest, and its hash then."""
+    """A recipe file, its name in the manifest, and its hash at the time."""
 
     path: str
     name: str
@@ -38,14 +38,13 @@ class KeptRecipe:
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """A build that went well. `text` is the hash of the model's text alone, where that was asked for; `mujoco` is
-    the version that compiled it.
+    """A successful build. `text` is the hash of the model's text, if only that was wanted; `mujoco` is the version
+    that compiled it.
 
-    `draws` are the numbers that a sample has drawn, by their columns in a table; None for what is not a sample.
-    `recipes` are the recipe files, the one that is built first. `places` is a hash of where everything stands in them,
-    and `names_places` says that something of this would be wrong if it stood elsewhere. `cells` is how many cells the
-    recipe's matrix has, where this is the model of none of them, and `cells_at` the place of the first.
-    `adopted` are the settings that the model takes from its parts.
+    `draws` are the numbers drawn for a sample, by table column; None if it is not a sample. `recipes` are the
+    recipe files, the outermost first. `places` is a hash of all positions in them, and `names_places` says that the
+    record contains such positions. `cells` is the number of cells of the recipe's matrix if this model is none of
+    them, and `cells_at` the place of the first. `adopted` are the settings that the model takes from its parts.
     """
 
     name: str
@@ -77,7 +76,7 @@ def to_json(record: Record) -> bytes:
 
 
 def from_json(text: bytes) -> Record:
-    """What `to_json` gave. Raises ValueError, KeyError and TypeError for anything else."""
+    """Parse what `to_json` returned. Raises ValueError, KeyError and TypeError for anything else."""
     data: dict[str, Any] = json.loads(text)
     data["files"] = tuple(KeptFile(**each) for each in data["files"])
     data["recipes"] = tuple(KeptRecipe(**each) for each in data["recipes"])

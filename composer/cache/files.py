@@ -1,4 +1,4 @@
-"""What files are now, and whether they are still what they were: by their stamps, and by content where these differ."""
+"""Detect changes of files: by their stamps, and by content if these differ."""
 
 from __future__ import annotations
 
@@ -13,17 +13,18 @@ from composer.reading.regular import is_irregular
 from composer.sources.licence import licence_names
 
 Stamp = tuple[int, int, int, int]
-"""What changes when a file does, as far as one can know without reading it: size, times of the last change of content
-and of the inode in ns, and inode."""
+"""Data that changes with a file as far as `stat` shows: size, times of the last change of content and of the inode
+in ns, and inode.
+"""
 
 ABSENT = ""
-# Within this time of its last change a file may change again and keep its stamp: its content is asked then.
+# A file that changed this recently may change again without a new stamp, so its content is compared.
 _SETTLED = 2_000_000_000
 
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """What was at a path: `state` is the sha256 of a file, the names of a folder's licences, or `ABSENT`."""
+    """The state of a path: the sha256 of a file, the names of a folder's licences, or `ABSENT`."""
 
     path: str
     state: str
@@ -34,7 +35,7 @@ class Seen:
 
 
 def seen(data: list[object]) -> Seen:
-    """What `as_data` gave. Raises TypeError and ValueError for anything else."""
+    """Parse what `as_data` returned. Raises TypeError and ValueError for anything else."""
     path, state, stamp = data
     if not isinstance(path, str) or not isinstance(state, str):
         raise TypeError(data)
@@ -43,13 +44,13 @@ def seen(data: list[object]) -> Seen:
 
 @dataclass(slots=True)
 class Files:
-    """Looks at every file once, until asked to look anew; reads one again only if its stamp is another."""
+    """Looks at every file once until `forget`, and reads it again only if its stamp changed."""
 
     _stamps: dict[str, tuple[Stamp, bool] | None] = field(default_factory=dict)
     _states: dict[tuple[str, Stamp], str] = field(default_factory=dict)
 
     def look(self, path: str) -> Seen:
-        """What is there now."""
+        """Return the current state."""
         stamped = self._stamp(path)
         if stamped is None:
             return Seen(path, ABSENT, None)
@@ -61,18 +62,18 @@ class Files:
         return Seen(path, self._states[key], stamp if settled else None)
 
     def forget(self) -> None:
-        """What was looked at may have changed since."""
+        """Look at files again from now on."""
         self._stamps.clear()
 
     def is_same(self, before: Seen) -> bool:
-        """Whether the same is there as before."""
+        """Return whether the state is unchanged."""
         stamped = self._stamp(before.path)
         if stamped is None or before.stamp is None or stamped[0] != before.stamp:
             return self.look(before.path).state == before.state
         return True
 
     def changed_since(self, path: str, moment: int) -> bool:
-        """Whether a file was written after a moment, in ns since 1970."""
+        """Return whether a file was written after a moment, in ns since 1970."""
         stamped = self._stamp(path)
         return stamped is not None and not stamped[1] and max(stamped[0][1:3]) > moment
 
@@ -88,12 +89,12 @@ class Files:
 
 
 def stamp_of(status: os.stat_result) -> Stamp:
-    """The stamp of a file by its status. No I/O."""
+    """Return the stamp for a file's status. No I/O."""
     return status.st_size, status.st_mtime_ns, status.st_ctime_ns, status.st_ino
 
 
 def now() -> int:
-    """The time in ns since 1970 by the clock that file systems use: what is written from now on is not older."""
+    """Return the file system's time in ns since 1970: later writes are not older."""
     coarse = getattr(time, "CLOCK_REALTIME_COARSE", None)
     return time.time_ns() if coarse is None else time.clock_gettime_ns(coarse)
 

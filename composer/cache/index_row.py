@@ -1,4 +1,4 @@
-"""What the index of a run, `models.csv`, says of one model."""
+"""The row of a model in the index of a run, `models.csv`."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ Row = tuple[list[Value | None], dict[str, Value]]
 
 
 def index_row(cell: Cell, made: Made, path: str, checks: int) -> Row:
-    """What stands in the columns that every model has (`bundle/listing.py`), and the others by their names.
+    """Return the values of the columns that every model has (`bundle/listing.py`), and the other columns by name.
 
-    These are what the matrix sets and what was drawn, of a vector each number.
+    The latter are the values of the matrix and of draws, with one column for each number of a vector.
     """
     sizes = made.sizes or {}
     sample = cell.sample if cell.is_sample else None

@@ -1,4 +1,4 @@
-"""What was written where: an output that is as it was left need not be written again."""
+"""Record outputs: an unchanged output is not written again."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def is_written(store: str | PathLike[str], out: str, content: str) -> bool:
-    """Whether an output is as it was when `note_written` noted that this is its content."""
+    """Return whether an output is unchanged since `note_written` recorded this content."""
     text = blobs.get(store, "asked", _key(out))
     try:
         known: object = None if text is None else json.loads(text)
@@ -31,7 +31,7 @@ def is_written(store: str | PathLike[str], out: str, content: str) -> bool:
 def note_written(
     store: str | PathLike[str], out: str, content: str, beside: Iterable[str | PathLike[str]] = ()
 ) -> None:
-    """`beside` are files that belong to the output and stand elsewhere. Raises OSError."""
+    """Record an output; `beside` are files elsewhere that belong to it. Raises OSError."""
     more = [os.fspath(path) for path in beside]
     note = json.dumps([content, more, _stamps([out, *more])], ensure_ascii=True)
     blobs.put(store, "asked", _key(out), note.encode())
@@ -42,7 +42,7 @@ def _key(out: str) -> str:
 
 
 def _stamps(outputs: Iterable[str]) -> list[list[object]]:
-    """Of all files of outputs; none where one does not exist."""
+    """Return the stamps of all files of outputs; empty if one does not exist."""
     found: list[list[object]] = []
     paths: list[str] = []
     for out in outputs:

@@ -1,4 +1,4 @@
-"""Where the recipes of a plan write what they say, and whether anything that is kept of a model depends on that."""
+"""The positions of everything in the recipes of a plan, and whether a stored record depends on them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from composer.plan.plan import Plan
 
 
 def places(plan: Plan) -> str:
-    """A hash of where everything is written in the recipes of a plan. No I/O."""
+    """Return a hash of all positions in the recipes of a plan. No I/O."""
     whole = hashlib.sha256()
     for each in plan.plans():
         for span in spans(each.document):
@@ -24,7 +24,7 @@ def places(plan: Plan) -> str:
 
 
 def names_places(plan: Plan, record: Record, manifest: bytes) -> bool:
-    """Whether what was reported, or a manifest, names lines of the plan's recipes. No I/O."""
+    """Return whether diagnostics or a manifest contain lines of the plan's recipes. No I/O."""
     files = {span.file for each in plan.plans() for span in spans(each.document)}
     files |= {each.file for each in plan.plans()}
     reported = [span for each in record.diagnostics for span in _spans_of(each)]

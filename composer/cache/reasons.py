@@ -1,6 +1,6 @@
-"""Why a model is built again, in words: what of its key is not what it was.
+"""Explain why a model is built again: what changed in its key.
 
-The files of `--set-file` are in the key with what they say, so that the value that changed can be named.
+Files of `--set-file` are in the key with their contents, so that the changed value can be named.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping
 
 GIVEN = "yes"
-"""The value of an option that has none."""
+"""The value of an option without a value."""
 
 _OPTION = "`--set-file "
 _MOST = 1 << 16
@@ -17,7 +17,7 @@ _TEXT = "text:"
 
 
 def differences(before: Mapping[str, str], after: Mapping[str, str]) -> tuple[str, ...]:
-    """What is asked for otherwise than before, a line for each, by name. No I/O.
+    """Return one line for each changed part of a key, sorted by name. No I/O.
 
     >>> differences({"`payload`": "1", "mjcompose": "a"}, {"`payload`": "2", "`--dedup`": "yes", "mjcompose": "a"})
     ('`--dedup` is given', '`payload` was 1, is 2')
@@ -41,12 +41,12 @@ def _changes(before: Mapping[str, str], after: Mapping[str, str]) -> Iterable[st
 
 
 def name_of(file: object) -> str:
-    """What a file of values is called among the parts of a key. No I/O."""
+    """Return the name of a file of values in a key. No I/O."""
     return f"{_OPTION}{file}`"
 
 
 def content_of(data: bytes) -> str:
-    """What a key has of such a file: its text, or its sha256 if it is large or no text. No I/O."""
+    """Return the content of such a file for a key: its text, or its sha256 if it is large or not text. No I/O."""
     if len(data) <= _MOST:
         try:
             return _TEXT + data.decode()
@@ -62,7 +62,7 @@ def _is_file(name: str) -> bool:
 
 
 def value_changes(name: str, was: str | None, now: str | None) -> Iterator[str]:
-    r"""What such a file says otherwise, a line for each value. No I/O.
+    r"""Yield one line for each changed value of such a file. No I/O.
 
     >>> list(value_changes("`--set-file a.yaml`", "text:load: 1\npose: [1, 2]\n", "text:load: 2\npose: [1, 2]\n"))
     ['`load` in `a.yaml` was 1, is 2']
@@ -88,7 +88,7 @@ def value_changes(name: str, was: str | None, now: str | None) -> Iterator[str]:
 
 
 def _values(content: str) -> dict[str, str] | None:
-    """The values by name, as they are written; None where that is not known."""
+    """Return the values by name as written, or None if they are unknown."""
     if not content.startswith(_TEXT):
         return None
     from composer.diagnostics.sink import Sink

@@ -1,4 +1,4 @@
-"""A model that was built now or before, ready to be written."""
+"""A model from the cache or a new build, ready to be written."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Made:
-    """`built` is there for one that was built now, `record` for one that the cache knew.
+    """`built` is set for a model that was built now, `record` for one from the cache.
 
-    Of the latter there is what the form of its output needs: `packed` for archives, `text` for text alone, `bundle`
-    for folders and MuJoCo's binary form, and nothing where the output `is_written` already. `inputs` are the files
-    that it was made of. `why` says in words why the cache did not know it. `replaced` is what the output before was
-    made of, as far as that differs. `allowed` are the codes of warnings that the recipe allows at its top. `draws`
-    are the numbers that a sample has drawn, by their columns in a table; None for what is not a sample. `cells` and
-    `cells_at` are as in a plan, `adopted` are the settings that the model takes from its parts.
+    The latter has only what the form of its output needs: `packed` for archives, `text` for text, `bundle` for
+    folders and MuJoCo's binary form, and nothing if the output `is_written` already. `inputs` are its input files.
+    `why` says why the cache did not have it. `replaced` is what the previous output was made from, as far as that
+    differs. `allowed` are the codes of warnings that the recipe allows at its top. `draws` are the numbers drawn
+    for a sample, by table column; None if it is not a sample. `cells` and `cells_at` are as in a plan, `adopted`
+    are the settings that the model takes from its parts.
     """
 
     name: str
@@ -58,12 +58,12 @@ class Made:
     is_new: bool = False
 
     def summary(self) -> Made:
-        """Without what is needed to write it: small, and picklable."""
+        """Return the model without the data for writing it, small enough to pickle."""
         return replace(self, built=None, record=None, bundle=None, packed={}, text=None, key=None, inputs=())
 
 
 def fresh(built: Built, licences: Iterable[Row], why: tuple[str, ...], key: CacheKey | None) -> Made:
-    """A model that was built now."""
+    """Return a model that was built now."""
     from composer.plan.allowed import allowed_everywhere
 
     sizes = built.compiled.sizes if built.compiled else None
@@ -85,7 +85,7 @@ def _draws(built: Built) -> dict[str, Value] | None:
 
 
 def recalled(record: Record, inputs: tuple[str, ...]) -> Made:
-    """A model that was built before, without any of its files."""
+    """Return a model from the cache, without its files."""
     return Made(record.name, record.sha256, record.sizes, record.merged, record=record, inputs=inputs,
                 mujoco=record.mujoco, licences=record.licences, draws=record.draws,
                 cells=record.cells, cells_at=record.cells_at, adopted=record.adopted,
@@ -93,7 +93,7 @@ def recalled(record: Record, inputs: tuple[str, ...]) -> Made:
 
 
 def files_of(made: Made | None, context: Context) -> set[str]:
-    """The files that a model was made of, as messages name them."""
+    """Return the input files of a model, as messages name them."""
     if made is None:
         return set()
     read: Iterator[Path] = map(Path, made.inputs)
@@ -106,14 +106,14 @@ def files_of(made: Made | None, context: Context) -> set[str]:
 
 
 def load_files(record: Record, cache: Cache) -> dict[str, bytes] | None:
-    """The files of a bundle; None where one of them is not what it was."""
+    """Return the files of a bundle, or None if one of them is lost or changed."""
     found = {file.path: cache.raw(file) for file in record.files}
     whole = {path: content for path, content in found.items() if content is not None}
     return whole if len(whole) == len(found) else None
 
 
 def load_packed(record: Record, cache: Cache) -> dict[str, Packed] | None:
-    """The files of a bundle as a zip holds them; None where one of them is not what it was."""
+    """Return the compressed files of a bundle, or None if one of them is lost."""
     from composer.bundle.packing import level_of, pack
 
     whole: dict[str, Packed] = {}

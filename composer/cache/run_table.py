@@ -1,4 +1,4 @@
-"""A table of the models of a run, a row for each, as CSV or Parquet: what was drawn for them, or the index of all."""
+"""A table with a row for each model of a run, as CSV or Parquet: its draws, or the index of all models."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ _BATCH = 1000
 
 
 class RunTable:
-    """Rows are kept in a temporary file until all columns are known, so that memory does not grow with them.
+    """Keeps rows in a temporary file until all columns are known, so that memory use stays constant.
 
-    `first` are the columns that every row has, with what they hold. What a row does not have is empty.
+    `first` are the columns that every row has, with their types. Missing values are empty.
     """
 
     def __init__(self, first: Mapping[str, type]) -> None:
@@ -32,7 +32,7 @@ class RunTable:
         self.count = 0
 
     def add(self, first: Sequence[Value | None], row: Mapping[str, Value]) -> None:
-        """A row: what stands in the first columns, and what else there is by its column."""
+        """Add a row: the values of the first columns, and the others by column."""
         for name, value in row.items():
             if self._columns.setdefault(name, _kind(value)) is not _kind(value):
                 self._columns[name] = str
@@ -40,7 +40,7 @@ class RunTable:
         self.count += 1
 
     def write(self, path: Place) -> None:
-        """Write all rows, as Parquet where the name ends so. Raises OutputError; either whole or not at all."""
+        """Write all rows, as Parquet if the name says so, completely or not at all. Raises OutputError."""
         if not isinstance(path, Path):
             from composer.bundle.remote import deliver_file
 
@@ -58,7 +58,7 @@ class RunTable:
                     write_rows(file, columns, self._read())
 
     def close(self) -> None:
-        """Let go of the rows."""
+        """Delete the rows."""
         self._rows.close()
 
     def _read(self) -> Iterator[list[Any]]:
@@ -87,7 +87,7 @@ class RunTable:
 
 
 def check_parquet() -> None:
-    """Raise OutputError where no Parquet can be written."""
+    """Raise OutputError if Parquet cannot be written."""
     if find_spec("pyarrow") is None:
         help = 'run `pip install "mjcompose[parquet]"`, or write a `.csv`'
         raise OutputError("output-kind", "a Parquet table needs the package `pyarrow`", help)

@@ -1,4 +1,4 @@
-"""The samples of a recipe that draws: each is built like a cell of the matrix, and has a name like one."""
+"""The samples of a recipe that draws. Each is built and named like a cell of the matrix."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from composer.plan.matrix import Matrix
 
 
 def sample_name(name: str, sample: int) -> str:
-    """What a sample of a model is called.
+    """Return the name of a sample of a model.
 
     >>> sample_name("cell", 1)
     'cell-s0001'
@@ -25,9 +25,9 @@ def sample_name(name: str, sample: int) -> str:
 
 
 def with_samples(path: Path, matrix: Matrix, given: dict[str, Node], context: Context) -> list[Cell]:
-    """Every cell, or the recipe if it has no matrix, as its samples, the nominal model first.
+    """Return every cell, or the recipe if it has no matrix, as its samples, the nominal model first.
 
-    What draws nothing stays as it is, and so does that of which one model with a table is wanted.
+    A cell stays as it is if it draws nothing, or if a single model with a table is wanted.
     """
     document, cells, sink = matrix.document, matrix.cells, context.sink
     if not {"randomize", "variants"} & document.entries.keys() or (
@@ -62,7 +62,7 @@ def _samples(concrete: Mapping, cell: Cell) -> Iterator[Cell]:
     count = written.value if isinstance(written, Scalar) else None
     whole = isinstance(count, int | float) and not isinstance(count, bool) and 0 < count <= in_force().samples
     if not whole or (isinstance(emit, Scalar) and emit.value in ("table", "worlds")):
-        yield cell  # what is wrong with it is reported when it is planned
+        yield cell  # planning reports its errors
         return
     assert isinstance(count, int | float)
     for sample in range(int(count) + 1):
@@ -70,7 +70,7 @@ def _samples(concrete: Mapping, cell: Cell) -> Iterator[Cell]:
 
 
 def _check_axes(concrete: Mapping, cell: Cell, sink: Sink) -> None:
-    """What a cell of the matrix sets must not be replaced by a draw."""
+    """Report draws that would replace a value that a cell sets."""
     fields = find(concrete, ("randomize", "fields"))
     for name, (_, field) in fields.entries.items() if isinstance(fields, Mapping) else ():
         param = find(field, ("param",))

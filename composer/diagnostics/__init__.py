@@ -1,4 +1,4 @@
-"""What went wrong, as data: diagnostics, the sink they go to, and one renderer per format."""
+"""Diagnostics as data, the sink that collects them, and one renderer for each format."""
 
 from __future__ import annotations
 

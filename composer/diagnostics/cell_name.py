@@ -1,4 +1,4 @@
-"""Which models of a recipe a diagnostic is about, where a command looks at several."""
+"""The models of a recipe that a diagnostic is about, for commands that look at several."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class CellName:
-    """A model of a recipe: `name` is what `--pick` takes.
+    """A model of a recipe; `name` is its argument for `--pick`.
 
-    `cell` is the cell of the matrix, None without a matrix. `sample` is its number, None where nothing is drawn.
+    `cell` is the cell of the matrix, None without a matrix. `sample` is its number, None if nothing is drawn.
     """
 
     name: str
@@ -19,7 +19,7 @@ class CellName:
 
 
 def listed(cells: Iterable[CellName]) -> str:
-    """All of them on one line; samples of one cell that follow one another are a range.
+    """Return all of them on one line; consecutive samples of one cell become a range.
 
     >>> listed([CellName("a-1kg", "a-1kg"), CellName("a-2kg", "a-2kg")])
     'a-1kg, a-2kg'

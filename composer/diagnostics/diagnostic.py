@@ -1,4 +1,4 @@
-"""One finding about the user's input: an error, a warning or a remark."""
+"""One finding about the user's input: an error, a warning or a note."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from composer.diagnostics.span import Span
 
 
 class Severity(StrEnum):
-    """How bad a diagnostic is. Only an `ERROR` stops the work."""
+    """The severity of a diagnostic. Only an `ERROR` stops the work."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -20,7 +20,7 @@ class Severity(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """Something that helps to understand a diagnostic, with the place it speaks of if there is one."""
+    """A remark that helps to understand a diagnostic, with the place that it is about, if any."""
 
     message: str
     span: Span | None = None
@@ -28,9 +28,9 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class Cause:
-    """Why several findings are one diagnostic: those of one code and severity with an equal `key` are one.
+    """Merges findings into one diagnostic: those with the same code, severity and `key`.
 
-    `subject` is what this one is about, in a few words; it is listed where this one is not the first.
+    `subject` names in a few words what this finding is about; it is listed if this one is not the first.
     """
 
     key: str
@@ -41,11 +41,11 @@ class Cause:
 class Diagnostic:
     """A message with its code, its place, what exists instead (`notes`) and what to write (`help`).
 
-    `code` is one of `CODES`. The first line of `help` is a sentence; further lines, if any, are text that
-    may be pasted into the file. `others` are what else the message is true of, by the same cause. `cells` are the
-    models that it is about, in a run that looks at several of a recipe; it is empty where the diagnostic is about the
-    recipe as a whole. `subjects` are the names that it is about: where an earlier error took one of them away, this one
-    only follows from it. `fix` is the exact change that `help` describes, where there is one.
+    `code` is one of `CODES`. The first line of `help` is a sentence; further lines are text to paste into the file.
+    `others` lists further places with the same cause. `cells` are the models that it is about, in a run over
+    several models of a recipe; it is empty if the diagnostic is about the recipe as a whole. `subjects` are the
+    names that it is about: if an earlier error removed one of them, this error only follows from that one. `fix` is
+    the exact change that `help` describes, if there is one.
     """
 
     code: str
@@ -60,7 +60,7 @@ class Diagnostic:
     fix: Fix | None = field(default=None, compare=False)
 
     def listed(self) -> tuple[Note, ...]:
-        """The notes with one that lists the first of the `others`, one a line."""
+        """Return the notes, with one that lists the first of the `others`, one on each line."""
         if not self.others:
             return self.notes
         lines = [f"{len(self.others)} more like this:"]

@@ -1,4 +1,4 @@
-"""An exception that carries a diagnostic, for code that has no sink and does not know the place."""
+"""An exception that carries a diagnostic, for code without a sink that does not know the place."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from composer.diagnostics.span import Span
 
 
 class DiagnosticError(Exception):
-    """What is wrong, to be reported by the caller; `code` is one of `CODES`.
+    """An error in the input that the caller reports; `code` is one of `CODES`.
 
     >>> error = DiagnosticError("bad-name", "no", notes=["why"])
     >>> str(error), error.at(Span("a.yaml", 1, 2)).span
@@ -46,5 +46,5 @@ class DiagnosticError(Exception):
         return tuple(note.message for note in self.diagnostic.notes)
 
     def at(self, span: Span, notes: Iterable[Note] = ()) -> Diagnostic:
-        """The diagnostic at the place that the caller knows, with notes of the caller behind its own."""
+        """Return the diagnostic at the caller's place, with the caller's notes after its own."""
         return replace(self.diagnostic, span=span, notes=(*self.diagnostic.notes, *notes))

@@ -1,4 +1,4 @@
-"""The exception at the boundary of the Python interface."""
+"""The exception of the Python interface."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from composer.diagnostics.text import render
 
 
 class MjcomposeError(Exception):
-    """Raised to Python callers when the input has errors; carries every diagnostic of the run.
+    """Raised to Python callers if the input has errors; carries every diagnostic of the run.
 
-    `str()` is the text rendering without source lines. Can be pickled.
+    `str()` renders them without source lines. Can be pickled.
     """
 
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:

@@ -1,4 +1,6 @@
-"""What is wrong with a value of a recipe, or what a check found, by its path; a diagnostic once its place is known."""
+"""A fault in a value of a recipe, or a finding of a check, by its path. It becomes a diagnostic once its place is
+known.
+"""
 
 from __future__ import annotations
 
@@ -12,13 +14,13 @@ Path = tuple[str | int, ...]
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """What becomes a diagnostic once its place in the file is looked up.
+    """A diagnostic whose place in the file is not looked up yet.
 
-    `at` starts from the value that was validated; with `key` the fault lies in the key at the end of `at`. `related`
-    are further notes, each with the path of what it is about, which starts from the same place. `within` is
-    the line, the column and the width of what is wrong in a text of several lines. `lacks` is the key that is missing
-    in the mapping at `at`, or with `beside` in that which has the key at the end of `at`. `names` are the keys that are
-    missing, or too many. A `fix` without a span is about the place of the fault.
+    `at` is the path from the validated value; with `key` the fault lies in the key at the end of `at`. `related`
+    are further notes, each with a path from the same value. `within` has line, column and width of the fault in a
+    text of several lines. `lacks` is the key that is missing in the mapping at `at`, or with `beside` in the
+    mapping that has the key at the end of `at`. `names` are the missing or superfluous keys. A `fix` without a span
+    applies to the place of the fault.
     """
 
     code: str
@@ -35,5 +37,5 @@ class Fault:
     fix: Fix | None = None
 
     def all_notes(self) -> list[Note]:
-        """The notes, and without their places the related ones."""
+        """Return the notes, followed by the related ones without their places."""
         return [*self.notes, *(Note(message) for message, _ in self.related)]

@@ -1,4 +1,4 @@
-"""The exact change that the help of a diagnostic describes, where there is only one."""
+"""The exact change that the help of a diagnostic describes, if there is only one."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from composer.diagnostics.span import Span
 
 @dataclass(frozen=True, slots=True)
 class Fix:
-    """What to write in place of a stretch of text.
+    """A replacement for a stretch of text.
 
-    `replaces` is the name that stands there, quotes aside: the new one gets quotes where it needs them. Without it
-    `replacement` is text of the file as it is. `span` is None for the place of the diagnostic; an empty one is a place
-    to insert at.
+    If `replaces` is set, it is the name to replace, without quotes; the new name gets quotes if it needs them.
+    Otherwise `replacement` is verbatim text. `span` is None for the place of the diagnostic; an empty span is a
+    place to insert at.
     """
 
     replacement: str

@@ -1,4 +1,4 @@
-"""Diagnostics as GitHub workflow commands, which a pull request shows beside the lines they speak of."""
+"""Diagnostics as GitHub workflow commands, which a pull request shows beside the lines."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _COMMAND = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE:
 
 
 def render(diagnostic: Diagnostic) -> str:
-    """One workflow command on one line; notes and help follow the message in its text.
+    """Return one workflow command on one line; notes and help follow the message.
 
     >>> render(Diagnostic("bad-name", "100% wrong"))
     '::error title=bad-name::100%25 wrong'
@@ -39,7 +39,7 @@ def render(diagnostic: Diagnostic) -> str:
 
 
 def command(kind: str, message: str, properties: Mapping[str, str | int]) -> str:
-    r"""A workflow command of a kind, such as `error`, with everything escaped.
+    r"""Return a workflow command of a kind such as `error`, with everything escaped.
 
     >>> command("notice", "a%b", {"title": "c, d"})
     '::notice title=c%2C d::a%25b'

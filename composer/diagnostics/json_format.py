@@ -11,7 +11,7 @@ from composer.diagnostics.span import Span
 
 
 def render(diagnostic: Diagnostic) -> str:
-    """One JSON object on one line, ASCII only, with the same keys for every diagnostic.
+    """Return one JSON object on one line, ASCII only, with the same keys for every diagnostic.
 
     >>> render(Diagnostic("bad-name", "no"))[:68]
     '{"severity": "error", "code": "bad-name", "message": "no", "span": n'
@@ -36,7 +36,10 @@ def _note(note: Note) -> dict[str, Any]:
 
 
 def _fix(diagnostic: Diagnostic) -> dict[str, Any] | None:
-    """Text for a stretch of a file. A name has its quotes once its file is known: see `composer.fixing.edit.exact`."""
+    """Return a fix as replacement text for a span.
+
+    A fix of a name gets its quotes once its file is known: see `composer.fixing.edit.exact`.
+    """
     fix = diagnostic.fix
     if fix is None or fix.replaces is not None:
         return None

@@ -1,4 +1,4 @@
-"""Tests in JUnit's XML, which CI systems show as a table: one suite a recipe, one case a check."""
+"""Test results as JUnit XML, which CI systems show as a table: one suite for each recipe, one case for each check."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One thing that was tested: `kind` says what of, `errors` are its faults; none is a pass."""
+    """One test: `kind` says what it tests, `errors` are its failures; none means that it passes."""
 
     name: str
     kind: str
@@ -27,20 +27,20 @@ class Case:
 
 @dataclass(frozen=True, slots=True)
 class Suite:
-    """What was tested of one file, or of one cell of it."""
+    """The tests of one file, or of one of its cells."""
 
     name: str
     cases: Sequence[Case]
     cell: CellName | None = None
 
     def properties(self) -> dict[str, str]:
-        """The cell and its parts, by name."""
+        """Return the cell and its components by name."""
         found = {} if self.cell is None else asdict(self.cell)
         return {name: str(value) for name, value in found.items() if value is not None}
 
 
 def report(suites: Iterable[Suite], read: ReadSource) -> str:
-    """The text of a whole file. No I/O but `read`."""
+    """Return the text of the whole file. No I/O except `read`."""
     root = Xml.Element("testsuites", {"name": "mjcompose"})
     for suite in suites:
         failures = sum(bool(case.errors) for case in suite.cases)
@@ -67,5 +67,5 @@ def report(suites: Iterable[Suite], read: ReadSource) -> str:
 
 
 def _text(text: str) -> str:
-    """Without what no XML file can hold."""
+    """Replace characters that XML does not allow."""
     return _NO_XML.sub("\ufffd", text)

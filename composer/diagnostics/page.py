@@ -1,4 +1,4 @@
-"""The page of a code: what the fault is, an example, how to fix it."""
+"""The documentation page of a code: what the fault is, an example, how to fix it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _ITEM = re.compile(r"(?:[-*]|\d+\.) ")
 
 
 def code_of(text: str) -> str | None:
-    """The code that a text is, also as messages show it; None where no such code exists.
+    """Return the code in a text, also in the form that messages show; None if there is no such code.
 
     >>> code_of("error[bare-angle]:"), code_of("bare-angle"), code_of("arm.yaml")
     ('bare-angle', 'bare-angle', None)
@@ -27,7 +27,7 @@ def code_of(text: str) -> str | None:
 
 
 def page(code: str) -> str:
-    """The page as Markdown: the copy beside this file in an installed package, `docs/errors` in a clone."""
+    """Return the page as Markdown: the copy beside this file in an installed package, `docs/errors` in a clone."""
     here = Path(__file__).resolve()
     name = f"{code}.md"
     installed = here.with_name("pages") / name
@@ -36,7 +36,7 @@ def page(code: str) -> str:
 
 
 def in_terminal(markdown: str, width: int = 100, color: bool = False) -> str:
-    r"""The page for a reader of a terminal, without a final line break.
+    r"""Return the page formatted for a terminal, without a final line break.
 
     >>> print(in_terminal("# bare-angle\n\nAn angle\nwithout `deg`, see [here](x.md).\n\n```yaml\nrecipe: 1\n```\n"))
     bare-angle
@@ -50,7 +50,7 @@ def in_terminal(markdown: str, width: int = 100, color: bool = False) -> str:
 
 
 def _blocks(markdown: str) -> Iterator[list[str]]:
-    """The lines of each paragraph, heading, list or table, and of each block of code with its fences."""
+    """Yield the lines of each paragraph, heading, list or table, and of each code block with its fences."""
     block: list[str] = []
     for line in markdown.splitlines():
         fenced = bool(block) and block[0].startswith("```")
@@ -79,7 +79,7 @@ def _shown(block: list[str], width: int, paint: Paint) -> Iterator[str]:
         yield from _table(block, paint)
     else:
         for text, indent in _paragraphs(block):
-            # What stands between backticks is one word: a line to paste is not broken.
+            # Text between backticks is not broken, because it may be a line to paste.
             whole = _CODE.sub(lambda found: found[0].replace(" ", "\0"), _LINK.sub(r"\1", text))
             for line in textwrap.wrap(whole, width, subsequent_indent=indent, break_long_words=False,
                                       break_on_hyphens=False):  # fmt: skip
@@ -87,7 +87,7 @@ def _shown(block: list[str], width: int, paint: Paint) -> Iterator[str]:
 
 
 def _paragraphs(block: list[str]) -> Iterator[tuple[str, str]]:
-    """Each item of a list, or the one paragraph, with the indentation of its further lines."""
+    """Yield each item of a list, or the one paragraph, with the indentation of its further lines."""
     text, indent = "", ""
     for line in block:
         if (item := _ITEM.match(line)) is not None:

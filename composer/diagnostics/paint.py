@@ -1,4 +1,4 @@
-"""The colours of all that is printed for people."""
+"""Colours for terminal output."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _COLOR = {
 
 
 class Paint:
-    """Wraps text in a colour, or leaves it as it is. The styles are those of `_COLOR`."""
+    """Wraps text in a colour if enabled. The styles are the keys of `_COLOR`."""
 
     def __init__(self, enabled: bool) -> None:
         self._enabled = enabled

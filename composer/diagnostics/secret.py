@@ -1,4 +1,4 @@
-"""Secrets in addresses: what nobody is to read in a message, a lock or a bundle."""
+"""Hide secrets in addresses, so that they appear in no message, lock or bundle."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _NAME = re.compile(
 
 
 def hide(text: str, shown: Callable[[str], str] = lambda secret: "…") -> str:
-    """A text in which `shown` stands for each secret of an address. No I/O.
+    """Return a text with each secret of an address replaced by `shown` of it. No I/O.
 
     >>> hide("https://me:1234@host/a.zip?raw=1&Access_Token=5678#x.xml")
     'https://me:…@host/a.zip?raw=1&Access_Token=…#x.xml'
@@ -33,5 +33,5 @@ def hide(text: str, shown: Callable[[str], str] = lambda secret: "…") -> str:
 
 
 def masked(line: str) -> str:
-    """A line of source in which every character of a secret is an asterisk, so that it is as long as before. No I/O."""
+    """Return a source line with secrets as asterisks, so that its length stays the same. No I/O."""
     return hide(line, lambda secret: "*" * len(secret))

@@ -1,4 +1,4 @@
-"""Where every stage puts its diagnostics, so that one run reports all of them."""
+"""The sink that collects the diagnostics of all stages, so that one run reports all of them."""
 
 from __future__ import annotations
 
@@ -16,11 +16,13 @@ from composer.limits import advice, in_force
 _STEP = re.compile(r"[/:.\s]")
 _SEVERITIES = tuple(Severity)
 _OF_MODELS = (".xml", ".mjcf", ".urdf", ".xacro")
-"""How the files of models end, which are most often somebody else's."""
+"""File name endings of models, which mostly come from somebody else."""
 
 
 class TooManyFaults(Exception):
-    """More errors than are looked for: each takes a search for its place. `sink` has those that were found."""
+    """There are more errors than the limit, because each takes a search for its place. `sink` has those found so
+    far.
+    """
 
     def __init__(self, sink: Sink) -> None:
         super().__init__(f"more than {in_force().faults} errors; the first one is: {sink.errors[0].message}")
@@ -28,15 +30,15 @@ class TooManyFaults(Exception):
 
 
 class Sink:
-    """Collects diagnostics in the order they are found; the same diagnostic twice is kept once.
+    """Collects diagnostics in the order they are found; equal diagnostics are kept once.
 
-    A code that `CODES` does not declare is a bug of the caller and raises `KeyError`. One error more than the limit
-    `faults` raises `TooManyFaults`.
+    A code that is not in `CODES` is a bug of the caller and raises `KeyError`. Exceeding the limit `faults` raises
+    `TooManyFaults`.
     """
 
     def __init__(self) -> None:
-        # A dict keeps the order of insertion and finds repetitions in constant time. Each diagnostic has with it what
-        # else was found of the same cause.
+        # A dict keeps the order of insertion and finds repetitions in constant time. Its values are the further
+        # findings with the same cause.
         self._found: dict[Diagnostic, dict[Note, None]] = {}
         self._causes: dict[tuple[str, Severity, str], Diagnostic] = {}
         self._cells: dict[Diagnostic, dict[CellName, None]] = {}
@@ -46,21 +48,21 @@ class Sink:
         self._errors = 0
 
     def suppress_about(self, names: Iterable[str]) -> None:
-        """From now on report only errors that are not about these names, nor about what is named below one.
+        """Suppress errors about these names, and about names below them, from now on.
 
-        An earlier error took them away, so that what lacks them may be right. Errors that are not reported stop the
-        work all the same.
+        An earlier error removed these names, so an element that misses one of them may be correct. Suppressed
+        errors still stop the work.
         """
         self._lost.update(names)
 
     def fork(self) -> Sink:
-        """An empty sink that suppresses what this one does."""
+        """Return an empty sink that suppresses the same names."""
         sink = Sink()
         sink.suppress_about(self._lost)
         return sink
 
     def suppresses(self, name: str) -> bool:
-        """Whether an earlier fault may be the reason that there is nothing of this name."""
+        """Return whether an earlier error may be the reason that this name does not exist."""
         return name in self._lost or not self._lost.isdisjoint(_STEP.split(name))
 
     def _is_suppressed(self, diagnostic: Diagnostic) -> bool:
@@ -92,7 +94,7 @@ class Sink:
             raise TooManyFaults(self)
 
     def drop(self, diagnostic: Diagnostic) -> None:
-        """Forget a warning or a note, with all that was found of the same cause: somebody has acknowledged it."""
+        """Forget a warning or a note, with all findings of the same cause, because the user has acknowledged it."""
         if diagnostic.severity is Severity.ERROR:
             raise ValueError("an error cannot be dropped")
         for found in [each for each in self._found if self._whole(each) == diagnostic]:
@@ -100,7 +102,7 @@ class Sink:
             self._causes = {key: first for key, first in self._causes.items() if first is not found}
 
     def promote(self) -> None:
-        """Make errors of all warnings."""
+        """Turn all warnings into errors."""
         found, self._found = self._found, {}
         for diagnostic, others in found.items():
             if diagnostic.severity is not Severity.WARNING:
@@ -116,9 +118,9 @@ class Sink:
                 self._cells[promoted] = self._cells.pop(diagnostic)
 
     def add_of_cell(self, cell: CellName, diagnostic: Diagnostic) -> None:
-        """Add what was found in one cell; equal ones of several cells are one that names them all.
+        """Add a finding of one cell; equal findings of several cells become one that lists the cells.
 
-        What is known of the recipe as a whole stays without a cell.
+        Diagnostics about the recipe as a whole stay without a cell.
         """
         if diagnostic in self._found and diagnostic not in self._cells:
             return
@@ -173,18 +175,20 @@ class Sink:
         return [self._whole(each) for each in self._found]
 
     def sorted(self) -> list[Diagnostic]:
-        """Errors, then warnings, then notes. In each: what a person wrote for this run (recipes, options, a program),
-        then files of models; by file, line and column. What has no place comes last, in the order it was found.
+        """Return errors, then warnings, then notes.
+
+        Within each, files that a person wrote for this run (recipes, options, a program) come before files of
+        models, by file, line and column. Diagnostics without a place come last, in the order they were found.
         """
         return sorted(self.diagnostics, key=_rank)
 
     @property
     def errors(self) -> list[Diagnostic]:
-        """The errors that are reported, in the order they were added."""
+        """The reported errors, in the order they were added."""
         return [each for each in self.diagnostics if each.severity is Severity.ERROR]
 
     def _whole(self, diagnostic: Diagnostic) -> Diagnostic:
-        """The diagnostic with all that was found of the same cause, and the cells that it is about."""
+        """Return the diagnostic with all findings of the same cause, and its cells."""
         others, cells = self._found[diagnostic], self._cells.get(diagnostic)
         if others:
             diagnostic = replace(diagnostic, others=(*diagnostic.others, *others))

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 class Span:
     """A stretch of characters in a file.
 
-    Lines and columns count from 1, columns in characters (not bytes, not screen cells). The end is
-    exclusive; without an end the span is a single position. `file` is the path as the user may open it.
+    Lines and columns count from 1, columns in characters (not bytes or screen cells). The end is exclusive; without
+    an end the span is a single position. `file` is the path that the user can open.
     """
 
     file: str

@@ -1,4 +1,4 @@
-"""Did you mean: names near to the one that was written."""
+"""Suggest existing names that are similar to a misspelled one."""
 
 from __future__ import annotations
 
@@ -13,15 +13,14 @@ from composer.diagnostics.synonyms import SYNONYMS
 
 _SHOWN = 8
 _PREFIX = re.compile(r"[/:.]")
-_CLEAR = 0.8  # nearly one typing error
+_CLEAR = 0.8  # nearly one typo
 
 
 def closest(name: str, candidates: Iterable[str], n: int = 1) -> list[str]:
-    """At most `n` of the candidates that were probably meant by `name`, the likeliest first.
+    """Return at most `n` candidates that `name` probably means, the likeliest first.
 
-    Understands typing errors (a character too many, too few, another or two swapped), case, `-` for `_`,
-    plurals, other words for the same (`SYNONYMS`), a prefix that is missing or too much, and an end that is missing.
-    Empty when nothing is near.
+    Handles typos (a missing, extra or wrong character, or two swapped), case, `-` for `_`, plurals, synonyms
+    (`SYNONYMS`), a missing or superfluous prefix, and a missing end. Empty if nothing is similar.
 
     >>> closest("left_pad", ["gripper/left_pad", "gripper/right_pad"])
     ['gripper/left_pad']
@@ -34,7 +33,7 @@ def closest(name: str, candidates: Iterable[str], n: int = 1) -> list[str]:
 
 
 def clearly_meant(name: str, candidates: Iterable[str]) -> str | None:
-    """The candidate nearest to `name`, if no other is about as near.
+    """Return the candidate most similar to `name`, unless another one is nearly as similar.
 
     >>> clearly_meant("elbw", ["elbow", "wrist"]), clearly_meant("joint3", ["joint1", "joint2"])
     ('elbow', None)
@@ -46,13 +45,13 @@ def clearly_meant(name: str, candidates: Iterable[str]) -> str | None:
 
 
 def _ranked(name: str, candidates: Iterable[str]) -> tuple[tuple[float, int, str], ...]:
-    """How far each candidate is that may be meant, its position among them, and the candidate."""
+    """Return the distance of each candidate that may be meant, its position among them, and the candidate."""
     return _ranked_once(name, tuple(dict.fromkeys(candidates)))
 
 
 @lru_cache(maxsize=256)
 def _ranked_once(name: str, candidates: tuple[str, ...]) -> tuple[tuple[float, int, str], ...]:
-    """One mistake may stand in a file thousands of times."""
+    """Rank the candidates; cached because one mistake may occur thousands of times in a file."""
     found = []
     for position, candidate in enumerate(candidates):
         score = _score(name, candidate)
@@ -62,7 +61,7 @@ def _ranked_once(name: str, candidates: tuple[str, ...]) -> tuple[tuple[float, i
 
 
 def renaming(name: str, candidates: Iterable[str]) -> Fix | None:
-    """The fix of a misspelled name; None where it is not clear which of the candidates was meant.
+    """Return the fix of a misspelled name, or None if several candidates are possible.
 
     >>> renaming("senser", ["sensor", "section"])
     Fix(replacement='sensor', replaces='senser', span=None)
@@ -73,7 +72,7 @@ def renaming(name: str, candidates: Iterable[str]) -> Fix | None:
 
 
 def advised(name: str, candidates: Iterable[str]) -> tuple[str | None, Fix | None]:
-    """The help for a misspelled word: the one to write instead; and the fix, where it is clear which was meant.
+    """Return the help for a misspelled word, and its fix if only one candidate is possible.
 
     >>> advised("gem", ["geom", "site"])
     ('write `geom`', Fix(replacement='geom', replaces='gem', span=None))
@@ -84,7 +83,7 @@ def advised(name: str, candidates: Iterable[str]) -> tuple[str | None, Fix | Non
 
 
 def did_you_mean(name: str, candidates: Iterable[str], written: str = "{}") -> str | None:
-    """The help for a name that does not exist: the candidate nearest to it, as it is `written`; None if none is near.
+    """Return the help with the candidate most similar to a name, formatted with `written`; None if none is similar.
 
     >>> did_you_mean("senser", ["sensor", "section"], "type: {}")
     'did you mean `type: sensor`?'
@@ -94,7 +93,7 @@ def did_you_mean(name: str, candidates: Iterable[str], written: str = "{}") -> s
 
 
 def exists_note(kind: str, candidates: Iterable[str], near: str | None = None) -> Note:
-    """A note that lists what exists, cut when it is long; with `near`, the names nearest to it come first.
+    """Return a note that lists what exists, cut if it is long; with `near`, the most similar names come first.
 
     `kind` is a singular noun.
 
@@ -116,7 +115,7 @@ def exists_note(kind: str, candidates: Iterable[str], near: str | None = None) -
 
 
 def _score(name: str, candidate: str) -> float | None:
-    """How far a candidate is from what was written; None when it is too far to be meant."""
+    """Return the distance of a candidate from the written name, or None if it is too far."""
     if name == candidate:
         return 0.0
     written, known = _folded(name), _folded(candidate)
@@ -133,7 +132,7 @@ def _score(name: str, candidate: str) -> float | None:
         return 0.3
     if bare and prefixed and bare == known_bare:
         return 0.5
-    if len(written) == len(known) == 2:  # another letter makes another word of it
+    if len(written) == len(known) == 2:  # a different letter makes a different word
         return 1.0 if written == known[::-1] else None
     distance = _distance(written, known, _tolerance(written))
     if distance is not None:
@@ -146,7 +145,7 @@ def _score(name: str, candidate: str) -> float | None:
 
 
 def _is_tail(written: str, known: str) -> bool:
-    """Whether one of two names is the other with a prefix in front."""
+    """Return whether one of the names is the other one with a prefix."""
     longer, shorter = sorted((written, known), key=len, reverse=True)
     return longer.endswith(shorter) and longer[-len(shorter) - 1] in "/:."
 
@@ -178,20 +177,20 @@ def _quoted(name: str) -> str:
 
 
 def _tolerance(word: str) -> int:
-    """How many typing errors a word of this length may have."""
+    """Return how many typos a word of this length may have."""
     return 0 if len(word) < 2 else 1 if len(word) < 6 else 2 if len(word) < 9 else 3
 
 
 def _distance(a: str, b: str, limit: int) -> int | None:
-    """Edits from `a` to `b`, swapped neighbours counting as one; None when there are more than `limit`."""
+    """Return the number of edits from `a` to `b`, with swapped neighbours as one; None if more than `limit`."""
     if abs(len(a) - len(b)) > limit:
         return None
-    # What two words share at either end costs nothing; names of one model share much.
+    # Common prefixes and suffixes cost nothing, and names of one model have long ones.
     head = len(commonprefix((a, b)))
     a, b = a[head:], b[head:]
     tail = len(commonprefix((a[::-1], b[::-1])))
     a, b = a[: len(a) - tail], b[: len(b) - tail]
-    # Every edit uses up at most one letter that the other word lacks: a cheap bound for most candidates.
+    # Each edit accounts for at most one letter that the other word lacks: a cheap bound for most candidates.
     if len(set(a) - set(b)) > limit or len(set(b) - set(a)) > limit:
         return None
     before: list[int] = []

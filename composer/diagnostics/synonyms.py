@@ -1,4 +1,4 @@
-"""Words that people write for a key or attribute that has another name here: from other formats, tools and English."""
+"""Synonyms of keys and attributes, from other formats, from tools and from English."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ _BY_NAME: dict[str, str] = {
 """By the name that exists here, what is written for it, in singular and with `_`. Several names may share a word."""
 
 SYNONYMS: dict[str, list[str]] = {}
-"""By what is written, the names that may be meant, in the order of the table."""
+"""The names that a word may mean, in the order of the table."""
 for _name, _words in _BY_NAME.items():
     for _word in _words.split():
         SYNONYMS.setdefault(_word, []).append(_name)

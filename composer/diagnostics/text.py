@@ -1,4 +1,4 @@
-"""Diagnostics as text for a terminal: the message, the line it speaks of, and what to do."""
+"""Diagnostics as text for a terminal: the message, the source line, and what to do."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ ReadSource = Callable[[str], str | None]
 _LINE_BREAK = re.compile(r"\r\n|\n|\r")
 _TAB = " " * 4
 _WINDOW = 160  # screen columns of source shown at most
-_BEFORE = 60  # of these, columns kept in front of the span
-_NEAR = 2000  # characters on each side of a span that are looked at: a line may be as long as a file
+_BEFORE = 60  # of these, columns before the span
+_NEAR = 2000  # characters on each side of a span that are read: a line may be as long as a file
 _BIDIRECTIONAL = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 
 
 def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color: bool = False) -> str:
-    """The diagnostic as several lines of text, without a final line break.
+    """Return the diagnostic as several lines of text, without a final line break.
 
-    `read_source(file)` gives the text of a file, or None when there is none to show; without it, no source
-    lines are shown. `color` adds ANSI colours. No I/O of its own.
+    `read_source(file)` returns the text of a file, or None if there is none to show; without it, no source lines
+    are shown. `color` adds ANSI colours. No I/O of its own.
     """
     excerpts = [_excerpt(span, read_source) for span in _spans(diagnostic)]
     margin = max((len(str(each.number)) for each in excerpts if each), default=1)
@@ -70,7 +70,7 @@ def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color:
 
 
 def summary(diagnostics: Iterable[Diagnostic]) -> str:
-    """How many diagnostics of each severity there are.
+    """Return how many diagnostics of each severity there are.
 
     >>> summary([Diagnostic("bad-name", "a"), Diagnostic("bad-name", "b", severity=Severity.WARNING)])
     '1 error, 1 warning'
@@ -85,7 +85,7 @@ def summary(diagnostics: Iterable[Diagnostic]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _Excerpt:
-    """A source line as it is shown: `offset` and `width` of the underline are in screen columns."""
+    """A source line for display: `offset` and `width` of the underline are in screen columns."""
 
     number: int
     text: str
@@ -103,7 +103,7 @@ def _spans(diagnostic: Diagnostic) -> Iterable[Span]:
 
 @lru_cache(maxsize=4)
 def _lines(source: str) -> tuple[str, ...]:
-    """Split once, however many diagnostics speak of one text."""
+    """Split a text into lines; cached because many diagnostics may be about one text."""
     return tuple(_LINE_BREAK.split(source.removeprefix("\ufeff")))
 
 
@@ -125,7 +125,7 @@ def _excerpt(span: Span, read_source: ReadSource | None) -> _Excerpt | None:
         end = len(line)
     else:
         end = start if span.end_column is None else min(span.end_column - 1 - skipped, len(line))
-    end = max(end, start + 1)  # an empty span, and one past the end of the line, is one caret
+    end = max(end, start + 1)  # an empty span, or one past the end of the line, gets one caret
 
     left, right = _window(widths, start)
     text = "".join(shown for shown, _ in cells[left:right])
@@ -139,7 +139,7 @@ def _excerpt(span: Span, read_source: ReadSource | None) -> _Excerpt | None:
 
 
 def _window(widths: list[int], start: int) -> tuple[int, int]:
-    """The slice of a line to show: all of it, or about `_WINDOW` columns around the character `start`."""
+    """Return the slice of a line to show: all of it, or about `_WINDOW` columns around the character `start`."""
     if sum(widths) <= _WINDOW:
         return 0, len(widths)
     left, used = start, 0
@@ -157,7 +157,7 @@ def _window(widths: list[int], start: int) -> tuple[int, int]:
 
 
 def _cell(character: str) -> tuple[str, int]:
-    """How a character is shown, and how many screen columns that takes."""
+    """Return what is shown for a character, and how many screen columns that takes."""
     if " " <= character <= "~":
         return character, 1
     if character == "\t":
@@ -171,7 +171,7 @@ def _cell(character: str) -> tuple[str, int]:
 
 
 def _stand_in(character: str) -> str:
-    """A visible character for one that a terminal would act upon."""
+    """Return a visible character in place of a control character."""
     return chr(0x2400 + ord(character)) if character < " " else "\ufffd"
 
 

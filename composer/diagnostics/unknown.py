@@ -1,4 +1,4 @@
-"""A name that does not exist, in the same words everywhere: what is wrong, what exists, what was probably meant."""
+"""Diagnostics for names that do not exist, in one wording: what is wrong, what exists, what was probably meant."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ def unknown_name(
     about: Iterable[str] = (),
     fix: Fix | None = None,
 ) -> Diagnostic:
-    """Nothing of a kind, such as `body`, has a name; `known` are the names that exist.
+    """Return the diagnostic for a name that no `body` or other kind has; `known` are the names that exist.
 
-    `purpose` continues the sentence, `message` replaces it. `written` is how the name is written there. `help` and
-    `fix` replace what was probably meant, `otherwise` stands where nothing is near. `notes` come behind the one that
+    `purpose` continues the sentence, `message` replaces it. `written` is the format of the name in the file. `help`
+    and `fix` replace the suggestion, `otherwise` is the help if no name is similar. `notes` follow the note that
     lists what exists; `about` are further subjects.
 
     >>> unknown_name("site", "tpi", ["tip"], purpose=" to attach `a` to", written="site: {}").help
@@ -49,7 +49,7 @@ def unknown_name(
 
 
 def unknown_key(name: str, known: Iterable[str], span: Span, message: str) -> Diagnostic:
-    """A mapping of a recipe has no key of that name; `known` are those that it may have.
+    """Return the diagnostic for a key that a mapping of a recipe does not have; `known` are the keys it may have.
 
     >>> from composer.diagnostics.span import Span
     >>> unknown_key("axis", ["axes", "name"], Span("r.yaml", 1, 1), "`matrix` has no key `axis`").help
@@ -76,9 +76,9 @@ def unknown_attribute(
     otherwise: str | None = None,
     near: Iterable[str] = (),
 ) -> Diagnostic:
-    """Elements of a kind do not have an attribute; `owner` is what a message calls them.
+    """Return the diagnostic for an attribute that a kind of element does not have; `owner` names the kind.
 
-    `known` are the attributes that exist, `near` what else may have been meant; `help` and `otherwise` are as above.
+    `known` are the attributes that exist, `near` are further suggestions; `help` and `otherwise` are as above.
 
     >>> unknown_attribute("colour", "`<geom>`", ["rgba", "size"]).help
     'did you mean `rgba`?'

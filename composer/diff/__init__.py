@@ -1,1 +1,1 @@
-"""What is different between two models, in a roboticist's words, and the line that is the reason."""
+"""Differences between two models, in a roboticist's words, each with the line that causes it."""

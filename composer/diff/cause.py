@@ -1,4 +1,4 @@
-"""Which line makes a difference: the attribute that is not the same in both trees, and where it is written."""
+"""Find the line that causes a difference: the attribute that differs between the two trees, and where it is written."""
 
 from __future__ import annotations
 
@@ -36,15 +36,15 @@ _NO_REASON = ("name", "class", "childclass")
 _PLACING = (
     "pos", "quat", "euler", "axisangle", "xyaxes", "zaxis", "site", "body", "frame", "mate", "replicate", "joint",
 )  # fmt: skip
-"""What a recipe says of a part that decides where it is."""
+"""The keys of a part in a recipe that determine its pose."""
 _DEEP = 8
 
 
 class Causes:
-    """Looks things up in both trees, which `found` is the contrast of.
+    """Looks up causes in both trees; `found` is the contrast of the two models.
 
-    Each question is answered by a search: places that may be the reason, the likeliest first. The first one whose
-    lines are not the same in A and B is the reason.
+    Each method searches for places that may be the cause, the likeliest first. The first place whose lines differ
+    between A and B is the cause.
     """
 
     def __init__(self, a: Side, b: Side, found: Contrast) -> None:
@@ -67,12 +67,12 @@ class Causes:
 
     @cached_property
     def pairs(self) -> Pairs:
-        """Pairs of elements, where both models are known."""
+        """Pairs of elements, if both trees are known."""
         assert self.a is not None and self.b is not None
         return Pairs(self.a, self.b)
 
     def of(self, change: Change) -> Cause | None:
-        """The cause of a change; None where no line is known."""
+        """Return the cause of a change, or None if no line is known."""
         before, after = self._nodes(change)
         for cause in self._candidates(change, before, after):
             if (found := self._settled(cause)) is not None:
@@ -112,9 +112,9 @@ class Causes:
     # -- whether a line is a reason ----------------------------------------------------------------------------
 
     def _settled(self, cause: Cause, depth: int = 0) -> Cause | None:
-        """The cause by the line that is not the same in A and B; None where all its lines are.
+        """Return the cause with the lines that differ between A and B, or None if all its lines are the same.
 
-        A line that is the same may have an expression in it: then the reason is what gives its names other values.
+        If a line is the same but contains an expression, the cause is where the names in it get other values.
         """
         spans = cause.before, cause.after
         before, after = (self.written.changed(side, span) for side, span in enumerate(spans))
@@ -132,10 +132,10 @@ class Causes:
         return None
 
     def _opposite(self, side: int, changed: Span | None, known: Span | None) -> Span | None:
-        """The place to show on the other side of a line that is new or gone.
+        """Return the place to show on the other side of a line that is new or gone.
 
-        Where a recipe decides on one side and a file on the other, it is the recipe's line in the same place: an edit
-        that selects other elements now is one reason, not one for each of them.
+        If a recipe sets the value on one side and a file on the other, it is the recipe's line in the same place.
+        That way an edit whose selector changed is one cause, not one for each element.
         """
         if changed is None or known is None or is_yaml(known) or not is_yaml(changed):
             return known
@@ -149,7 +149,7 @@ class Causes:
             yield from self._attribute(mine, theirs, attributes)
 
     def _swapped(self, after: Node) -> Iterator[Cause]:
-        """The part of another model, where both sides have a part of that name."""
+        """Yield the part that names another model, if both sides have a part of that name."""
         part = self.places.part(1, after)
         there = None if part is None else self.places.parts[0].get(part.called)
         if part is not None and there is not None:
@@ -157,7 +157,7 @@ class Causes:
             yield Cause(f"part `{part.called}`", there.span, part.span)
 
     def _content(self, change: Change, before: Node, after: Node) -> Cause | None:
-        """The file that is named as before and has other bytes, of the element or the asset that it refers to."""
+        """Return a file with the same name but other bytes, of the element or of an asset that it refers to."""
         pairs: list[Pair] = [(before, after, None), *self.pairs.referred(before, after, ASSETS)]
         if change.field in INERTIAL:
             assert self.a is not None and self.b is not None
@@ -174,7 +174,7 @@ class Causes:
     def _attribute(
         self, before: Node | None, after: Node | None, wanted: tuple[str, ...] | None
     ) -> Iterator[Cause]:
-        """Where the attributes that differ are written on either side, and what made them what they are."""
+        """Yield where the differing attributes are written on either side, and what set them to their values."""
         if before is None and after is None:
             return
         first, second = self._placed(before, after)
@@ -207,7 +207,7 @@ class Causes:
             yield Cause("class", self.places.class_in_force(0, before), self.places.class_in_force(1, after))
 
     def _placed(self, before: Node | None, after: Node | None) -> tuple[Part | None, Part | None]:
-        """The parts for whose sake the linker made two frames or bodies."""
+        """Return the parts for which the linker created two frames or bodies."""
         assert self.a is not None and self.b is not None
         return (
             None if before is None else self.a.carried(before),
@@ -225,7 +225,9 @@ class Causes:
     # -- what one of them has ----------------------------------------------------------------------------------
 
     def _one_sided(self, node: Node, side: int) -> Iterator[Cause]:
-        """The part or base that came or went with the element, else the element's own line, else what removes it."""
+        """Yield the part or base that came or went with the element, else the element's own line, else what removes
+        it.
+        """
         part = self.places.part(side, node)
         if part is None:
             node = self._outermost(node, side)
@@ -248,7 +250,7 @@ class Causes:
         yield from self._conditions(span)
 
     def _naming(self, node: Node | None, side: int) -> Iterator[Cause]:
-        """What names the element, on this side or the other: by another name it is taken for another element."""
+        """Yield what names the element on either side: a renamed element counts as another element."""
         if node is None:
             return
         for at, each in ((side, node), (1 - side, self.places.of_the_same_line(node, side))):
@@ -256,7 +258,7 @@ class Causes:
                 yield _cause("`name`", place, None, at)
 
     def _removed(self, node: Node, side: int) -> Iterator[Cause]:
-        """What took the element away on a side that read it too."""
+        """Yield what removed the element on the side that also read it."""
         here, traced = self.sides[1 - side].traced, self.sides[side].traced
         if here is None or traced is None:
             return
@@ -270,14 +272,14 @@ class Causes:
                 yield _cause("removed", None, traced.causes.gone(gone).span, 1 - side)
 
     def _conditions(self, span: Span | None) -> Iterator[Cause]:
-        """The `when` of the item that a place is in."""
+        """Yield the `when` of the item around a place."""
         for side in (0, 1):
             for item, when in self.recipes[side].conditions():
                 if span is not None and self.written.is_within(side, item, span):
                     yield _cause("`when`", when.span, None, side)
 
     def _outermost(self, node: Node, side: int) -> Node:
-        """The outermost body that came or went with the element, or the element itself."""
+        """Return the outermost body that came or went with the element, or the element itself."""
         for above in node.iterancestors("body"):
             if (side, name_of(above)) not in self.alone:
                 break
@@ -292,7 +294,7 @@ class Causes:
     def _said(
         self, mine: Located | None, theirs: Located | None, keys: tuple[str, ...] | None
     ) -> Iterator[Cause]:
-        """What two recipes say of a part and do not say alike; `keys` are those in question, None for any."""
+        """Yield what two recipes write differently about a part; `keys` limits the comparison, None means all keys."""
         ours, others = ({} if each is None else each.entries for each in (mine, theirs))
         for key in keys if keys is not None else {**ours, **others}:
             first, second = (each[key][1] if key in each else None for each in (ours, others))
@@ -301,7 +303,7 @@ class Causes:
                 yield Cause(f"`{key}`", first_span, second_span)
 
     def _around(self, before: Node | None, after: Node | None) -> Iterator[Cause]:
-        """The reason for the part, the file or the recipe that an element is from."""
+        """Yield the cause for the part, the file or the recipe that an element comes from."""
         for first, second in zip_longest(self.places.parts_of(0, before), self.places.parts_of(1, after)):
             mine, theirs = self._known(0, first), self._known(1, second)
             if first is None and theirs is not None and second is not None:
@@ -332,7 +334,7 @@ class Causes:
             yield Cause(f"`{attribute}`", before, after)
 
     def _entry(self, change: Change) -> Iterator[Cause]:
-        """The numbers of the keys that say it of one joint, actuator or body; else what moves the body with its key."""
+        """Yield the key's numbers for a joint, actuator or body; else what moves the body together with its key."""
         if self.a is None or self.b is None:
             return
         vector = change.field.removeprefix("key_")
@@ -350,7 +352,7 @@ _Both: TypeAlias = "tuple[LocatedNode | None, LocatedNode | None]"
 
 
 def _unlike(mine: LocatedNode | None, theirs: LocatedNode | None) -> Iterator[_Both]:
-    """The innermost pairs of values that are not the same."""
+    """Yield the innermost pairs of values that differ."""
     if isinstance(mine, Located) and isinstance(theirs, Located):
         for key in {**mine.entries, **theirs.entries}:
             yield from _unlike(
@@ -369,21 +371,21 @@ def _unlike(mine: LocatedNode | None, theirs: LocatedNode | None) -> Iterator[_B
 
 
 def _added_to(life: Life | None) -> Span | None:
-    """Where the recipe names what it adds an element to."""
+    """Return where the recipe names the holder of an element that it adds."""
     done = None if life is None or life.made_by is None else life.made_by.done
     return done.to_span if isinstance(done, AddElement) else None
 
 
 def _cause(words: str, here: Span | None, there: Span | None, side: int) -> Cause:
-    """A cause that is reported from one side."""
+    """Return a cause that is written on one side."""
     return Cause(words, here, there) if side == 0 else Cause(words, there, here)
 
 
 def _base(side: Side) -> Span | None:
-    """Where a recipe names its base."""
+    """Return where a recipe names its base."""
     return None if side.plan is None else locate(side.plan.document, ("base",))
 
 
 def _same(a: str | None, b: str | None) -> bool:
-    """Whether two texts mean one value."""
+    """Return whether two texts have the same value."""
     return a == b if a is None or b is None else same_value(a, b)

@@ -1,4 +1,4 @@
-"""What is different between two models: plain data, for text, Markdown and JSON."""
+"""The differences between two models as plain data, for text, Markdown and JSON."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ Value: TypeAlias = bool | int | float | str | tuple["Value", ...] | None
 What: TypeAlias = Literal["added", "removed", "renamed", "changed"]
 
 SETTINGS = ("option", "visual", "statistic")
-"""Kinds that are settings of the whole model and no elements."""
+"""Kinds that are settings of the whole model, not elements."""
 
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """One thing that is different.
+    """One difference.
 
-    ``kind`` is MJCF's word for the element, or one of ``SETTINGS``; ``name`` is what it is called in B, in A where B
-    lacks it; an element without a name is reported by its place. ``field`` is the array of `mjModel`, or the setting;
-    empty where the element itself is ``added``, ``removed`` or ``renamed``. ``form`` is the type of the joint whose
-    units count. ``entry`` is whose number of a keyframe it is. ``index`` are the ids in A and B, -1 where there is
-    none. ``follows`` says that MuJoCo computes it from others that are reported too. ``note`` says in words what is too
-    long to be listed.
+    ``kind`` is MJCF's word for the element, or one of ``SETTINGS``; ``name`` is its name in B, or in A if B lacks
+    it; an unnamed element is reported by its place. ``field`` is the array of `mjModel`, or the setting; it is
+    empty if the element itself is ``added``, ``removed`` or ``renamed``. ``form`` is the type of the joint that
+    determines the unit. ``entry`` names the owner of a number in a keyframe. ``index`` are the ids in A and B, -1
+    for none. ``follows`` says that MuJoCo computes the value from others that are reported too. ``note`` describes
+    a change that is too long to list.
     """
 
     what: What
@@ -43,7 +43,7 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Move:
-    """An element whose numbers stand elsewhere in a vector of the whole model; addresses are 0-based."""
+    """An element whose address in a vector of the whole model changed; addresses count from 0."""
 
     vector: str
     kind: str
@@ -64,10 +64,10 @@ class Count:
 
 @dataclass(frozen=True, slots=True)
 class Contrast:
-    """All that is different between two compiled models.
+    """All differences between two compiled models.
 
     ``identical`` says that every array of `mjModel` is equal bit for bit; ``arrays`` names those that are not.
-    ``elements`` has by kind how many A and B have.
+    ``elements`` has the counts in A and B by kind.
     """
 
     identical: bool
@@ -80,7 +80,7 @@ class Contrast:
 
 @dataclass(frozen=True, slots=True)
 class Cause:
-    """Where it is written what makes the difference: a place in A, in B, or in both, and the lines that differ."""
+    """Where the cause of a difference is written: a place in A, in B, or in both, and the lines that differ."""
 
     words: str
     before: Span | None = None
@@ -91,7 +91,7 @@ class Cause:
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """The changes that one line is the reason for; ``cause`` is None where no line is known."""
+    """The changes that one line causes; ``cause`` is None if no line is known."""
 
     cause: Cause | None
     changes: tuple[Change, ...]
@@ -99,9 +99,9 @@ class Group:
 
 @dataclass(frozen=True, slots=True)
 class End:
-    """A or B: how messages call it, what it is, and the sha256 of its files without the manifest.
+    """A or B: its name in messages, its kind, and the sha256 of its files without the manifest.
 
-    `cell` is the one of its matrix that was compared. Without it, `cells` says how many the matrix has.
+    `cell` is the cell of its matrix that was compared. Without it, `cells` is the number of cells.
     """
 
     label: str
@@ -118,7 +118,7 @@ class End:
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """Pictures of A and B from one place, by the name of the camera; ``differs`` is the share of pixels that do."""
+    """Pictures of A and B from one place, named after the camera; ``differs`` is the share of differing pixels."""
 
     name: str
     before: str
@@ -128,7 +128,7 @@ class View:
 
 @dataclass(frozen=True, slots=True)
 class Diff:
-    """The answer. ``same`` is whether nothing that was asked for differs; ``files`` are those of which the bytes do."""
+    """The result. ``same`` says that nothing in the requested scope differs; ``files`` are those whose bytes differ."""
 
     a: End
     b: End

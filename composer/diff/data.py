@@ -11,7 +11,7 @@ from composer.diff.words import relative
 
 
 def as_data(diff: Diff) -> dict[str, Any]:
-    """Everything, element by element; spans have file, line and column. Values are in MuJoCo's units."""
+    """Return everything, element by element; spans have file, line and column. Values are in MuJoCo's units."""
     contrast = diff.contrast
     return {
         "same": diff.same,

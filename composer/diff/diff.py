@@ -1,4 +1,4 @@
-"""What is different between A and B: both are compiled in one child process, and compared there by name."""
+"""Compile A and B in one child process, and compare them there by name."""
 
 from __future__ import annotations
 
@@ -40,13 +40,13 @@ def diff(
     renders: Path | None = None,
     show: Callable[[Side, Side, Diff], object] | None = None,
 ) -> Diff | None:
-    """The differences from A to B; None where one of them is not a model, which goes to `context.sink`.
+    """Return the differences from A to B, or None if one of them is not a model, which goes to `context.sink`.
 
     `tolerance` is relative. `only` are kinds of element, `option`, `visual`, `statistic`, `count` and `address`;
-    none means all. With `everything` what follows from other changes is reported too, not only counted. `given` are
-    values of parameters and variants for whichever of the two is a recipe, `pick` is a cell of its matrix, `sample`
-    one of its samples. Pictures of both go to the folder `renders`; the session must be one that renders. `show` is
-    called as long as the session keeps both models.
+    empty means all. `everything` also lists changes that follow from others, instead of only counting them. `given`
+    are values of parameters and variants for a recipe, `pick` is a cell of its matrix, `sample` one of its samples.
+    Pictures of both go to the folder `renders`; the session must be able to render. `show` is called while the
+    session keeps both models.
     """
     with ExitStack() as opened:
         operands = [read_operand(text, context, opened) for text in (a, b)]
@@ -91,7 +91,9 @@ def between(
     only: Collection[str] = (),
     everything: bool = False,
 ) -> Diff | None:
-    """The differences between two models that the session keeps; None where MuJoCo crashes, which is reported."""
+    """Return the differences between two models that the session keeps, or None if MuJoCo crashes, which is
+    reported.
+    """
     answer = engine.call(session, contrast, [a.kept, b.kept], {"tolerance": tolerance})
     if not answer.ok:
         said = answer.error or answer.crash
@@ -117,7 +119,7 @@ def _diff(
 
 
 def _narrowed(found: Contrast, tolerance: float, only: Collection[str]) -> Contrast:
-    """What was asked for. Arrays without a word of their own count only where all is compared to the bit."""
+    """Return what was asked for. Arrays without a name of their own count only in a comparison to the bit."""
     if not only:
         return found if tolerance == 0 else replace(found, arrays=())
 

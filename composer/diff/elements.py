@@ -1,4 +1,4 @@
-"""The elements of one side's tree, found by what MuJoCo calls them."""
+"""The elements of one side's tree, looked up by MuJoCo's name for them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ _KINDS = {path: kind for kind in KINDS if kind != "plugin" for path in paths_of(
 
 
 class Elements:
-    """`counts` has how many elements of each kind MuJoCo made; where the tree has as many, their order counts."""
+    """`counts` has MuJoCo's number of elements of each kind; if the tree has as many, order identifies unnamed
+    elements.
+    """
 
     def __init__(self, traced: Traced, counts: dict[str, int]) -> None:
         self.traced, self.counts = traced, counts
@@ -42,7 +44,7 @@ class Elements:
             self.found[kind].sort(key=self._signature)
 
     def _signature(self, node: Node) -> tuple[int, int]:
-        """What MuJoCo 4.0 sorts pairs and excludes by: the numbers of the two bodies."""
+        """Return what MuJoCo 4.0 sorts pairs and excludes by: the numbers of the two bodies."""
         bodies = []
         for end in "12":
             name = node.get(f"body{end}")
@@ -54,25 +56,25 @@ class Elements:
         return min(bodies), max(bodies)
 
     def node(self, kind: str, name: str, index: int) -> Node | None:
-        """The element that MuJoCo's is made of; None where it is one of many, or made by MuJoCo."""
+        """Return the element in the tree, or None if it is one of many unnamed ones or made by MuJoCo."""
         found = self.named.get((kind, name))
         if found is not None or index < 0 or len(self.found[kind]) != self.counts.get(kind):
             return found
         return self.found[kind][index]
 
     def setting(self, *path: str) -> Node | None:
-        """The element that holds a setting; of several sections the last."""
+        """Return the element that holds a setting; if there are several sections, the last one."""
         node: Node | None = self.root
         for tag in path:
             node = None if node is None else next(iter(list(node.iterchildren(tag))[::-1]), None)
         return node
 
     def inside(self, node: Node, *tags: str) -> list[Node]:
-        """The children of a body with these tags, also through frames."""
+        """Return the children of a body with these tags, including those in frames."""
         return list(_inside(node, tags))
 
     def frames(self, node: Node) -> list[Node]:
-        """The frames between an element and its body, the innermost first."""
+        """Return the frames between an element and its body, the innermost first."""
         found = []
         for above in node.iterancestors():
             if above.tag in _HOLDERS:
@@ -81,19 +83,19 @@ class Elements:
         return found
 
     def carried(self, frame: Node) -> Part | None:
-        """The part that the linker made a frame for."""
+        """Return the part for which the linker created a frame."""
         made = self.traced.watch.life(frame).made_by
         return made.part if made is not None and made.is_pass else None
 
     def place(self, frame: Node) -> Node | None:
-        """The site, body or frame of the model that a part hangs on."""
+        """Return the site, body or frame of the model that a part is attached to."""
         part = self.carried(frame)
         if part is None or part.place.name is None:
             return None
         return self.named.get((part.place.kind, part.place.name))
 
     def value(self, node: Node, attribute: str) -> tuple[str | None, Node | None]:
-        """An attribute as it is in effect, and the element that writes it: this one, or one of a class."""
+        """Return the effective value of an attribute, and the element that writes it: this one or a default class."""
         kind = kind_of(node)
         known = kind.attributes.get(attribute)
         if known is None:

@@ -1,4 +1,4 @@
-"""The lines of a recipe or source that a place means."""
+"""The lines of a recipe or source that belong to a place."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _SHOWN = 6
 
 
 def block(span: Span | None, side: Side) -> list[str]:
-    """The lines of a place without those that are empty."""
+    """Return the lines of a place without empty ones."""
     if span is None:
         return []
     lines = side.lines(span.file)
@@ -19,10 +19,10 @@ def block(span: Span | None, side: Side) -> list[str]:
 
 
 def extent(span: Span, side: Side) -> range:
-    """The numbers of the lines that a place means.
+    """Return the numbers of the lines that belong to a place.
 
-    Of a key or a mapping these are its line and those below it that are indented deeper, of an element its whole
-    start tag, of a value its own line alone.
+    For a key or a mapping these are its line and the deeper-indented lines below it, for an element its whole start
+    tag, for a value its own line alone.
     """
     lines = side.lines(span.file)
     if not 0 < span.line <= len(lines):
@@ -43,7 +43,7 @@ def extent(span: Span, side: Side) -> range:
 
 
 def excerpt(lines: list[str]) -> tuple[str, ...]:
-    """The first lines, as far to the left as they go."""
+    """Return the first lines, dedented."""
     cut = [line.rstrip() for line in lines[:_SHOWN]]
     if len(lines) > _SHOWN:
         cut.append(cut[-1][: len(cut[-1]) - len(cut[-1].lstrip())] + "…")
@@ -51,11 +51,11 @@ def excerpt(lines: list[str]) -> tuple[str, ...]:
 
 
 def is_yaml(span: Span | None) -> bool:
-    """Whether it is a place in a recipe."""
+    """Return whether a place is in a recipe."""
     return span is not None and span.file.endswith((".yaml", ".yml"))
 
 
 def different(lines: list[str], others: list[str]) -> list[str]:
-    """The lines that the others do not have, indentation aside."""
+    """Return the lines that are not among the others, ignoring indentation."""
     known = {line.strip() for line in others}
     return [line for line in lines if line.strip() not in known]

@@ -1,4 +1,4 @@
-"""Changes by the line that is the reason for them, with the words that stand there in A and in B."""
+"""Group changes by the line that causes them, with the text of that line in A and in B."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from composer.diff.side import Side
 
 
 def grouped(changes: Iterable[Change], causes: Causes, a: Side, b: Side) -> list[Group]:
-    """One group a line, in the order of files and lines; last what no line is known for."""
+    """Return one group for each line, ordered by file and line; changes without a known line come last."""
     found: dict[tuple[object, ...], tuple[Cause | None, list[Change]]] = {}
     for change in changes:
         cause = causes.of(change)
@@ -24,13 +24,13 @@ def grouped(changes: Iterable[Change], causes: Causes, a: Side, b: Side) -> list
 
 
 def _key(cause: Cause | None) -> tuple[object, ...]:
-    """What B's line makes stands together, whether A has a line for it or not."""
+    """Return the key of a group. It is B's line if there is one, whether or not A has a line."""
     span = None if cause is None else cause.after or cause.before
     return (None,) if span is None else (cause is not None and cause.after is not None, span.file, span.line)
 
 
 def _place(group: Group) -> tuple[bool, bool, str, int]:
-    """Recipes before sources: what is nearest to the user first."""
+    """Return the sort key of a group: recipes before sources, because they are nearest to the user."""
     span = None if group.cause is None else group.cause.after or group.cause.before
     if span is None:
         return True, True, "", 0
@@ -38,7 +38,7 @@ def _place(group: Group) -> tuple[bool, bool, str, int]:
 
 
 def _worded(cause: Cause | None, a: Side, b: Side) -> Cause | None:
-    """The cause with its lines, which are those that differ where the first one does not."""
+    """Return the cause with its lines; if both sides have some, only those that differ."""
     if cause is None:
         return None
     before, after = block(cause.before, a), block(cause.after, b)

@@ -1,4 +1,4 @@
-"""Where the numbers of a key that belong to one joint, actuator or body are written."""
+"""Find where the numbers of a key are written that belong to one joint, actuator or body."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
 
 class KeyLines(NamedTuple):
-    """Where the numbers of a key that belong to one joint, actuator or body, which `holder` is, are written."""
+    """Where the numbers of a key for one joint, actuator or body are written; `holder` is that element."""
 
     holder: Node | None
     spans: tuple[Span, ...]
 
 
 def key_lines(elements: Elements, key: Node | None, vector: str, entry: str) -> KeyLines:
-    """Where they are written, the numbers themselves first; no place for what nobody wrote."""
+    """Return where the numbers are written, the numbers themselves first; no place if nobody wrote them."""
     traced = elements.traced
     if key is None or vector not in VECTORS:
         return KeyLines(None, ())

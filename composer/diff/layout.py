@@ -1,4 +1,4 @@
-"""How large the vectors of the two models are, and where elements stand in them."""
+"""Compare the sizes of the vectors of two models, and the addresses of elements in them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _KINDS = ("joint", "actuator", "sensor", "body")
 
 
 def counts(a: Model, b: Model, tolerance: float) -> Iterator[Count]:
-    """Sizes of vectors, numbers of elements, the mass of all."""
+    """Yield changes of vector sizes, of the numbers of elements, and of the total mass."""
     for name in _SIZES:
         if getattr(a, name) != getattr(b, name):
             yield Count(name, int(getattr(a, name)), int(getattr(b, name)))
@@ -29,7 +29,7 @@ def counts(a: Model, b: Model, tolerance: float) -> Iterator[Count]:
 
 
 def moves(matching: Correspondence) -> Iterator[Move]:
-    """Joints, actuators, sensors and mocap bodies that both have, and that stand elsewhere in a vector."""
+    """Yield joints, actuators, sensors and mocap bodies of both models whose address in a vector changed."""
     a, b = matching.alone.model, matching.composed.model
     for kind in _KINDS:
         pairs = sorted(matching.pairs(kind), key=lambda pair: pair[1])

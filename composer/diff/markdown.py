@@ -11,11 +11,11 @@ from composer.diff.words import count, moved, sentences, view
 
 _LONG = 12
 _LONGEST = 60_000
-"""Characters; GitHub takes 65536 in a comment."""
+"""Characters. GitHub allows 65536 in a comment."""
 
 
 def render(diff: Diff) -> str:
-    """Headings by line, the lines as a diff, the changes as a list; cut where a comment would be too long."""
+    """Return headings by line, the lines as a diff, the changes as a list; cut to the length of a comment."""
     text = "\n".join(_lines(diff)).strip() + "\n"
     if len(text) <= _LONGEST:
         return text
@@ -82,7 +82,7 @@ def _group(group: Group) -> Iterator[str]:
 
 
 def _list(lines: list[str]) -> Iterator[str]:
-    """A list; a long one folded."""
+    """Yield a list, folded if it is long."""
     if len(lines) > _LONG:
         yield f"<details><summary>{len(lines)} changes</summary>"
         yield ""
@@ -94,7 +94,7 @@ def _list(lines: list[str]) -> Iterator[str]:
 
 
 def _escaped(line: str) -> str:
-    """What stands outside of backquotes means nothing to Markdown."""
+    """Escape what Markdown would interpret outside of backquotes."""
     pieces = line.split("`")
     pieces[::2] = [re.sub(r"([\\*_<>#|])", r"\\\1", piece) for piece in pieces[::2]]
     return "`".join(pieces)

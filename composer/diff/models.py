@@ -1,4 +1,4 @@
-"""Two compiled models side by side, by the names of their elements. Runs in MuJoCo's child process."""
+"""Compare two compiled models by the names of their elements. Runs in MuJoCo's child process."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ from composer.diff.values import Values
 
 
 def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[str, Any]:
-    """For `composer.engine.call`: a `Contrast` as JSON data; ``given`` has the ``tolerance``.
+    """Return a `Contrast` as JSON data; runs under `composer.engine.call`. ``given`` has the ``tolerance``.
 
-    It may have ``names``: by kind what elements of A are called in B, where that is known. Elements without a name
-    may then stand in another order.
+    It may also have ``names``, which maps A's names to B's by kind if that is known. Unnamed elements may then be
+    in another order.
     """
     mine, theirs = NameTable(a), NameTable(b)
     known = given.get("names")
@@ -55,7 +55,7 @@ def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[
 
 
 def contrast_of(data: Mapping[str, Any]) -> Contrast:
-    """The contrast after its way through JSON."""
+    """Return the contrast from its JSON data."""
     return Contrast(
         identical=data["identical"],
         changes=tuple(
@@ -82,7 +82,7 @@ def _renamed(names: Names, matching: Correspondence) -> Iterator[Change]:
 
 
 def _presence(matching: Correspondence) -> Iterator[Change]:
-    """Elements that only one of the two has; what has no name goes with its body."""
+    """Yield elements that only one of the two models has; unnamed ones come and go with their body."""
     for kind in KINDS:
         if kind == "key":
             continue
@@ -112,7 +112,7 @@ def _goes_along(
 
 
 def references(matching: Correspondence) -> Iterator[Change]:
-    """References that stand for another element than before."""
+    """Yield references whose target changed."""
     for kind in KINDS:
         if kind == "key":
             continue
@@ -151,7 +151,7 @@ def _changed(
 
 
 def _keys(matching: Correspondence, tolerance: float) -> Iterator[Change]:
-    """Keyframes by joint, actuator and mocap body."""
+    """Yield changes of keyframes by joint, actuator and mocap body."""
     mine, theirs = matching.alone, matching.composed
     types = matching.composed.model.jnt_type.tolist()
     joints = {theirs.describe("joint", j): JOINT_TYPES[types[j]].word for _, j in matching.pairs("joint")}
@@ -175,5 +175,5 @@ def _keys(matching: Correspondence, tolerance: float) -> Iterator[Change]:
 
 
 def _alone(value: Value) -> Value:
-    """One number without its list."""
+    """Return a list of one number as that number."""
     return value[0] if isinstance(value, tuple) and len(value) == 1 else value

@@ -1,4 +1,4 @@
-"""What elements of a compiled model are called in a diff."""
+"""Name the elements of a compiled model in a diff."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ _TARGETS = 3
 
 
 def named(roster: NameTable, kind: str, index: int) -> str:
-    """What an element is called; of what has no name and stands on no body also what it refers to."""
+    """Return an element's name; for an unnamed element that is not on a body, also what it refers to."""
     name = roster.describe(kind, index)
     if not name.startswith("#") or kind in HOLDERS:
         return name

@@ -1,4 +1,4 @@
-"""Elements that may be the reason for a difference, each with the one that it is in the other model."""
+"""Pairs of elements, one of each model, that may be the cause of a difference."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _PATH = {"site": "site", "geom": "geom", "sidesite": "site", "joint": "joint"}
 _POSE = quantity("body_pos").attributes
 
 Pair: TypeAlias = "tuple[Node | None, Node | None, tuple[str, ...] | None]"
-"""An element of A, the one of B that it is there, and the attributes in question; None for any."""
+"""An element of A, its counterpart in B, and the attributes to compare; None for all."""
 
 
 class Pairs:
-    """Looks for pairs in both models."""
+    """Finds pairs in both models."""
 
     def __init__(self, a: Elements, b: Elements) -> None:
         self.a, self.b = a, b
@@ -32,7 +32,7 @@ class Pairs:
     def candidates(
         self, change: Change, before: Node, after: Node, wanted: tuple[str, ...]
     ) -> Iterator[Pair]:
-        """What may be the reason, the likeliest first."""
+        """Yield possible causes, the likeliest first."""
         if change.field in INERTIAL:
             for tag in ("inertial", "geom"):
                 for mine, theirs in zip_longest(self.a.inside(before, tag), self.b.inside(after, tag)):
@@ -58,7 +58,7 @@ class Pairs:
                     yield from self.above(first, second)
 
     def frames(self, before: Node, after: Node, wanted: tuple[str, ...]) -> Iterator[Pair]:
-        """What an element stands in, up to its body: the place of a part among them."""
+        """Yield the frames around an element up to its body, with the places of parts."""
         for mine, theirs in zip_longest(self.a.frames(before)[::-1], self.b.frames(after)[::-1]):
             yield mine, theirs, wanted
             places = [
@@ -69,7 +69,7 @@ class Pairs:
                 yield places[0], places[1], wanted
 
     def above(self, before: Node | None, after: Node | None) -> Iterator[Pair]:
-        """All that an element stands in, up to the world."""
+        """Yield all bodies and frames around an element, up to the world."""
         while before is not None and after is not None:
             yield from self.frames(before, after, _POSE)
             before, after = (next(each.iterancestors("body"), None) for each in (before, after))
@@ -77,7 +77,7 @@ class Pairs:
                 yield before, after, _POSE
 
     def referred(self, before: Node | None, after: Node | None, kinds: Mapping[str, str]) -> Iterator[Pair]:
-        """The mesh, material, joint, … that both refer to; `kinds` by the attribute that does."""
+        """Yield the mesh, material, joint, … that both refer to; `kinds` has its kind by attribute."""
         if before is None or after is None:
             return
         for attribute, kind in kinds.items():
@@ -87,7 +87,7 @@ class Pairs:
                 yield self.a.node(kind, mine, -1), self.b.node(kind, theirs, -1), None
 
     def holding(self, before: Node | None, after: Node | None) -> Iterator[Pair]:
-        """The body of a joint, and all that stands in; an actuator by itself."""
+        """Yield the body of a joint and everything around it; an actuator by itself."""
         if before is None or after is None:
             return
         yield before, after, ("ref",)
@@ -98,7 +98,7 @@ class Pairs:
 
 
 def _body(node: Node | None) -> Node | None:
-    """The body itself, or the one that a joint belongs to."""
+    """Return the body itself, or the body of a joint."""
     if node is None or node.tag == "body":
         return node
     return next(node.iterancestors("body"), None)

@@ -1,4 +1,4 @@
-"""Where elements are written on either side, and which parts they belong to."""
+"""Look up where elements are written on either side, and which parts they belong to."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Places:
-    """Looks things up in the traces of both sides; `side` is 0 for A and 1 for B."""
+    """Looks up elements in the traces of both sides; `side` is 0 for A and 1 for B."""
 
     def __init__(self, a: Side, b: Side, recipes: tuple[Recipes, Recipes]) -> None:
         self.sides = a, b
@@ -37,7 +37,7 @@ class Places:
         return traced.written_at(node, attribute)
 
     def written(self, side: int, node: Node | None, attribute: str | None) -> list[Span]:
-        """Where an attribute was written first, and where it was changed since."""
+        """Return where an attribute was first written, and where it was changed since."""
         traced = self.sides[side].traced
         if traced is None or node is None:
             return []
@@ -47,7 +47,7 @@ class Places:
         return traced.history(node, attribute)
 
     def class_in_force(self, side: int, node: Node) -> Span | None:
-        """Where it is written which class is in force for an element."""
+        """Return where the class in force for an element is written."""
         force = class_in_force(node)
         return None if force.attribute is None else self.span(side, force.writer, force.attribute)
 
@@ -56,7 +56,7 @@ class Places:
         return None if traced is None or node is None else traced.watch.life(node)
 
     def parts_of(self, side: int, node: Node | None) -> Iterator[Part]:
-        """The parts that an element belongs to, the outermost first."""
+        """Yield the parts that an element belongs to, the outermost first."""
         traced = self.sides[side].traced
         if traced is None or node is None:
             return
@@ -65,7 +65,7 @@ class Places:
             yield from reversed(each.parts)
 
     def part(self, side: int, node: Node) -> Part | None:
-        """The outermost part that an element belongs to and that the other side has not got so."""
+        """Return the outermost part of an element that the other side does not have with the same file."""
         for part in self.parts_of(side, node):
             there = self.parts[1 - side].get(part.called)
             if there is None or not self.same_file(side, part.unit.file, there.unit.file):
@@ -73,12 +73,12 @@ class Places:
         return None
 
     def same_file(self, side: int, file: str, there: str) -> bool:
-        """Whether both sides mean the same file, or one that lies at the same place."""
+        """Return whether both sides name the same file, or files at the same place."""
         here, other = self.sides[side], self.sides[1 - side]
         return real(here, file) == real(other, there) or name(here, file) == name(other, there)
 
     def compiler_settings(self, side: int, life: Life | None) -> dict[str, Span]:
-        """Where the file of an element, or the recipe, says how it is to be read."""
+        """Return where the file of an element, or the recipe, writes the compiler settings that apply to it."""
         traced = self.sides[side].traced
         if traced is None or life is None:
             return {}
@@ -92,7 +92,7 @@ class Places:
         return found
 
     def of_the_same_line(self, node: Node, side: int) -> Node | None:
-        """An element of the other side that was read from the same line of a model; None where nobody wrote it."""
+        """Return the other side's element that was read from the same line of a model, or None if there is none."""
         here, there = self.sides[side].traced, self.sides[1 - side].traced
         if here is None or there is None:
             return None
@@ -110,7 +110,7 @@ class Places:
 
 
 def _parts(side: Side) -> dict[str, Part]:
-    """The parts of a side by what they are called."""
+    """Return the parts of a side by name."""
     if side.traced is None:
         return {}
     return {part.called: part for life in side.traced.watch.lives.values() for part in life.parts}

@@ -1,4 +1,4 @@
-"""Where the recipes of one side write what is behind a value: parameters, conditions, how a part is attached."""
+"""Look up what lies behind a value in the recipes of one side: parameters, conditions, attachments of parts."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _Place = tuple[str, int, int]
 
 
 class Recipes:
-    """The recipe of a side, and those that are nested in it; nothing of what is not a recipe."""
+    """The recipe of a side and its nested recipes; empty for a side that is not a recipe."""
 
     def __init__(self, side: Side) -> None:
         self.side = side
@@ -47,7 +47,7 @@ class Recipes:
                     self._given.setdefault(name, []).append(node.span)
 
     def attachment(self, part: Part) -> Mapping | None:
-        """What the recipe says of a part."""
+        """Return the entry of the recipe that attaches a part."""
         if part.span is None or part.span not in self.attached:
             return None
         plan, step = self.attached[part.span]
@@ -55,7 +55,7 @@ class Recipes:
         return found if isinstance(found, Mapping) else None
 
     def same(self, other: Recipes, part: Part) -> Mapping | None:
-        """What this side says under the key by which the other one attaches a part."""
+        """Return what this side has at the path where the other side attaches a part."""
         if part.span is None or part.span not in other.attached:
             return None
         plan, step = other.attached[part.span]
@@ -66,12 +66,12 @@ class Recipes:
         return found if isinstance(found, Mapping) else None
 
     def base(self) -> Mapping | None:
-        """What the recipe says of its base, where that is more than the model."""
+        """Return the entry of the recipe's base, if it is more than the model."""
         found = None if self.side.plan is None else find(self.side.plan.document, ("base",))
         return found if isinstance(found, Mapping) else None
 
     def names_at(self, span: Span | None) -> tuple[str, ...]:
-        """The parameters and variants in the expressions that a place means."""
+        """Return the parameters and variants in the expressions at a place."""
         if span is None:
             return ()
         lines = extent(span, self.side)
@@ -84,7 +84,7 @@ class Recipes:
         )
 
     def parameter(self, name: str) -> Iterator[Span]:
-        """Where a parameter gets its value: where it is given, else where it is declared."""
+        """Yield where a parameter gets its value: where it is given, else where it is declared."""
         yield from self._given.get(name, ())
         for node in self._documents:
             for piece in (node, *_pieces(node)):
@@ -95,7 +95,7 @@ class Recipes:
                     yield declared.span
 
     def conditions(self) -> Iterator[tuple[Span, Node]]:
-        """Every item with a `when`, by its place, and what that says."""
+        """Yield the place of every item with a `when`, and its condition."""
         for document in self._documents:
             for node in _mappings(document):
                 if "when" in node.entries:
@@ -103,13 +103,13 @@ class Recipes:
 
     @property
     def files(self) -> Iterator[str]:
-        """The recipe files, those that are extended too, as messages name them."""
+        """The recipe files as messages name them, including extended ones."""
         for recipe in self._read:
             yield from recipe.said
 
     @property
     def settings(self) -> Iterator[tuple[str, Span]]:
-        """How the recipe files read angles."""
+        """Where the recipe files set how angles are read."""
         for recipe in self._read:
             for said in recipe.said.values():
                 if isinstance(said, Mapping):
@@ -143,7 +143,7 @@ def _names(text: str) -> tuple[str, ...]:
 
 
 def _pieces(document: Node) -> Iterator[Node]:
-    """The pieces of recipe that the variants are."""
+    """Yield the recipe pieces of the variants."""
     axes = find(document, ("variants",))
     for _, values in axes.entries.values() if isinstance(axes, Mapping) else ():
         for _, piece in values.entries.values() if isinstance(values, Mapping) else ():

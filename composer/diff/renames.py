@@ -1,4 +1,4 @@
-"""Names that changed while the thing did not: a whole prefix, or single elements that are alike in everything else."""
+"""Detect renames: a whole prefix, or single elements that are otherwise equal."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from composer.compiled.kinds import HOLDERS, KINDS, NameTable, holder
 from composer.compiled.signature import values
 
 Names = Mapping[str, Mapping[str, str]]
-"""By kind what A's names are in B; those that stayed are not listed."""
+"""A's names mapped to B's, by kind; unchanged names are not listed."""
 
 _ALIKE = 0.6
 """The share of names that two prefixes must have in common to count as one part."""
@@ -19,7 +19,7 @@ _SINGLE = ("body", "joint", "geom", "site", "camera", "light", "material", "mesh
 
 
 def renames(a: NameTable, b: NameTable) -> dict[str, dict[str, str]]:
-    """What is called otherwise in B. Only where it is plain: an element that also changed counts as another one."""
+    """Return the names that changed. Only clear cases count: an element that also changed is another element."""
     lost = {kind: [name for name in a.ids[kind] if name not in b.ids[kind]] for kind in KINDS}
     new = {kind: [name for name in b.ids[kind] if name not in a.ids[kind]] for kind in KINDS}
     found: dict[str, dict[str, str]] = defaultdict(dict)
@@ -40,7 +40,7 @@ def renames(a: NameTable, b: NameTable) -> dict[str, dict[str, str]]:
 def _prefixes(
     lost: Mapping[str, list[str]], new: Mapping[str, list[str]], a: NameTable, b: NameTable
 ) -> list[tuple[str, str]]:
-    """Pairs of prefixes of which B has none of the first and A none of the second, and the names behind are alike."""
+    """Return pairs of prefixes, one that only A has and one that only B has, with similar names behind them."""
     gone, come = _behind(lost, b), _behind(new, a)
     pairs = []
     for before, mine in gone.items():
@@ -52,7 +52,7 @@ def _prefixes(
 
 
 def _behind(names: Mapping[str, list[str]], other: NameTable) -> dict[str, set[tuple[str, str]]]:
-    """The names behind each outermost prefix that the other model does not have."""
+    """Return the names behind each outermost prefix that the other model lacks."""
     known = {name.partition("/")[0] for by_name in other.ids.values() for name in by_name if "/" in name}
     found: dict[str, set[tuple[str, str]]] = defaultdict(set)
     for kind, by_name in names.items():
@@ -70,7 +70,7 @@ def _share(mine: set[tuple[str, str]], theirs: set[tuple[str, str]]) -> float:
 def _alike(
     kind: str, lost: list[str], new: list[str], a: NameTable, b: NameTable, bodies: Mapping[str, str]
 ) -> dict[str, str]:
-    """Elements without a double that are equal in their numbers and stand on the same body."""
+    """Return elements without a double that have equal numbers and are on the same body."""
     if not lost or not new:
         return {}
     mine, theirs = _by_look(kind, lost, a, bodies), _by_look(kind, new, b, {})

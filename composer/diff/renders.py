@@ -1,4 +1,4 @@
-"""Pictures of A and B from the same places, in a folder."""
+"""Render pictures of A and B from the same places into a folder."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _HELP = "without a display set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and instal
 
 
 def render_views(folder: Path, kept: tuple[str, str], context: Context, session: Session) -> tuple[View, ...]:
-    """Write the pictures of two models that `session` keeps; the sink says why where there are none."""
+    """Write the pictures of two models that `session` keeps; if there are none, the sink says why."""
     with scratch("pictures") as made:
         answer = engine.call(session, pictures, kept, str(made))
         if not answer.ok:
@@ -48,7 +48,7 @@ def render_views(folder: Path, kept: tuple[str, str], context: Context, session:
 
 
 def _stem(name: str, used: set[str]) -> str:
-    """A view's name as that of its files; two views never share one."""
+    """Return the stem of a view's files; two views never share one."""
     stem = first = re.sub(r"[^\w.-]+", "_", name).lstrip(".") or "camera"
     number = 1
     while stem.lower() in used:

@@ -1,4 +1,4 @@
-"""A revision of a git repository, as files in a temporary folder. The repository itself is left as it is."""
+"""Check out a git revision into a temporary folder. The repository itself stays as it is."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ from composer.tree import lfs
 
 _SECONDS = 600
 _POINTER = 1024
-"""A pointer of Git LFS is smaller."""
+"""Pointers of Git LFS are smaller, in bytes."""
 _OID = re.compile(rb"^oid sha256:([0-9a-f]{64})$", re.MULTILINE)
-# what would send git to another repository or index than that of the folder
+# these variables would direct git to another repository or index than that of the folder
 _OWN = ("GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE", "GIT_PREFIX", "GIT_OBJECT_DIRECTORY")
 
 
 class RevisionError(DiagnosticError):
-    """Why no such files exist."""
+    """The revision or its files cannot be read."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tree:
-    """The files of a revision: `root` is the folder that has them, `path` the one that was asked for."""
+    """The files of a revision: `root` is the folder with them, `path` the requested file in it."""
 
     root: Path
     path: Path
 
 
 def split(text: str) -> tuple[str, str] | None:
-    """`REV:path` in two; None for anything else, a Windows drive included.
+    """Split `REV:path` in two; return None for anything else, including a Windows drive.
 
     >>> split("main~2:arms/left.yaml"), split("left.yaml"), split("C:/left.yaml")
     (('main~2', 'arms/left.yaml'), None, None)
@@ -52,7 +52,7 @@ def split(text: str) -> tuple[str, str] | None:
 
 
 def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, str]) -> Tree:
-    """All files of a revision of the repository that `path` is in, below the empty folder `into`.
+    """Write all files of a revision of the repository around `path` into the empty folder `into`.
 
     `path` need not exist any more. Raises RevisionError.
     """
@@ -67,7 +67,7 @@ def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, s
         os.path.relpath(os.path.realpath(near), os.path.realpath(top)), path.absolute().relative_to(near)
     )
     repository = Path(git.run("rev-parse", "--absolute-git-dir", fault=f"`{near}` is in no git repository"))
-    try:  # byte for byte: neither filters nor hooks, which may be anyone's, are run
+    try:  # byte for byte: runs no filters and hooks, which may come from anyone
         write_tree(Git(git.environment, quiet), repository, commit, into)
         from_lfs(into, _lfs_folder(git))
     except (GitFailure, SourceError, OSError) as error:
@@ -77,13 +77,13 @@ def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, s
 
 
 def _lfs_folder(git: _Git) -> Path:
-    """Where Git LFS keeps what it has fetched, of all work trees of the repository."""
+    """Return where Git LFS stores fetched files, for all work trees of the repository."""
     common = git.run("rev-parse", "--git-common-dir", fault="it is not in a repository")
     return git.folder / common / "lfs" / "objects"
 
 
 def from_lfs(folder: Path, objects: Path) -> None:
-    """Replace pointers of Git LFS by the files that they stand for, where LFS has them on this machine."""
+    """Replace pointers of Git LFS by their files, if LFS has them on this machine."""
     for _, path in files_below(folder):
         if path.stat().st_size > _POINTER:
             continue

@@ -1,4 +1,4 @@
-"""Settings of the whole model: `option`, `visual` and what MuJoCo computes as `statistic`."""
+"""Compare settings of the whole model: `option`, `visual` and the `statistic` that MuJoCo computes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _FLAGS = {
 
 
 def setting_changes(mujoco: Any, a: Model, b: Model, tolerance: float) -> Iterator[Change]:
-    """Flags one by one, words in place of numbers."""
+    """Yield changes of settings, flags one by one, with words in place of numbers."""
     for difference in option_differences(a, b):
         if difference.name in _FLAGS:
             yield from _flags(mujoco, difference)

@@ -1,4 +1,4 @@
-"""A or B, compiled: MuJoCo's child process keeps the model, and the tree shows where everything came from."""
+"""A or B, compiled. MuJoCo's child process keeps the model; the tree shows where everything came from."""
 
 from __future__ import annotations
 
@@ -50,10 +50,10 @@ if TYPE_CHECKING:
 class Side:
     """`kept` is the name under which the session keeps the model; `digests` are the sha256 of files by path.
 
-    Of an MJCF file that is the file alone. `traced` is None where nothing shows where elements came from, `plan` for
-    what is not a recipe. `cell` is the one of its matrix that it is, `cells` how many that has. `given` are the values
-    of parameters and variants that come from the command or the cell. `inputs` are the files that were read. `bundle`
-    is there for a recipe or bundle where somebody asked for it.
+    For an MJCF file that is the file alone. `traced` is None if the origin of elements is unknown, `plan` is None
+    if this is not a recipe. `cell` is the compared cell of its matrix, `cells` the number of cells. `given` are the
+    values of parameters and variants from the command or the cell. `inputs` are the files that were read. `bundle`
+    is set for a recipe or bundle if the caller asked for it.
     """
 
     operand: Operand
@@ -76,7 +76,7 @@ class Side:
         return End(self.operand.label, self.operand.kind, whole.hexdigest(), self.cell, cells)
 
     def lines(self, file: str) -> list[str]:
-        """The lines of a file that a place is in; none where it cannot be read."""
+        """Return the lines of a file; none if it cannot be read."""
         if file not in self.read:
             text = self.texts.get(file)
             if text is None:
@@ -99,10 +99,10 @@ def load(
     *,
     whole: bool = False,
 ) -> Side | None:
-    """The model of an operand, compiled; None where there is none, which goes to its sink.
+    """Return the compiled model of an operand, or None if there is none, which goes to its sink.
 
-    Of a recipe it is that of the cell `pick` of its matrix, or the `sample` of what it draws. `library` has source
-    files that were read before. With `whole` the side has its bundle.
+    For a recipe it is the cell `pick` of its matrix, or the `sample` of its draws. `library` has source files that
+    were read before. With `whole` the side has its bundle.
     """
     if operand.kind is Kind.RECIPE:
         side = _recipe(operand, kept, session, given or {}, pick, sample, library)
@@ -142,7 +142,7 @@ def load_cell(
     sample: int = 0,
     library: Library | None = None,
 ) -> Side | None:
-    """The model of a cell of a recipe, or without one the `sample` of what it draws; None as in `load`."""
+    """Return the model of a cell of a recipe, or without one the `sample` of its draws; None as in `load`."""
     context, watch = operand.context, Trace()
     if cell is None:
         values = given
@@ -173,7 +173,7 @@ def load_cell(
 
 
 def _cell(operand: Operand, given: Given, pick: str, sample: int | None) -> Cell | None:
-    """The cell that is picked; that there is none is reported."""
+    """Return the picked cell, or None if there is no such cell, which is reported."""
     sink = operand.context.sink
     every = cells_of(operand.path, operand.context, dict(given))
     if sink.has_errors:
@@ -204,7 +204,7 @@ def _mjcf(operand: Operand, kept: str, session: Session) -> Side | None:
 
 
 def _files_of(unit: Unit, path: Path) -> Iterator[Path]:
-    """An MJCF file, what it includes, and the meshes and other files that it names."""
+    """Yield an MJCF file, the files that it includes, and the meshes and other files that it names."""
     yield path
     yield from (text for text in unit.origins.texts.values() if isinstance(text, Path))
     for element, _, name in file_attributes(unit.root):
@@ -261,5 +261,5 @@ def _refused(fault: Fault, crash: str | None, file: str, context: Context) -> No
 
 
 def _digests(bundle: Bundle) -> dict[str, str]:
-    """Of every file but the manifest, which describes the build and not the model."""
+    """Return the digests of all files except the manifest, which describes the build and not the model."""
     return {path: bundle.digest(path) for path in bundle.files if path != MANIFEST}

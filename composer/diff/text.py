@@ -9,12 +9,12 @@ from composer.diff.words import count, moved, sentences, view
 
 
 def render(diff: Diff) -> str:
-    """All that is reported, line by line."""
+    """Return the full report, line by line."""
     return "\n".join(_lines(diff))
 
 
 def verdict(diff: Diff) -> str:
-    """The answer in one sentence."""
+    """Return the result in one sentence."""
     if diff.same and diff.contrast.identical:
         files = "and so are all files" if diff.same_bytes else "though their files are not"
         return f"the same: the compiled models are equal bit for bit, {files}"
@@ -32,7 +32,7 @@ def verdict(diff: Diff) -> str:
 
 
 def place(cause: Cause) -> str:
-    """`recipe.yaml:12`, with A's place where that is another one, not only in another revision."""
+    """Return `recipe.yaml:12`, with A's place if it is another one, and not only in another revision."""
     spans = [None if span is None else f"{span.file}:{span.line}" for span in (cause.before, cause.after)]
     if spans[0] is None or spans[0] == spans[1] or (spans[1] and spans[0].endswith(f":{spans[1]}")):
         return str(spans[1])
@@ -42,13 +42,13 @@ def place(cause: Cause) -> str:
 
 
 def heading(cause: Cause) -> str:
-    """The place, and in words what its lines do not show."""
+    """Return the place, and in words what its lines do not show."""
     has_lines = cause.lines_before or cause.lines_after
     return place(cause) if has_lines else f"{place(cause)}: {cause.words}"
 
 
 def following(diff: Diff) -> str | None:
-    """What is not listed one by one."""
+    """Return how many changes are not listed one by one."""
     if not diff.follows:
         return None
     many = "1 number" if diff.follows == 1 else f"{diff.follows} numbers"
@@ -58,7 +58,7 @@ def following(diff: Diff) -> str | None:
 
 
 def at_defaults(diff: Diff) -> str | None:
-    """That a matrix was not looked at; None where there is none, or one of its cells was compared."""
+    """Return a remark that a matrix was compared at its defaults, or None if there is none or a cell was picked."""
     counts = [end.cells for end in (diff.a, diff.b) if end.cells]
     if not counts:
         return None

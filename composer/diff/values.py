@@ -1,4 +1,4 @@
-"""The numbers of elements that both models have."""
+"""Compare the numbers of elements that both models have."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ from composer.diff.change import Change, Value
 from composer.diff.named import named
 
 FLOOR = 1e-6
-"""Values smaller than that are held to the tolerance as if they were this large."""
+"""The tolerance treats smaller values as if they were this large."""
 
 _SHOWN = 12
 _COUNTED = ("mesh_vert", "mesh_face")
-"""Of these the number is reported by an array of its own."""
+"""The sizes of these are reported by arrays of their own."""
 
 _SHAPES = ("mesh_", "hfield_", "tex_", "skin_", "flex_", "oct_")
-"""Data of these is never listed number by number."""
+"""The data of these is never listed number by number."""
 
 
 def close(a: float, b: float, tolerance: float) -> bool:
-    """Whether two numbers count as one. NaN is itself."""
+    """Return whether two numbers count as equal. NaN equals NaN."""
     return a == b or (a != a and b != b) or abs(a - b) <= tolerance * max(abs(a), abs(b), FLOOR)
 
 
 class Values:
-    """Compares every array that belongs to an element, in the unit and words of MuJoCo's own arrays."""
+    """Compares every array with a row for each element, in the unit and words of MuJoCo's arrays."""
 
     def __init__(self, mujoco: Any, matching: Correspondence, tolerance: float) -> None:
         self.mujoco, self.matching, self.tolerance = mujoco, matching, tolerance
@@ -43,7 +43,7 @@ class Values:
         self._known: dict[tuple[int, str], list[tuple[str, Array, Treatment]]] = {}
 
     def changes(self) -> Iterator[Change]:
-        """In the order of kinds, and of elements in B."""
+        """Yield changes in the order of kinds, and of elements in B."""
         for kind in KINDS:
             if kind == "key":
                 continue
@@ -79,7 +79,7 @@ class Values:
                 yield from self._run(name, run, theirs[name])
 
     def _arrays(self, model: Model, kind: str) -> list[tuple[str, Array, Treatment]]:
-        """What has one row an element and is compared as numbers."""
+        """Return the arrays with one row for each element that are compared as numbers."""
         key = (id(model), kind)
         if key not in self._known:
             found: list[tuple[str, Array, Treatment]] = []
@@ -124,7 +124,9 @@ class Values:
             yield f"{name}[{at}]", ours[at], others[at]
 
     def _dofs(self, index: int, target: int) -> Iterator[tuple[str, Value, Value]]:
-        """The arrays with one row a degree of freedom; one number where all of a joint are alike."""
+        """Yield changes of arrays with one row for each degree of freedom; one number if all rows of a joint are
+        equal.
+        """
         if int(self.a.jnt_type[index]) != int(self.b.jnt_type[target]):
             return
         mine, theirs = span(self.a, "qvel", index), span(self.b, "qvel", target)
@@ -138,7 +140,7 @@ class Values:
 
     def _run(self, name: str, mine: Array, theirs: Array) -> Iterator[tuple[str, Value, Value]]:
         if mine.shape == theirs.shape and bool((mine == theirs).all()):
-            return  # as a rule, and of meshes these are millions of numbers
+            return  # the common case, and meshes have millions of numbers
         if name == "text_data":
             before, after = (
                 bytes(run.tolist()).rstrip(b"\0").decode("utf-8", "replace") for run in (mine, theirs)
@@ -163,7 +165,7 @@ class Values:
                 yield name, None, f"{len(off)} of {mine.size} numbers differ, by up to {max(off):.3g}"
 
     def _gains(self, index: int, target: int) -> list[tuple[str, Value, Value]] | None:
-        """Gains by their names, where both models have the actuator in the same form."""
+        """Return gains by name, if both models have the actuator in the same form."""
         before, after = _servo(self.a, index), _servo(self.b, target)
         if before is None or after is None or before.keys() != after.keys():
             return None
@@ -183,7 +185,7 @@ class Values:
 
 
 def _servo(model: Model, index: int) -> dict[str, float] | None:
-    """The gains of a motor or servo that has no other parameters, so that these say all."""
+    """Return the gains of a motor or servo without other parameters, which describe it completely."""
     gain, bias = model.actuator_gainprm[index], model.actuator_biasprm[index]
     beside = bias if int(model.actuator_biastype[index]) == NO_BIAS else bias[3:]
     return None if gain[1:].any() or beside.any() else servo(model, index)
@@ -198,7 +200,7 @@ def _flat(value: Any) -> Iterator[float]:
 
 
 def _one(rows: list[Any]) -> Any:
-    """One row where all are alike."""
+    """Return a single row if all rows are equal."""
     return rows[0] if rows and all(row == rows[0] for row in rows) else rows
 
 

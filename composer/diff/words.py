@@ -1,4 +1,4 @@
-"""A change in one sentence, as a roboticist would say it."""
+"""Describe a change in one sentence, as a roboticist would."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ _ORDER = ("renamed", "removed", "added", "changed")
 
 
 def sentences(changes: Iterable[Change], between: Between | None = None) -> Iterator[str]:
-    """One line for each change, or for all that say the same of several elements.
+    """Yield one line for each change, or for all equal changes of several elements.
 
-    `between` puts a value and what it became into words, with their unit; an arrow does that otherwise.
+    `between` puts a value and its new value into words, with their unit; the default is an arrow.
     """
     changes = sorted(changes, key=lambda each: (_ORDER.index(each.what), rank(each.field)))
     found: dict[tuple[object, ...], list[Change]] = {}
@@ -53,7 +53,7 @@ def count(size: Count) -> str:
 
 
 def moved(moves: Iterable[Move]) -> Iterator[str]:
-    """Addresses: one line for a run of elements that all stand the same number of places further."""
+    """Yield changed addresses: one line for a run of elements that all move by the same number of places."""
     for (vector, kind, by), run in groupby(
         moves, key=lambda each: (each.vector, each.kind, each.after - each.before)
     ):
@@ -84,19 +84,19 @@ def subject(kind: str, names: Sequence[str]) -> str:
 
 
 def quoted(name: str) -> str:
-    """A name in backquotes; the place of what has no name as it is."""
+    """Return a name in backquotes; the place of an unnamed element as it is."""
     return name if name.startswith("#") else f"`{name}`"
 
 
 def _quoted(names: Sequence[str]) -> Iterator[str]:
-    """Names in backquotes; of several unnamed things on one body the body once."""
+    """Yield names in backquotes; several unnamed things on one body share the name of the body."""
     for (place, _), run in groupby(map(_placed, names), key=lambda each: (each[1], each[1] or each[0])):
         several = [first for first, _ in run]
         yield f"{', '.join(several)} {place}" if place else quoted(several[0])
 
 
 def _placed(name: str) -> tuple[str, str]:
-    """`#2 of body ...` in its two parts."""
+    """Split `#2 of body ...` in two."""
     first, space, place = name.partition(" ")
     return (first, place) if name.startswith("#") and space else (name, "")
 
@@ -117,13 +117,13 @@ def arrow(before: Value, after: Value, unit: str = "", *, share: bool = True) ->
 
 
 def view(view: View) -> str:
-    """How much two pictures differ."""
+    """Return how much two pictures differ, in words."""
     share = view.differs * 100
     return "the same" if share == 0 else f"{max(share, 0.1):.1f} % of the pixels differ"
 
 
 def relative(before: Value, after: Value) -> float | None:
-    """The change as a share of what was; of several numbers where all grew alike. None where that has no meaning."""
+    """Return the relative change; for several numbers only if all grew alike. Return None if that has no meaning."""
     ours, theirs = _numbers(before), _numbers(after)
     if all(isinstance(each, int) for each in (*ours, *theirs)):
         return None
@@ -146,7 +146,7 @@ def _signed(number: int) -> str:
 
 
 def shown(value: Value, digits: int | None = 6) -> str:
-    """A value as text, lists in brackets; without `digits` every number to the bit."""
+    """Return a value as text, lists in brackets; without `digits` every number to the bit."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if value is None:
@@ -160,7 +160,7 @@ def shown(value: Value, digits: int | None = 6) -> str:
 
 
 def _without_noise(value: Value, negligible: float) -> Value:
-    """Zero for what rounding left beside a larger number."""
+    """Return zero for a number that is rounding error beside a larger one."""
     return 0.0 if isinstance(value, float) and abs(value) < negligible else value
 
 
@@ -190,7 +190,7 @@ def _sentence(alike: Sequence[Change], between: Between | None) -> str:
 
 
 def _prefixes(change: Change) -> tuple[str, str] | None:
-    """The outermost prefixes, where that is all that is different."""
+    """Return the outermost prefixes, if nothing else differs."""
     ours, separator, rest = str(change.before).partition("/")
     theirs, _, other = str(change.after).partition("/")
     return (f"{ours}/", f"{theirs}/") if separator and rest == other and ours != theirs else None

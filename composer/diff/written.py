@@ -1,4 +1,4 @@
-"""Which lines of the files of A and B are not the same in both: only such a line can be the reason for a difference."""
+"""Find the lines that differ between the files of A and B: only such a line can cause a difference."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from composer.diff.side import Side
 
 
 class Written:
-    """The files of both sides, each with the one that takes its place on the other side."""
+    """The files of both sides, each with its counterpart on the other side."""
 
     def __init__(self, a: Recipes, b: Recipes) -> None:
         self.sides = a.side, b.side
@@ -28,7 +28,7 @@ class Written:
         )
 
     def changed(self, side: int, span: Span | None) -> Span | None:
-        """The first line of what a place means that the other side does not have; None where it has all of them."""
+        """Return the first line of a place that the other side does not have, or None if it has all of them."""
         if span is None:
             return None
         lines = extent(span, self.sides[side])
@@ -45,7 +45,7 @@ class Written:
         return None
 
     def twin(self, side: int, span: Span) -> Span | None:
-        """The line of the other side that stands in the place of a line that is not the same."""
+        """Return the line of the other side that takes the place of a differing line."""
         there = self._counterpart(side, span.file)
         if there is None:
             return None
@@ -56,11 +56,13 @@ class Written:
         return None
 
     def is_within(self, side: int, item: Span, span: Span) -> bool:
-        """Whether a place lies in an item of a recipe."""
+        """Return whether a place lies in an item of a recipe."""
         return item.file == span.file and span.line in extent(item, self.sides[side])
 
     def only(self) -> Cause | None:
-        """The stretch of lines that differs, where that is the only one in all files: nothing else can be a reason."""
+        """Return the differing stretch of lines if it is the only one in all files: nothing else can be the cause
+        then.
+        """
         found: list[Cause] = []
         pairs = {(file, self._counterpart(0, file)) for file in self._named[0].values()} | {
             (self._counterpart(1, file), file) for file in self._named[1].values()
@@ -75,7 +77,7 @@ class Written:
         return found[0] if len(found) == 1 else None
 
     def _counterpart(self, side: int, file: str) -> str | None:
-        """The file of the other side that lies at the same place; for A or B itself that is the other one."""
+        """Return the file at the same place on the other side; the counterpart of A itself is B."""
         here, there = self.sides[side], self.sides[1 - side]
         if (found := self._paths[1 - side].get(real(here, file))) is not None:
             return found
@@ -86,11 +88,11 @@ class Written:
         alike = Path(mains[0]).suffix == Path(mains[1]).suffix and here.operand.kind is there.operand.kind
         if file == mains[0] and alike and name(there, mains[1]) not in self._named[side]:
             return mains[1]
-        lines = here.lines(file)  # of what was only renamed every line is known
+        lines = here.lines(file)  # in a renamed file, every line is known
         return next((each for each in self._named[1 - side].values() if there.lines(each) == lines), None)
 
     def _lines(self, a: str, b: str) -> tuple[frozenset[int], frozenset[int]]:
-        """The numbers of the lines that only A, and of those that only B has."""
+        """Return the numbers of the lines that only A has, and of those that only B has."""
         if (a, b) not in self._known:
             found: tuple[set[int], set[int]] = set(), set()
             for first, last, start, end in self._stretches(a, b):
@@ -107,9 +109,9 @@ class Written:
 
 
 def name(side: Side, file: str | None) -> str:
-    """A file as it lies from A or B itself, so that two folders that are laid out alike have the same.
+    """Return a file's path relative to A or B, so that two folders with the same layout have equal paths.
 
-    What was fetched lies in the reference that names it, whatever commit or archive that is.
+    A fetched file is named by its reference, whatever the commit or archive.
     """
     operand = side.operand
     there = operand.context.folder / (file or "")
@@ -117,12 +119,12 @@ def name(side: Side, file: str | None) -> str:
 
 
 def real(side: Side, file: str | None) -> str:
-    """Where a file really is, by which two sides may have the same one."""
+    """Return the real path of a file, by which two sides can share one."""
     return os.path.realpath(side.operand.context.folder / (file or ""))
 
 
 def _files(side: Side, recipes: Recipes) -> Iterator[str]:
-    """Every file that the model is made of, as messages name it."""
+    """Yield every file of the model, as messages name it."""
     yield side.operand.context.shown(side.operand.path)
     yield from recipes.files
     if side.traced is not None:
@@ -132,7 +134,7 @@ def _files(side: Side, recipes: Recipes) -> Iterator[str]:
 
 
 def _different(ours: list[str], theirs: list[str]) -> Iterator[tuple[int, int, int, int]]:
-    """The stretches of lines that differ; what both begin and end with is not looked at line by line."""
+    """Yield the stretches of lines that differ. Common lines at the start and the end are skipped quickly."""
     head = next(
         (at for at, (x, y) in enumerate(zip(ours, theirs, strict=False)) if x != y),
         min(len(ours), len(theirs)),

@@ -1,1 +1,1 @@
-"""Where everything in a model came from, and what changed it on the way."""
+"""Explain where everything in a model came from, and what changed it on the way."""

@@ -1,4 +1,4 @@
-"""What a pass or a step did to an element, in words, and the place that is the reason."""
+"""Describe what a pass or a step did to an element, with the place that is the reason."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from composer.link.sections import sections
 
 
 def rewrites(cause: Cause) -> bool:
-    """Whether it writes a value in another way, or under another name: the value comes from where it came from."""
+    """Return whether a cause only rewrites a value or renames it, so that the value keeps its origin."""
     row = row_of(cause.done)
     return row.rewrites if row is not None else cause.function in (add_file, collect, check_names)
 
 
 class Causes:
-    """The words of the changes that one trace has."""
+    """Words for the changes that one trace recorded."""
 
     def __init__(self, trace: Trace) -> None:
         self.passes = PassWords(trace)
 
     def change(self, change: Change, life: Life) -> Reason:
-        """Why an attribute changed."""
+        """Return why an attribute changed."""
         cause = change.cause
         known = CHANGES.get(cause.function)
         if known is not None:
@@ -40,7 +40,7 @@ class Causes:
         return of_step(cause, change.owner, change.attribute, life.node)
 
     def made(self, life: Life) -> Reason:
-        """Why there is an element that was read from no file."""
+        """Return why an element exists that was read from no file."""
         cause = life.made_by
         assert cause is not None
         known = MADE.get(cause.function)
@@ -49,7 +49,7 @@ class Causes:
         return of_step(cause, life.owner, None)
 
     def value(self, life: Life, attribute: str) -> Reason:
-        """Why an element that a pass made has the value of an attribute."""
+        """Return why an element that a pass created has this value of an attribute."""
         cause = life.made_by
         assert cause is not None
         known = VALUES.get(cause.function)
@@ -57,14 +57,14 @@ class Causes:
         return reason or self.made(life)
 
     def gone(self, life: Life) -> Reason:
-        """Why there is an element no more."""
+        """Return why an element no longer exists."""
         cause = life.gone
         assert cause is not None
         known = GONE.get(cause.function)
         return known(self.passes, life, cause) if known is not None else of_step(cause, None, None)
 
     def move(self, move: Move, life: Life) -> Reason | None:
-        """Why an element stands elsewhere; None where that means nothing, as in a section that was joined."""
+        """Return why an element moved, or None if the move means nothing, as in a merged section."""
         cause = move.cause
         if cause.function in (sections, defaults, compiler, keyframes):
             return None

@@ -1,4 +1,4 @@
-"""Attributes that `edit`, `randomize` and `check` know and MJCF does not write where they are: what they come from.
+"""Attributes that `edit`, `randomize` and `check` know and MJCF writes elsewhere, and what determines them.
 
 The mass of a body is that of its `<inertial>` or of its geoms; the `gainprm` of a `<position>` comes from its `kp`.
 """
@@ -24,12 +24,12 @@ _INERTIA = "diaginertia"
 
 
 def is_derived(node: Node, name: str) -> bool:
-    """Whether recipes have the attribute and MJCF does not write it on such an element."""
+    """Return whether recipes have this attribute for the element and MJCF does not write it there."""
     return name in derived_names(kind_of(node))
 
 
 def derived_names(kind: ElementType) -> tuple[str, ...]:
-    """What `edit`, `randomize` and `check: equal` take of such an element beyond what the grammar has."""
+    """Return the attributes that `edit`, `randomize` and `check: equal` accept beyond those in the grammar."""
     if kind.path == "body":
         return (MASS, _INERTIA)
     if kind.family != "actuator":
@@ -38,7 +38,7 @@ def derived_names(kind: ElementType) -> tuple[str, ...]:
 
 
 def givers(node: Node, name: str, classes: Classes) -> list[tuple[Node, str]]:
-    """The elements and their attributes that give it, those in effect only."""
+    """Return the elements and attributes in effect that determine it."""
     if node.tag == "body":
         return list(_of_body(node, name, classes))
     general = GRAMMAR.element("actuator/motor").attributes
@@ -46,7 +46,7 @@ def givers(node: Node, name: str, classes: Classes) -> list[tuple[Node, str]]:
 
 
 def total(found: list[tuple[Node, str]], name: str, values: list[str | None]) -> str | None:
-    """The value, where the elements say it themselves; None where MuJoCo computes it."""
+    """Return the value if the elements write it, or None if MuJoCo computes it."""
     if not found and name == MASS:
         return "0"
     if len(found) == 1 and found[0][1] == name and found[0][0].tag == "inertial":

@@ -1,4 +1,4 @@
-"""Answer a query about a model: compose it once more, looking on, and read the answer off what was seen."""
+"""Answer a query about a model: compose it again under observation, and read the answer off the record."""
 
 from __future__ import annotations
 
@@ -28,16 +28,17 @@ if TYPE_CHECKING:
 def explain(
     path: Path, asked: query.Asked, context: Context, sample: int = 0, given: Given | None = None
 ) -> Explained | None:
-    """What the model of a recipe, or an MJCF file, has to say to a query; None where `context.sink` says why not.
+    """Return the answer to a query about the model of a recipe or an MJCF file, or None if `context.sink` says why
+    not.
 
-    `sample` says which draws the model has; 0 is the nominal one. `given` are values of parameters and variants.
+    `sample` selects the draws of the model; 0 is the nominal one. `given` are values of parameters and variants.
     """
     traced = trace(path, context, sample, given)
     return None if traced is None else traced.answer(asked, context)
 
 
 def trace(path: Path, context: Context, sample: int = 0, given: Given | None = None) -> Traced | None:
-    """The model, put together under observation. Compiles nothing but parts that MuJoCo has to measure."""
+    """Compose the model under observation. Compiles only parts that MuJoCo has to measure."""
     watch = Trace()
     if path.suffix.lower() == ".xml":
         for node in (given or {}).values():
@@ -65,7 +66,7 @@ def trace(path: Path, context: Context, sample: int = 0, given: Given | None = N
 
 
 def _no_recipe(path: Path, context: Context) -> None:
-    """A bundle names its recipe, but has neither that nor the files of the parts."""
+    """Report that a bundle has neither its recipe nor the files of its parts."""
     from composer.bundle.bundle import MANIFEST
     from composer.bundle.manifest import from_json
     from composer.bundle.read import ReadError, read

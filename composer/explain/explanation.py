@@ -1,4 +1,4 @@
-"""What is reported of an element or of one attribute: plain data, for text and for JSON."""
+"""Explanations of an element or an attribute, as plain data for text and JSON."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from composer.diagnostics.span import Span
 
 @dataclass(frozen=True, slots=True)
 class Reason:
-    """Something in words, and the place where it is written."""
+    """A reason in words, and the place where it is written."""
 
     words: str
     span: Span | None = None
@@ -18,7 +18,7 @@ class Reason:
 
 @dataclass(frozen=True, slots=True)
 class Changed:
-    """An attribute that is not as it was: values as MJCF text, None where it is not written."""
+    """A changed attribute: values as MJCF text, None if it is not written."""
 
     attribute: str | None
     before: str | None
@@ -46,7 +46,7 @@ class ClassStep:
 
 @dataclass(frozen=True, slots=True)
 class Listed:
-    """One of several elements; `value` is that of an attribute, or its start tag."""
+    """One of several elements; `value` is the value of an attribute, or the start tag."""
 
     label: str
     value: str | None
@@ -55,11 +55,11 @@ class Listed:
 
 @dataclass(frozen=True, slots=True)
 class RowExplained:
-    """Numbers of a keyframe that belong to one joint, actuator or mocap body and are of one origin.
+    """Numbers of a keyframe that belong to one joint, actuator or mocap body and have one origin.
 
-    `origin` says what gave them: `file`, `entry` (of a `keyframe` section), `edit`, `reference` (configuration),
-    `zero`, `mujoco` or `unknown`. `written` is the text at the place in `reason`. `on_the_way` has what passed the
-    numbers on or changed them, in order.
+    `origin` says where they come from: `file`, `entry` (of a `keyframe` section), `edit`, `reference`
+    (configuration), `zero`, `mujoco` or `unknown`. `written` is the text at the place in `reason`. `on_the_way` has
+    everything that passed the numbers on or changed them, in order.
     """
 
     label: str
@@ -74,9 +74,9 @@ class RowExplained:
 class ElementExplained:
     """An element of the model, and how it came to be as it is.
 
-    `written` are the places that it was read from or made at, more than one where several were joined; `end_line`
-    is the last line of the start tag of the first. `parts` has the parts it belongs to, the innermost first. `sets`
-    is what a default class says of each kind of element.
+    `written` are the places where it was read or created, several if elements were merged; `end_line` is the last
+    line of the first start tag. `parts` are the parts that it belongs to, the innermost first. `sets` lists what a
+    default class sets for each kind of element.
     """
 
     label: str
@@ -96,9 +96,9 @@ class ElementExplained:
 class LevelExplained:
     """One place that an attribute may come from.
 
-    Where it `wins` its text is in effect, or only `part_of_it`: a list that is shorter leaves its last numbers to the
-    next level that has them. At `span` it is written as it is, but for the `changes`; where there are `words` these say
-    how it came about instead.
+    If it `wins`, its text is in effect, or only `part_of_it`: a shorter list leaves the remaining numbers to the
+    next level that has them. The text is written at `span`, apart from the `changes`; if there are `words`, these
+    say where it came from instead.
     """
 
     kind: Literal["element", "class", "mujoco"]
@@ -113,9 +113,9 @@ class LevelExplained:
 
 @dataclass(frozen=True, slots=True)
 class AttributeExplained:
-    """One attribute of an element: the value in effect, and every level that it may come from, nearest first.
+    """One attribute of an element: the value in effect, and every level that it may come from, the nearest first.
 
-    `about` is what the grammar says of the attribute. `rows` shows the numbers of a keyframe by what they belong to.
+    `about` is the grammar's description of the attribute. `rows` lists the numbers of a keyframe by their owners.
     """
 
     label: str
@@ -132,7 +132,7 @@ Explained = ElementExplained | AttributeExplained | tuple[Listed, ...]
 
 
 def as_data(explained: Explained) -> dict[str, Any]:
-    """The explanation as JSON takes it; `explains` says which of the three it is."""
+    """Return the explanation as JSON data; `explains` says which of the three kinds it is."""
     if isinstance(explained, tuple):
         return {"explains": "list", "found": [asdict(each) for each in explained]}
     kind = "element" if isinstance(explained, ElementExplained) else "attribute"

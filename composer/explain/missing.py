@@ -1,4 +1,4 @@
-"""What is reported where a query means nothing in the model."""
+"""Report a query that matches nothing in the model."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def not_found(asked: Asked, root: Node, sink: Sink, notes: Iterable[Note] = ()) -> None:
-    """Report that nothing fits a query, what there is, and what was probably meant."""
+    """Report that nothing matches a query, what exists, and what was probably meant."""
     notes = tuple(notes)
     word = asked.text.split()[0].split("#")[0] if asked.kinds is not None else "element"
     if asked.line is not None:
@@ -55,6 +55,6 @@ def _no_such_name(
 
 
 def no_attribute(node: Node, name: str, sink: Sink) -> None:
-    """Report that such elements do not have that attribute."""
+    """Report that elements of this kind do not have the attribute."""
     known = sorted({*kind_of(node).attributes, *derived_names(kind_of(node))})
     sink.add(unknown_attribute(name, f"`<{node.tag}>`", known))

@@ -1,4 +1,4 @@
-"""What a pass of the linker did to an element, in words, and the place that is the reason."""
+"""Describe what a pass of the linker did to an element, with the place that is the reason."""
 
 from __future__ import annotations
 
@@ -47,13 +47,13 @@ _COMPUTED = {
 
 
 class PassWords:
-    """The words of the changes that passes made in one trace."""
+    """Words for the changes that passes made in one trace."""
 
     def __init__(self, trace: Trace) -> None:
         self.trace = trace
 
     def setting(self, unit: Unit, name: str) -> Span | None:
-        """Where a unit writes a compiler setting."""
+        """Return where a unit writes a compiler setting."""
         life = self.trace.written(unit, "compiler", name)
         return None if life is None else life.span(unit.origins, name)
 
@@ -193,7 +193,7 @@ class PassWords:
         return Reason("holds the default classes of the parts")
 
     def _top(self, unit: Unit) -> Span | None:
-        """Where a unit begins to write its default classes."""
+        """Return where a unit begins to write its default classes."""
         for life in self.trace.lives.values():
             if (
                 life.root is unit.root
@@ -220,7 +220,9 @@ class PassWords:
         return None
 
     def _bodies_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
-        """What hangs a part: the pose and the joints that the recipe writes, the pose of the place."""
+        """Return the reason for a value on the attachment of a part: the recipe's pose and joints, or the pose of
+        the place.
+        """
         part = cause.part
         if part is None:
             return None
@@ -304,7 +306,7 @@ class PassWords:
 
 
 def place(part: Part) -> str:
-    """Where a part hangs, in words."""
+    """Return the place of a part in words."""
     where = part.place
     found = "in the world" if where.kind == "world" else f"on the {where.kind} `{where.name}`"
     return f"{found}, with an offset" if where.offset else found
@@ -315,7 +317,7 @@ def hung_at(part: Part) -> Span | None:
 
 
 def _file(unit: Unit) -> str:
-    """A unit by the name of its file; where that is stands beside it."""
+    """Return the file name of a unit; its folder is shown beside it."""
     return f"`{unit.file.rpartition('/')[2]}`"
 
 

@@ -1,4 +1,4 @@
-"""What is asked for: `geom gripper/pad`, a name alone, `geom#3`, `option timestep`, `arm.xml:12`."""
+"""Parse a query: `geom gripper/pad`, a name alone, `geom#3`, `option timestep`, `arm.xml:12`."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
 
 _NUMBERED = re.compile(r"(.+)#(\d+)")
 _LINE = re.compile(r"(.+\.\w+):(\d+)(?::\d+)?")
-# What people say for the elements of a section.
+# Words that people use for the elements of a section.
 _MEANT = {"keyframe": "key", "class": "default"}
 
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """A query, read: `kinds` are the paths in the grammar that fit (None: any), then what narrows them down."""
+    """A parsed query: `kinds` are the grammar paths that match (None: all), the other fields narrow them down."""
 
     text: str
     kinds: frozenset[str] | None
@@ -39,7 +39,7 @@ class Asked:
 
 
 def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
-    """The query that was typed; None where it has no meaning, which is reported."""
+    """Parse a query; report it and return None if it has no meaning."""
     words = text.split()
     if not words:
         sink.error("unknown-name", "there is nothing to explain: the query is empty",
@@ -75,7 +75,7 @@ def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
 
 
 def find(asked: Asked, root: Node, separator: str) -> list[Node]:
-    """The elements of a model that a query means, in the order of the model; lines are not looked up here.
+    """Return the elements that a query matches, in the order of the model; lines are not looked up here.
 
     Raises `BadPattern`.
     """
@@ -96,12 +96,12 @@ def find(asked: Asked, root: Node, separator: str) -> list[Node]:
 
 
 def _counts(kind: ElementType) -> str:
-    """The path that an element counts under: the world is the first body."""
+    """Return the path under which an element is counted: the world is the first body."""
     return "body" if kind.path == "worldbody" else kind.path
 
 
 def ordered(root: Node) -> Iterator[Node]:
-    """Every element; those of bodies as MuJoCo counts them, body by body."""
+    """Yield every element; those in bodies in MuJoCo's order, body by body."""
     yield root
     for section in root.iterchildren("*"):
         if section.tag != "worldbody":
@@ -115,7 +115,7 @@ def ordered(root: Node) -> Iterator[Node]:
 
 
 def _own(holder: Node) -> Iterator[Node]:
-    """A body and what stands in it, up to the bodies below it."""
+    """Yield a body and everything in it except the bodies below it."""
     yield holder
     waiting: list[Iterator[Node]] = [holder.iterchildren("*")]
     while waiting:
@@ -128,14 +128,14 @@ def _own(holder: Node) -> Iterator[Node]:
 
 
 def name_of(node: Node) -> str | None:
-    """The name by which a query means an element."""
+    """Return the name that a query uses for an element."""
     naming = naming_attribute(kind_of(node))
     value = None if naming is None else node.get(naming.name)
     return str(value) if value else None
 
 
 def labels(root: Node) -> dict[Node, str]:
-    """How a query may mean each element and no other."""
+    """Return for each element a query that matches it and no other."""
     counts: Counter[str] = Counter()
     found: dict[Node, str] = {}
     for node in ordered(root):
@@ -158,14 +158,14 @@ def labels(root: Node) -> dict[Node, str]:
 
 @cache
 def _word(kind: ElementType) -> str:
-    """The tag, or the whole path where a tag alone means other elements."""
+    """Return the tag, or the whole path if the tag alone means other elements."""
     wanted = _kinds(kind.tag)
     return kind.tag if wanted is not None and kind.path in wanted else kind.path
 
 
 @cache
 def _words(kind: ElementType) -> tuple[str, ...]:
-    """Every word that counts an element: `joint` counts free joints too."""
+    """Return every word under which an element is counted: `joint` counts free joints too."""
     words = dict.fromkeys([_word(kind), *([kind.family] if kind.family else [])])
     if kind.path == "worldbody":
         words = dict.fromkeys(["body"])
@@ -173,7 +173,7 @@ def _words(kind: ElementType) -> tuple[str, ...]:
 
 
 def _kinds(word: str) -> frozenset[str] | None:
-    """The paths in the grammar that a word means: a tag, a family, a section, a path."""
+    """Return the grammar paths that a word means: a tag, a family, a section, or a path."""
     word = _MEANT.get(word, word)
     if word in GRAMMAR.paths:
         family = GRAMMAR.families.get(word)
@@ -185,7 +185,7 @@ def _kinds(word: str) -> frozenset[str] | None:
 
 
 def _is_one(kinds: frozenset[str]) -> bool:
-    """Whether the query means a thing of which a model has one: a section of settings, or what stands in it."""
+    """Return whether a model has only one of these: a section of settings, or an element in it."""
     return all(GRAMMAR.element(path).family is None and _settings(path) for path in kinds)
 
 
@@ -195,7 +195,7 @@ def _settings(path: str) -> bool:
 
 
 def _inside(text: str, words: list[str]) -> tuple[Asked, list[str]]:
-    """`option flag gravity`: the words lead into a section of settings as far as there are elements."""
+    """Follow the words into a section of settings as far as there are elements, as in `option flag gravity`."""
     path, rest = words[0], words[1:]
     while rest and f"{path}/{rest[0]}" in GRAMMAR.paths:
         path, rest = f"{path}/{rest[0]}", rest[1:]

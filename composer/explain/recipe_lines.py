@@ -1,4 +1,4 @@
-"""What a recipe writes for a value, which may be in its own unit or form."""
+"""Show what a recipe writes for a value, which may be in another unit or form than the model's."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from composer.recipe.controls import HOLD, WAYS
 
 
 class RecipeLines:
-    """The lines of recipes in a folder, read when they are first needed."""
+    """The lines of recipes in a folder, read on first use."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.lines: dict[str, list[str]] = {}
 
     def text_of(self, span: Span) -> str | None:
-        """The text of a span, where that stands on one line."""
+        """Return the text of a span if it is on one line."""
         if span.end_column is None or span.end_line != span.line:
             return None
         if span.file not in self.lines:
@@ -35,7 +35,7 @@ class RecipeLines:
         return text if not text.startswith("- ") else _list_of(lines[span.line - 1 :], span.column - 1)
 
     def in_own_form(self, span: Span | None, text: str | None) -> Reason:
-        """What a recipe writes for a value; in words where that is not the value itself."""
+        """Return the place of a value in a recipe, with the recipe's own text if that is not the value itself."""
         if span is None or self.has(span, text):
             return Reason("", span)
         written = self.text_of(span)
@@ -49,19 +49,19 @@ class RecipeLines:
 
 
 def _list_of(lines: list[str], indent: int) -> str:
-    """A YAML list with an item on each line, on one line."""
+    """Join a YAML list with an item on each line into one line."""
     dash = " " * indent + "- "
     items = [line[len(dash) :].strip() for line in takewhile(lambda line: line.startswith(dash), lines)]
     return f"[{', '.join(items)}]"
 
 
 def same_words(recipe: str, text: str) -> bool:
-    """Whether a recipe and MJCF write the same value, each in its way."""
+    """Return whether a recipe and MJCF write the same value, each in its own syntax."""
     return same_value(re.sub(r"""[][,"']""", " ", recipe), text)
 
 
 def same_value(a: str, b: str) -> bool:
-    """Whether two texts of MJCF are the same value: word by word the same text, or the same number.
+    """Return whether two MJCF texts are the same value: word by word the same text or the same number.
 
     >>> same_value("1 0.50 x", "1.0 .5 x")
     True

@@ -1,4 +1,4 @@
-"""The origin of numbers of a key, in words."""
+"""Describe the origin of numbers in a key."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _NOBODY = {
 def row_explained(
     label: str, numbers: str, origin: NumberOrigin, reason: Reason, written: str | None
 ) -> RowExplained:
-    """`reason` is what `reason_of` gives, `written` the text at its place."""
+    """Return the row; `reason` comes from `reason_of`, `written` is the text at its place."""
     on_the_way = [Reason("by `from`", span) for span in origin.taken]
     on_the_way += [Reason(f"moved with the part `{part}`", span) for part, span in origin.moved]
     if origin.lost is not None:
@@ -28,7 +28,7 @@ def row_explained(
 
 
 def reason_of(origin: NumberOrigin, edited: Callable[[Change], Reason]) -> Reason:
-    """What gave the numbers, and where; `edited` words an edit or a draw."""
+    """Return what set the numbers, and where; `edited` describes an edit or a draw."""
     if origin.change is not None:
         return edited(origin.change)
     if origin.kind == "mujoco":
@@ -37,6 +37,6 @@ def reason_of(origin: NumberOrigin, edited: Callable[[Change], Reason]) -> Reaso
 
 
 def only_place(reasons: Iterable[Reason]) -> Span | None:
-    """The place that all numbers are from which are written somewhere; None where there are several."""
+    """Return the only place where numbers are written, or None if there are several."""
     spans = {reason.span for reason in reasons if reason.words not in _NOBODY.values()}
     return spans.pop() if len(spans) == 1 else None

@@ -1,4 +1,4 @@
-"""The numbers of a keyframe: what each belongs to, and where it comes from, as the linker has noted it."""
+"""Find the owner and origin of each number of a keyframe, from the linker's notes."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ Kind = Literal["file", "entry", "edit", "reference", "zero", "mujoco", "unknown"
 class NumberOrigin:
     """Where numbers of a key come from.
 
-    - `file`: they are written in a `<key>` of a file;
-    - `entry`: an entry of a `keyframe` section of a recipe says them;
-    - `edit`: an edit or a draw of a recipe has made them: `change`;
-    - `reference`: nobody says them; they are the reference configuration, and 0 is `zero`;
+    - `file`: a `<key>` of a file writes them;
+    - `entry`: an entry of a `keyframe` section of a recipe writes them;
+    - `edit`: an edit or a draw of a recipe made them: `change`;
+    - `reference`: nobody writes them, and they are the reference configuration; `zero` if they are 0;
     - `mujoco`: the row of the key at `span` is too short, and MuJoCo has filled it up;
     - `unknown`.
 
-    `span` is the very place, of the numbers themselves where that can be; `written` is the text there. `taken` are the
-    `from` entries of recipes that passed them on. `moved` are the parts whose place changed them, each with where it
-    is attached. `lost` is the origin of what a key says in their place, which edits have made meaningless.
+    `span` is the place of the numbers themselves if that is known; `written` is the text there. `taken` are the
+    `from` entries of recipes that passed them on. `moved` are the parts whose place changed them, each with the
+    place of its attachment. `lost` is the origin of numbers in a key that edits have made meaningless.
     """
 
     kind: Kind
@@ -50,7 +50,7 @@ class NumberOrigin:
 
 
 class Row(NamedTuple):
-    """Numbers of one joint, actuator or mocap body that are of one origin."""
+    """Numbers of one joint, actuator or mocap body that have one origin."""
 
     holder: Node
     numbers: str
@@ -58,7 +58,7 @@ class Row(NamedTuple):
 
 
 def rows(model: Unit, key: Node, vector: str, trace: Trace) -> list[Row]:
-    """At least one row for each holder of numbers; none where only MuJoCo knows how they are laid out."""
+    """Return at least one row for each owner of numbers; none if only MuJoCo knows their layout."""
     reading = _Reading(model, trace)
     known = reading.settled(key, vector)
     layout = _layout(model, trace.life(key))
@@ -75,27 +75,27 @@ def rows(model: Unit, key: Node, vector: str, trace: Trace) -> list[Row]:
 
 
 def key_origins(model: Unit, key: Node, attribute: str, trace: Trace) -> list[NumberOrigin]:
-    """The origins of all numbers in an attribute of a key, `time` included, in order."""
+    """Return the origins of all numbers in an attribute of a key, including `time`, in order."""
     reading = _Reading(model, trace)
     return [reading.origin(run) for run in _runs(reading.settled(key, attribute))]
 
 
 class _Known(NamedTuple):
-    """A number of a key, and the edit or draw that made it, if one did."""
+    """A number of a key, and the edit or draw that made it, if any."""
 
     number: Number
     change: Change | None = None
 
 
 class _Reading:
-    """Reads the records of keys, and what was seen of them."""
+    """Reads the linker's records of keys, and the observed changes to them."""
 
     def __init__(self, model: Unit, trace: Trace) -> None:
         self.model, self.trace = model, trace
         self.known: dict[tuple[Node, str], list[_Known]] = {}
 
     def settled(self, key: Node, vector: str) -> list[_Known]:
-        """The numbers of a key, each by the attribute of the file, the entry or the edit that it is from."""
+        """Return the numbers of a key, each with the file attribute, entry or edit that it comes from."""
         return [self._settled(each) for each in self._numbers(key, vector)]
 
     def _settled(self, known: _Known) -> _Known:
@@ -105,7 +105,7 @@ class _Reading:
         if source.kind not in ("key", "edited"):
             return known
         if source.kind == "key" and self._noted(source.key, source.vector) is not None:
-            return known  # as the file has it: the record shows how it was later
+            return known  # as in the file: the record shows later values
         there = self._numbers(source.key, source.vector)
         if known.number.at >= len(there):
             return _Known(Number(known.number.text, KeySource("edited", source.vector)))
@@ -125,7 +125,7 @@ class _Reading:
         return None if record is None else record.numbers.get(vector)
 
     def _numbers(self, key: Node, vector: str) -> list[_Known]:
-        """The numbers of an element by what the linker noted, and what edits and draws changed afterwards."""
+        """Return the numbers of an element from the linker's notes, updated by later edits and draws."""
         if (key, vector) not in self.known:
             life, noted = self.trace.life(key), self._noted(key, vector)
             if noted is None:
@@ -169,7 +169,7 @@ class _Reading:
         return self._in_file(source, at, life) or NumberOrigin("file", span)
 
     def _in_file(self, source: KeySource, at: tuple[int, int], life: Life) -> NumberOrigin | None:
-        """The place of the numbers themselves, where they stand on one line."""
+        """Return the place of the numbers themselves if they are on one line."""
         if not isinstance(life.owner, str) or life.line is None:
             return None
         text = self.model.origins.text(life.owner)
@@ -182,7 +182,7 @@ class _Reading:
 
 
 def _after(known: list[_Known], now: list[str], changes: list[Change], vector: str) -> list[_Known]:
-    """The numbers after what steps of recipes did to them; what none accounts for is not known."""
+    """Apply the changes of recipe steps to the numbers; numbers that no step accounts for become unknown."""
     for change in changes:
         before, after = (change.before or "").split(), (change.after or "").split()
         source = KeySource("edited", vector)
@@ -199,7 +199,7 @@ def _after(known: list[_Known], now: list[str], changes: list[Change], vector: s
 
 
 def _layout(model: Unit, life: Life) -> Layout | None:
-    """How the numbers of a key are laid out: as the linker did it, or as the tree shows."""
+    """Return the layout of a key's numbers: the linker's, or else the one that the tree implies."""
     linking = None if life.made_by is None else life.made_by.linking
     if linking is not None and linking.keys.final_layout is not None:
         return linking.keys.final_layout
@@ -210,7 +210,7 @@ def _layout(model: Unit, life: Life) -> Layout | None:
 
 
 def _runs(numbers: list[_Known]) -> Iterator[list[_Known]]:
-    """Numbers next to each other that are of one origin."""
+    """Yield runs of neighbouring numbers with one origin."""
     run: list[_Known] = []
     for each in numbers:
         if run and not _goes_on(run[-1], each):

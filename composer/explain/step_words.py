@@ -1,4 +1,4 @@
-"""What a step of the plan, or another function, did to an element, in words, and the place that is the reason."""
+"""Describe what a step of the plan, or another function, did to an element, with the place that is the reason."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def of_step(cause: Cause, owner: object, attribute: str | None, node: Node | None = None) -> Reason:
-    """What a cause did, and where; `owner` is who wrote the element or its attribute."""
+    """Return what a cause did, and where; `owner` wrote the element or its attribute."""
     done = cause.done
     if isinstance(done, Plan):
         return _by_plan(done, attribute)
@@ -39,7 +39,7 @@ def of_step(cause: Cause, owner: object, attribute: str | None, node: Node | Non
 
 
 def owned(owner: object, attribute: str | None) -> Span | None:
-    """The place that an owner of an element knows of it, or of its attribute."""
+    """Return the place of an element or of its attribute, if its owner knows it."""
     if isinstance(owner, Span):
         return owner
     if callable(owner):
@@ -49,7 +49,7 @@ def owned(owner: object, attribute: str | None) -> Span | None:
 
 
 def _drawn(cause: Cause, node: Node, field: str) -> object | None:
-    """What a field drew for an element, or for the body whose mass the element gives."""
+    """Return what a field drew for an element, or for the body whose mass the element determines."""
     if cause.linking is None:
         return None
     for each in (node, *node.iterancestors("body")):
@@ -67,7 +67,7 @@ def _by_plan(plan: Plan, attribute: str | None) -> Reason:
 
 
 def _summary(done: object) -> str:
-    """What a pass says of itself in its row, another function in the first line of its docstring."""
+    """Return the words in the row of a pass, or the first line of another function's docstring."""
     if (row := row_of(done)) is not None:
         return row.words
     module = inspect.getmodule(done)

@@ -1,4 +1,4 @@
-"""An explanation as text for a reader."""
+"""Render an explanation as text."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ _MOST_LINES = 5
 
 
 def render(explained: Explained, read_source: ReadSource | None = None, color: bool = False) -> str:
-    """The explanation, without a final line break; source lines are shown where `read_source` has them.
+    """Return the explanation without a final line break; `read_source` gives the source lines to show.
 
-    `color` adds the ANSI colours that diagnostics have.
+    `color` adds ANSI colours as in diagnostics.
     """
     paint = Paint(color)
     if isinstance(explained, ElementExplained):
@@ -110,7 +110,7 @@ def _attribute(it: AttributeExplained, read_source: ReadSource | None, paint: Pa
         if each.changes:
             yield ""
             where = f"in the class {each.name}" if each.kind == "class" else "on the element"
-            if it.levels[0].name[0] != "<":  # the attribute of another element, which gives this one
+            if it.levels[0].name[0] != "<":  # the attribute of another element that determines this one
                 where = f"in {each.name}"
             yield paint("bold", f"what changed it {where}")
             yield from _changes(each.changes, name=False)
@@ -196,7 +196,7 @@ def _in_full(span: Span | None, before: str) -> str:
 
 
 def _at(span: Span | None, before: str = "") -> str:
-    """File and line; of a long path the end, as the whole is reported once."""
+    """Return file and line; only the end of a long path, because the whole path is shown once."""
     if span is None:
         return ""
     file = span.file

@@ -1,4 +1,6 @@
-"""What happens to every element while a model is put together: compared after each pass and step, by identity."""
+"""Record what happens to every element during composition: elements are compared by identity after each pass and
+step.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,7 @@ TAG = "<tag>"
 
 @dataclass(frozen=True, slots=True)
 class Cause:
-    """What was done, as the `Watch` is reported it, and the tree and part in which it made a change."""
+    """What was done, as reported to the `Watch`, and the tree and part in which it changed something."""
 
     done: object
     unit: Unit
@@ -33,7 +35,7 @@ class Cause:
 
     @property
     def function(self) -> Function | None:
-        """A pass or another function that has run; None for a step, a source or a plan."""
+        """The pass or other function that ran; None for a step, a source or a plan."""
         return self.done if isinstance(self.done, FunctionType) else None
 
     @property
@@ -43,7 +45,9 @@ class Cause:
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A new value of an attribute, or of `TAG`; None where it is not written. `owner`: where the new one stands."""
+    """A new value of an attribute or of `TAG`; None if it is not written. `owner` knows where the new value is
+    written.
+    """
 
     attribute: str
     before: str | None
@@ -63,11 +67,11 @@ class Move:
 
 @dataclass(eq=False, slots=True)
 class Life:
-    """All that is known of one element: how it was when first seen, what changed, and what became of it.
+    """Everything known of one element: its first state, its changes, and its end.
 
-    `born` is after what it was first seen; `made_by` is the same, and None for what was read from a file. `home` is the
-    root of the tree that it was last seen in. `parts` has the parts that it belongs to, the innermost first; `sources`
-    are the elements whose place it takes.
+    `born` is the cause after which it was first seen; `made_by` is the same cause, or None for an element that was
+    read from a file. `home` is the root of the tree that it was last seen in. `parts` are the parts that it belongs
+    to, the innermost first; `sources` are the elements that it replaces.
     """
 
     node: Node
@@ -89,7 +93,7 @@ class Life:
     last_parent: Node | None = None
 
     def span(self, origins: Origins, attribute: str | None = None, owner: Owner | None = None) -> Span:
-        """Where it is first written, or the value of an attribute there."""
+        """Return where the element was first written, or the value of an attribute there."""
         owner = self.owner if owner is None else owner
         if isinstance(owner, Span):
             return owner
@@ -99,16 +103,16 @@ class Life:
 
     @property
     def name(self) -> str | None:
-        """What it was called when first seen."""
+        """Its name when it was first seen."""
         return self.attributes.get("class" if self.tag == "default" else "name")
 
     def of(self, attribute: str) -> list[Change]:
-        """What happened to one attribute."""
+        """Return the changes of one attribute."""
         return [each for each in self.changes if isinstance(each, Change) and each.attribute == attribute]
 
 
 class Trace:
-    """A `Watch` that remembers. Holds every node, so that identity lasts."""
+    """A `Watch` that records. It holds every node, so that identities stay valid."""
 
     def __init__(self) -> None:
         self.lives: dict[Node, Life] = {}
@@ -151,7 +155,7 @@ class Trace:
         return self.lives[node]
 
     def written(self, unit: Unit, tag: str, attribute: str) -> Life | None:
-        """The element of that tag by which a unit, as it was read, sets an attribute."""
+        """Return the element with that tag in which a unit, as read, sets an attribute."""
         found = None
         for life in self.lives.values():
             if life.root is unit.root and life.tag == tag and attribute in life.attributes:
@@ -169,7 +173,7 @@ class Trace:
         owner = cause.unit.origins.owner(node, cause.unit.file)
         laid_out = (
             node in cause.unit.origins.keys
-        )  # by the edits of a part, which is not linked to anything yet
+        )  # by the edits of a part that is not linked to anything yet
         made = cause if cause.linking is not None or laid_out else None
         items = _items(node)
         parent = node.getparent()
@@ -200,7 +204,7 @@ class Trace:
             life.last_parent = parent
 
     def _succeed(self, life: Life, lost: list[Life]) -> None:
-        """What a pass writes anew takes the place of elements: those of its tag and name that no longer exist."""
+        """Link an element that a pass wrote anew to those that it replaces: removed ones with the same tag and name."""
         assert life.made_by is not None
         record = life.made_by.unit.origins.keys.get(life.node)
         if record is not None:
@@ -228,7 +232,7 @@ def _differences(
 
 
 def _carried(life: Life, linking: Linking) -> Part | None:
-    """The part for whose sake the linker made an element of the model: what it hangs on."""
+    """Return the part for which the linker created an element, such as the frame of its attachment."""
     for part in linking.parts:
         carries = {"frame": "childclass", "default": "class"}.get(life.tag, "")
         if part.top_class and life.attributes.get(carries) == part.top_class:

@@ -1,4 +1,4 @@
-"""A model that was put together under observation, and what it answers."""
+"""A model that was composed under observation, and its answers to queries."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ _COMES_ALONG = "comes with what the recipe adds there"
 
 @dataclass(eq=False)
 class Traced:
-    """A model, and all that happened to its elements."""
+    """A model, and the record of its elements."""
 
     model: Unit
     watch: Trace
@@ -73,7 +73,7 @@ class Traced:
         }
 
     def answer(self, asked: query.Asked, context: Context) -> Explained | None:
-        """The answer to a query; None where there is none, which is reported."""
+        """Return the answer to a query, or None if there is none, which is reported."""
         try:
             found = (
                 self.on_line(*asked.line)
@@ -106,7 +106,7 @@ class Traced:
     # -- one element -------------------------------------------------------------------------------------------
 
     def element(self, node: Node) -> ElementExplained:
-        """Everything about one element."""
+        """Explain an element."""
         life, kind = self.watch.life(node), kind_of(node)
         reached = kind.takes_class
         return ElementExplained(
@@ -127,7 +127,7 @@ class Traced:
         )  # fmt: skip
 
     def attribute(self, node: Node, name: str) -> AttributeExplained:
-        """Everything about one attribute."""
+        """Explain an attribute."""
         if is_derived(node, name):
             return self._derived(node, name)
         kind = kind_of(node)
@@ -163,7 +163,7 @@ class Traced:
         )
 
     def _derived(self, node: Node, name: str) -> AttributeExplained:
-        """An attribute that other ones give: each of them is a level of its own."""
+        """Explain an attribute that other attributes determine: each of them is a level of its own."""
         found = givers(node, name, self.classes)
         explained = [self.attribute(giver, attribute) for giver, attribute in found]
         levels = [
@@ -206,7 +206,7 @@ class Traced:
         return Listed(self.labels[node], text, reason)
 
     def key_rows(self, key: Node, vector: str) -> Iterator[tuple[Node, RowExplained]]:
-        """The numbers of a key by the joint, actuator or mocap body that they belong to, and by their origin."""
+        """Yield the numbers of a key by their joint, actuator or mocap body, and by their origin."""
         for holder, numbers, origin in rows(self.model, key, vector, self.watch):
             reason = self._row_reason(key, origin)
             if origin.kind == "entry":
@@ -222,7 +222,7 @@ class Traced:
                 reason = Reason("", self.written_at(child, str(name)))
                 yield Listed(f"{child.tag!s} {name!s}", str(text), reason)
 
-    # -- what it came from -------------------------------------------------------------------------------------
+    # -- its origin --------------------------------------------------------------------------------------------
 
     def written(self, life: Life) -> Iterator[Reason]:
         if life.made_by is not None:
@@ -253,7 +253,7 @@ class Traced:
         return None
 
     def on_line(self, file: str, line: int) -> list[Node]:
-        """The elements whose start tag is on a line of a file, or on several of which it is one."""
+        """Return the elements whose start tag covers a line of a file."""
         found = []
         for node in query.ordered(self.model.root):
             for life in (self.watch.life(node), *self.watch.life(node).sources):
@@ -265,7 +265,7 @@ class Traced:
                     found.append(node)
         return found
 
-    # -- what changed it ---------------------------------------------------------------------------------------
+    # -- its changes -------------------------------------------------------------------------------------------
 
     def changes(self, life: Life, only: str | None = None) -> Iterator[Changed]:
         for source in life.sources if len(life.sources) == 1 else ():
@@ -280,7 +280,7 @@ class Traced:
                 yield self._changed(change, life)
 
     def _as_the_recipe_has_it(self, life: Life, only: str | None) -> Iterator[Changed]:
-        """What a recipe writes in other words than MJCF: angles in their own unit above all."""
+        """Yield values that a recipe writes in another form than MJCF, such as angles in their own unit."""
         if life.made_by is None or life.made_by.is_pass or not callable(life.owner):
             return
         settled = {each.attribute: each.after or "" for each in life.changes
@@ -326,13 +326,13 @@ class Traced:
         return Reason("", None if node is None else next(self.written(self.watch.life(node))).span)
 
     def written_at(self, node: Node | None, attribute: str) -> Span | None:
-        """The place of `origin_at`."""
+        """Return the place of `origin_at`."""
         return None if node is None else self.origin_at(node, attribute).span
 
     def origin_at(self, node: Node, attribute: str) -> Reason:
-        """Where the value of an attribute comes from.
+        """Return where the value of an attribute comes from.
 
-        Without words it stands at that place, but for what `changes` says; words say how it came about otherwise.
+        Without words, the value is written at that place, apart from `changes`; words describe any other origin.
         """
         life = self.watch.life(node)
         if node.tag == "key" and attribute in (*VECTORS, "time") and node.get(attribute):
@@ -362,7 +362,7 @@ class Traced:
         return self._as_read(life, attribute)
 
     def _as_read(self, life: Life, attribute: str) -> Reason:
-        """Where an attribute stands of what was read from a file, or written in the recipe."""
+        """Return where an attribute is written that was read from a file or from the recipe."""
         if attribute not in life.attributes:
             written = next((each for each in reversed(life.of(attribute)) if each.before is None), None)
             return Reason("", self._span(life)) if written is None else self.causes.change(written, life)
@@ -383,7 +383,7 @@ class Traced:
         return reason_of(origin, lambda change: self.causes.change(change, self.watch.life(key)))
 
     def history(self, node: Node, attribute: str) -> list[Span]:
-        """Every place that had a say in an attribute: where it was read or made, then what changed it."""
+        """Return every place that influenced an attribute: where it was read or created, then what changed it."""
         life = self.watch.life(node)
         if life.made_by is not None and life.made_by.is_pass and len(life.sources) != 1:
             span = self.causes.made(life).span
@@ -423,7 +423,7 @@ class Traced:
 
 
 def _given_by(called: str, attribute: str, level: LevelExplained) -> str:
-    """A level of an attribute that gives another one."""
+    """Return the name of a level whose attribute determines another one."""
     level_of = {"element": "", "class": f", class {level.name}", "mujoco": f", {level.name}"}[level.kind]
     return f"{called} {attribute}{level_of}"
 

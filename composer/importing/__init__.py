@@ -1,1 +1,1 @@
-"""From a merged model and the parts that it was made of to the recipe that makes it: `mjcompose import`."""
+"""Recover the recipe that makes a merged model from its parts: `mjcompose import`."""

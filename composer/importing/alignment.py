@@ -1,4 +1,4 @@
-"""Which elements without a name are taken for which, by the order in which they stand."""
+"""Pair unnamed elements by their order."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ T = TypeVar("T")
 def paired(
     one: Sequence[T], other: Sequence[T], alike: Callable[[T, T], bool]
 ) -> Iterator[tuple[T, T | None]]:
-    """Every element of `one` with what it is in `other`, or None for one that does not exist.
+    """Yield every element of `one` with its counterpart in `other`, or None if it has none.
 
-    What is alike belongs together as long as the order stays; between that, the first with the first. Behind an
-    element of `other` that nothing is left for all are new, since what is added stands at the end.
+    Equal elements are paired in order, and the elements between them first to first. If that leaves an element of
+    `other` without a partner, all elements are paired by position, because additions stand at the end.
 
     >>> list(paired("abcd", "axd", str.__eq__)), list(paired("ab", "axb", str.__eq__))
     ([('a', 'a'), ('b', 'x'), ('c', None), ('d', 'd')], [('a', 'a'), ('b', 'x')])
@@ -35,7 +35,7 @@ def paired(
 
 
 def _common(one: Sequence[T], other: Sequence[T], alike: Callable[[T, T], bool]) -> list[tuple[int, int]]:
-    """The longest row of pairs that are alike, in the order of both."""
+    """Return the longest sequence of equal pairs, in the order of both."""
     same = [[alike(a, b) for b in other] for a in one]
     length = [[0] * (len(other) + 1) for _ in range(len(one) + 1)]
     for i in reversed(range(len(one))):

@@ -1,4 +1,4 @@
-"""What makes the parts of a merged model what they are in it: the entries of `edit`, found by comparing the two."""
+"""Compare parts with their state in a merged model, and write the `edit` entries that lead from one to the other."""
 
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ from composer.tree.unit import Unit
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
-_SEVERAL = 2  # as many elements that change alike are a change of their class
+_SEVERAL = 2  # if as many elements change alike, their class changed
 _ASSETS = frozenset(("material", *NAMED_AFTER_FILE))
 _IN_BODIES = ("geom", "site", "joint", "freejoint", "inertial", "light", "camera")
-_SORTED = frozenset({"pair", "exclude"})  # MuJoCo counts these in an order of its own
+_SORTED = frozenset({"pair", "exclude"})  # MuJoCo orders these in its own way
 
 
 class Comparison:
-    """Compares the parts with what they are in the merged model, and writes down the edits that make up for it."""
+    """Compares the parts with their state in the merged model, and writes the edits for the differences."""
 
     def __init__(
         self,
@@ -91,16 +91,14 @@ class Comparison:
         }
 
     def theirs(self, each: Instance, namespace: str | None, name: str) -> str:
-        """What the merged model calls an element of a part; without a namespace, of any."""
+        """Return the name in the merged model of an element of a part; without a namespace, of any element."""
         if namespace is not None:
             return self.new_names.get((id(each), namespace, name), each.prefix + name)
         found = (new for (part, _, old), new in self.new_names.items() if part == id(each) and old == name)
         return next(found, each.prefix + name)
 
     def find_renamed(self, each: Instance) -> None:
-        """Elements that are called otherwise and are the same: the only one of its tag that is new in its body, or
-        that refers to the same.
-        """
+        """Find renamed elements: the only new one with that tag in its body, or one with the same references."""
         part = self.parts[each.part]
         known = {
             (namespace, one.prefix + name)
@@ -140,7 +138,7 @@ class Comparison:
         return found
 
     def values(self, node: Node, unit: Unit) -> dict[str, str]:
-        """What is written of an asset, or comes from its class; files as the recipe finds them."""
+        """Return what an asset writes or gets from its class, with file paths as the recipe needs them."""
         kind = GRAMMAR.element(str(node.tag))
         found = {}
         for name, attribute in kind.attributes.items():
@@ -158,7 +156,7 @@ class Comparison:
         self.entries.append(Entry("edit", flow(verbs), rank=rank))
 
     def pose(self, body: Node, unit: Unit) -> Pose:
-        """The pose of a body in the body around it, through its frames."""
+        """Return the pose of a body in the body around it, including its frames."""
         pose = read_pose(body, unit.settings.angle == "degree", unit.settings.eulerseq)
         parent = body.getparent()
         while parent is not None and parent.tag == "frame":
@@ -167,7 +165,7 @@ class Comparison:
         return pose
 
     def compare(self, each: Instance) -> None:
-        """The edits that make of the part what it is in the merged model."""
+        """Write the edits that turn the part into its state in the merged model."""
         part = self.parts[each.part]
         gone: set[Node] = set()
         for (namespace, name), item in named(part).items():
@@ -177,21 +175,23 @@ class Comparison:
                 there.kind.tag != item.kind.tag and not self.same(item.node, there.node, each)
             ):
                 if not gone.isdisjoint(item.node.iterancestors()):
-                    continue  # it goes with what it stands in
+                    continue  # it is removed together with its parent
                 gone.add(item.node)
                 self.edit({"select": select, "remove": "true"}, REMOVED + (item.section == "worldbody"))
                 continue
             self.covered.add(there.node)
             moved = self.moved(item, there, each)
             changes = self.changes(item, there, each)
-            if moved or item.node is each.root:  # the attachment gives its place
+            if moved or item.node is each.root:  # the attachment determines its pose
                 changes = {k: v for k, v in changes.items() if (each.is_base and not moved) or k not in POSE}
             self.pairs.append(Pair(select, item, each, changes, moved))
             if item.kind.tag == "body":
                 self.unnamed(item.node, there.node, f'//body[@name="{each.out}{name}"]', each)
 
     def changes(self, before: Item, after: Item, each: Instance) -> dict[str, str | None]:
-        """What an element of the part is otherwise in the merged model; nothing where it means the same."""
+        """Return the values that differ between an element of the part and the merged model; empty if both mean the
+        same.
+        """
         if self.same(before.node, after.node, each):
             return {}
         part = self.parts[each.part]
@@ -222,11 +222,11 @@ class Comparison:
                 if other[name] in (one[name], each.prefix + one[name]) or (
                     own and own == self.alike.get(there or "")
                 ):
-                    del one[name], other[name]  # the part has its own that is the same
+                    del one[name], other[name]  # the part has an equal one of its own
         return differing(one, other, before.kind, each.prefix)
 
     def same(self, before: Node, after: Node, each: Instance) -> bool:
-        """Whether MuJoCo compiles the two to the same."""
+        """Return whether MuJoCo compiles the two to the same."""
         part, likeness = self.parts[each.part], self.likeness.get(id(each), Likeness())
         of_body = before.tag == after.tag == "inertial"
         here, there = (parent_body(node) if of_body else node for node in (before, after))
@@ -239,7 +239,7 @@ class Comparison:
         return likeness.counts.get(kind) == counts and (one[1], other[1]) in likeness.same.get(kind, ())
 
     def changed(self) -> None:
-        """The entries of all that is otherwise: of a class where all that it gives a value to changed alike."""
+        """Write the entries for all differences; one for a class if all values that it sets changed alike."""
         groups: dict[tuple[int, str, str, str], list[Pair]] = {}
         different = {name for pair in self.pairs for name in pair.changes}
         for pair in self.pairs:
@@ -275,7 +275,7 @@ class Comparison:
             self.change(pair)
 
     def owner(self, pair: Pair, name: str) -> str | None:
-        """The class that gives an element a value; None where it writes that itself, or nothing gives it."""
+        """Return the class that sets an element's value, or None if the element itself or nothing sets it."""
         node, unit = pair.item.node, self.parts[pair.each.part]
         if node.get(name) is not None or not pair.item.kind.takes_class:
             return None
@@ -312,7 +312,7 @@ class Comparison:
             self.edit(verbs | ({"move": flow(pair.moved)} if pair.moved else {}))
 
     def called(self, pair: Pair) -> str:
-        """What messages call an element."""
+        """Return the name of an element in messages."""
         item = pair.item
         name = item.name or (
             PurePosixPath(str(item.node.get("file") or "")).stem if item.section == "asset" else ""
@@ -327,7 +327,7 @@ class Comparison:
         return f"#{number}"
 
     def unit(self, pair: Pair, name: str) -> str:
-        """The unit of an attribute as the merged model writes it."""
+        """Return the unit in which the merged model writes an attribute."""
         kind, attribute = pair.item.kind, pair.item.kind.attributes[name]
         form = ""
         if kind.tag == "joint" and pair.item.section == "worldbody":
@@ -343,7 +343,7 @@ class Comparison:
         return ""
 
     def compare_assets(self, each: Instance) -> None:
-        """The edits of the part's own assets, whose files stay its own."""
+        """Write the edits of the part's own assets; their files remain the part's."""
         part, assets = self.parts[each.part], assets_of(self.merged)
         for (tag, name), node in assets_of(part).items():
             there = assets.get((tag, each.prefix + name), assets.get((tag, name)))
@@ -355,7 +355,7 @@ class Comparison:
             self.pairs.append(Pair(selector_of(tag, tag, each.out + name), item, each, changes, {}))
 
     def compare_sections(self, each: Instance) -> None:
-        """What has no name in a section is taken for what refers to the same."""
+        """Compare unnamed elements of sections, paired by what they refer to."""
         there: dict[tuple[object, ...], Item] = {}
         for item in items(self.merged):
             if not item.name and item.section != "worldbody":
@@ -374,7 +374,7 @@ class Comparison:
                 self.pairs.append(Pair(select, item, each, self.changes(item, found, each), {}))
 
     def compare_world(self, each: Instance) -> list[str]:
-        """Selectors of what has no name in the part's own world and is not in the merged model's."""
+        """Return selectors of unnamed elements in the part's world that the merged model lacks."""
         here, there = (
             next(unit.root.iterchildren("worldbody"), None) for unit in (self.parts[each.part], self.merged)
         )
@@ -390,15 +390,15 @@ class Comparison:
         ]
 
     def meant(self, item: Item, each: Instance | None) -> tuple[object, ...]:
-        """What an element is about: its tag, and what it refers to as the merged model calls it."""
+        """Return what identifies an unnamed element: its tag, and its references by their names in the merged model."""
         kind = (
             item.section if item.section == "actuator" else item.kind.path
-        )  # MuJoCo writes all as `general`
+        )  # MuJoCo writes all of them as `general`
         found = [(k, a, v) for k, a, v in self.written(item) if a.is_reference]
         return (kind, *((k, v if each is None else self.theirs(each, a.refers, v)) for k, a, v in found))
 
     def moved(self, item: Item, there: Item, each: Instance) -> dict[str, str]:
-        """Where a body of a part went, if it stands in another one than it did."""
+        """Return the new parent of a body of a part, if it has another one."""
         if item.kind.tag != "body" or item.node is each.root:
             return {}
         before, after = parent_body(item.node), parent_body(there.node)
@@ -411,7 +411,7 @@ class Comparison:
         return to | {"pos": numbers(pose.pos), "quat": numbers(pose.quat)}
 
     def unnamed(self, before: Node, after: Node, path: str, each: Instance) -> None:
-        """What has no name is taken for what stands in its order; `path` is the XPath of what it stands in."""
+        """Compare unnamed elements, paired by their order; `path` is the XPath of their parent."""
         for tag in _IN_BODIES:
             kind = GRAMMAR.within("worldbody")[tag]
             one, other = (
@@ -433,7 +433,7 @@ class Comparison:
                 yield name, attribute, str(item.node.get(name))
 
     def name(self, attribute: Attribute, value: str) -> str:
-        """A value with its names as the recipe has them."""
+        """Return a value with its names as in the recipe."""
         if not attribute.is_reference or attribute.refers is None:
             return value
         return " ".join(self.names.get((attribute.refers, each), each) for each in value.split())

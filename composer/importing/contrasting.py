@@ -1,4 +1,4 @@
-"""The merged model, its parts and what a recipe makes of them, compared as MuJoCo compiles them."""
+"""Compile the merged model, its parts and the recipe's model, and compare them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MERGED = "merged"
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What the recipe's model, B, is not as the merged one, A; names are those of the recipe.
+    """How the recipe's model, B, differs from the merged one, A; names are those of the recipe.
 
     `rounded` are numbers that are equal to six digits only, which is what MuJoCo writes when it saves a model.
     """
@@ -42,7 +42,7 @@ class Outcome:
 
 
 class Trial:
-    """What MuJoCo makes of the models; each is compiled once, and the recipe's by whoever builds it."""
+    """The compiled models. The merged model and its parts are compiled once here, the recipe's model by the caller."""
 
     def __init__(self, merged: Path, parts: list[Path], session: Session) -> None:
         self.parts, self.session = parts, session
@@ -52,7 +52,7 @@ class Trial:
         self._parts: dict[int, bool] = {}
 
     def likeness(self, each: Instance, names: Names) -> Likeness:
-        """What is the same in the part and in the merged model; nothing where MuJoCo rejects one of them."""
+        """Return which elements are the same in the part and the merged model; empty if MuJoCo rejects one of them."""
         if self.refused is not None:
             return Likeness()
         name = f"part {each.part}"
@@ -71,7 +71,7 @@ class Trial:
         return likeness_of(answer.value)
 
     def outcome(self, proposal: Proposal) -> Outcome | None:
-        """What differs in the model that was built last; None where the two cannot be compared."""
+        """Return how the model built last differs from the merged one, or None if they cannot be compared."""
         if self.refused is not None:
             return None
         given = {"tolerance": _TOLERANCE, "names": proposal.renamed}
@@ -86,7 +86,7 @@ class Trial:
 
 
 def _lost_without_name(seen: Contrast, proposal: Proposal) -> list[Change]:
-    """Keys without a name that the recipe's model has not, which are compared with nothing."""
+    """Return removals of unnamed keys that the recipe's model lacks; the contrast compares them with nothing."""
     keys = [each.what for each in seen.changes if each.kind == "key"]
     before, after = seen.elements["key"]
     lost = (before - keys.count("removed")) - (after - keys.count("added"))
@@ -95,8 +95,8 @@ def _lost_without_name(seen: Contrast, proposal: Proposal) -> list[Change]:
 
 
 def _only_name(change: Change, proposal: Proposal) -> bool:
-    """Whether it is a difference of names or signs alone: another asset that is equal, one more of it, a quaternion
-    and its negative.
+    """Return whether only names or signs differ: an equal asset under another name or an additional one, or a
+    negated quaternion.
     """
     if change.field.endswith("quat") and _opposite(change):
         return True

@@ -1,4 +1,4 @@
-"""The elements of a model by kind and name, with the values that are in effect for them."""
+"""The elements of a model by kind and name, with their effective values."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _CLASSES = frozenset({"name", "class", "childclass"})
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """An element that has a name, or none; `namespace` is what its name is unique in."""
+    """An element with or without a name; `namespace` is where its name must be unique."""
 
     node: Node
     kind: ElementType
@@ -38,7 +38,7 @@ class Item:
 
 
 def items(unit: Unit) -> Iterator[Item]:
-    """The elements of the body tree and of the sections, in their order; steps of tendons are left out."""
+    """Yield the elements of the body tree and of the sections in their order, without the steps of tendons."""
     for section in unit.root:
         if section.tag not in SECTIONS:
             continue
@@ -52,12 +52,12 @@ def items(unit: Unit) -> Iterator[Item]:
 
 
 def named(unit: Unit) -> dict[tuple[str, str], Item]:
-    """The elements that have a name."""
+    """Return the elements that have a name."""
     return {(each.namespace, each.name): each for each in items(unit) if each.name}
 
 
 def effective(item: Item, unit: Unit) -> dict[str, str]:
-    """What is written on the element or comes from its class; no names and no classes."""
+    """Return the values that an element writes or gets from its class, without names and classes."""
     around = childclass_of(item.node)
     found = {}
     for name in item.kind.attributes:
@@ -71,9 +71,9 @@ def effective(item: Item, unit: Unit) -> dict[str, str]:
 def differing(
     one: dict[str, str], other: dict[str, str], kind: ElementType, prefix: str
 ) -> dict[str, str | None]:
-    """The values of `other` that `one` has not; None for those that only `one` has.
+    """Return the values of `other` that `one` lacks; None for those that only `one` has.
 
-    Names in `one` count as equal when `prefix` stands before them in `other`.
+    A name in `one` equals the same name with `prefix` before it in `other`.
     """
     changes: dict[str, str | None] = {}
     for name, attribute in kind.attributes.items():
@@ -85,7 +85,7 @@ def differing(
 
 
 def default_text(attribute: Attribute) -> str | None:
-    """MuJoCo's default, where the grammar knows it."""
+    """Return MuJoCo's default, if the grammar knows it."""
     return None if attribute.default in (None, ()) else to_text(attribute, attribute.default)
 
 
@@ -105,7 +105,7 @@ def _same(before: str, after: str, attribute: Attribute, prefix: str) -> bool:
 
 
 def assets_of(unit: Unit) -> dict[tuple[str, str], Node]:
-    """The assets by tag and name, which is the file's stem where none is written."""
+    """Return the assets by tag and name; an unnamed asset has the stem of its file as name."""
     return {
         (str(node.tag), str(node.get("name") or PurePosixPath(str(node.get("file") or "")).stem)): node
         for section in unit.root.iterchildren("asset")

@@ -1,4 +1,4 @@
-"""What a recipe that is recovered says: its entries, and the changes that they stand for."""
+"""The entries of a recovered recipe, and the changes that they express."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from composer.importing.elements import Item
 from composer.importing.flow import flow_list
 from composer.importing.match import Instance
 
-# Classes first. Before what is removed by its number all is changed, and what refers to something goes before it
-# does; names are as the parts have them until the end.
+# Ranks. Classes come first. Removals come after all changes, because they may select by number, and references are
+# removed before their targets. Renames come last: until then, names are those of the parts.
 CLASSES, REMOVED, RENAMED = -1, 10_000, 20_000
 
 
 @dataclass(slots=True)
 class Entry:
-    """One thing that the recipe says, in its section; `note` says why it is only a comment.
+    """One entry of a section of the recipe; `note` says why it is only a comment.
 
-    Entries of a section stand in groups, and in these by `rank`: what is removed while it is counted goes last.
+    Entries are in groups within a section, ordered by `rank`: removals by number come last.
     """
 
     section: str
@@ -31,7 +31,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Pair:
-    """An element of a part and what is otherwise in the merged model; `select` is how the recipe selects it."""
+    """An element of a part and how it differs in the merged model; `select` is its selector in the recipe."""
 
     select: str
     item: Item
@@ -42,10 +42,10 @@ class Pair:
 
 @dataclass(frozen=True, slots=True)
 class Changed:
-    """An attribute that the merged model says otherwise than the parts.
+    """An attribute with another value in the merged model than in the parts.
 
-    `kind` and `name` are those of the element or, for `count` elements that have it from there, of the class. `before`
-    and `after` are as they are written, None where nothing is.
+    `kind` and `name` are those of the element, or of the class if `count` elements get the value from it. `before`
+    and `after` are the written values, None if there is none.
     """
 
     kind: str
@@ -58,7 +58,7 @@ class Changed:
 
 
 Names = dict[str, dict[str, str]]
-"""By kind what a part's elements are called in the merged model, where that is not their name with the prefix."""
+"""By kind, the names of a part's elements in the merged model that are not just prefixed."""
 
 
 def selector_of(namespace: str, tag: str, name: str) -> str:

@@ -1,4 +1,4 @@
-"""Values of a recipe on one line."""
+"""Write values of a recipe on one line."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Which elements of a part are in the merged model what they are alone, as MuJoCo compiles them.
+"""Find which elements of a part are unchanged in the merged model, as MuJoCo compiles them.
 
-A merged model may write the same thing in other words: in radians, with six digits, `pos` and `quat` for `fromto`, a
-class in place of an attribute. Two compiled models are compared, so that only what means something else is an edit.
+A merged model may write the same thing differently: in radians, with six digits, with `pos` and `quat` for
+`fromto`, with a class in place of an attribute. Comparing compiled models limits edits to differences in meaning.
 """
 
 from __future__ import annotations
@@ -28,18 +28,18 @@ if TYPE_CHECKING:
     from composer.tree.unit import Unit
 
 ROUNDING = 1e-5
-"""MuJoCo writes six digits when it saves a model: what differs by less is the same number."""
+"""MuJoCo writes six digits when it saves a model: numbers that differ by less are the same."""
 
-_SMALLEST = 1e-6  # what counts as the size of smaller numbers
+_SMALLEST = 1e-6  # smaller numbers are compared as if they had this size
 _MASSES = frozenset({"body_mass", "body_inertia", "body_ipos", "body_iquat"})
 _KINDS = {path: kind for kind in KINDS if kind != "plugin" for path in paths_of(kind, None).paths}
 
 
 @dataclass(frozen=True, slots=True)
 class Likeness:
-    """By kind the pairs of elements, of the part and of the merged model, that are the same but for rounding.
+    """By kind, the pairs of elements of the part and the merged model that are the same except for rounding.
 
-    Elements are counted as MuJoCo counts them; `counts` has by kind how many the two models have.
+    Elements are numbered as in MuJoCo; `counts` has, by kind, how many the two models have.
     """
 
     same: Mapping[str, frozenset[tuple[int, int]]] = field(default_factory=dict)
@@ -47,10 +47,10 @@ class Likeness:
 
 
 def unchanged(mujoco: Any, alone: Model, merged: Model, given: Mapping[str, Any]) -> dict[str, Any]:
-    """For `composer.engine.call`: a `Likeness` as JSON data.
+    """Return a `Likeness` as JSON data; runs under `composer.engine.call`.
 
-    ``given`` has the ``prefix`` of the part's names in the merged model, ``names`` for those that are not simply
-    prefixed, and the ``body`` that it hangs on.
+    ``given`` has the ``prefix`` of the part's names in the merged model, ``names`` for those that are not just
+    prefixed, and the ``body`` that the part is attached to.
     """
     matching = Correspondence(
         NameTable(alone),
@@ -71,7 +71,7 @@ def unchanged(mujoco: Any, alone: Model, merged: Model, given: Mapping[str, Any]
         for kind in KINDS
         if kind != "key"
     }
-    heavier = {after for _, after in changed["mass"]}  # of which geom that comes, its own numbers do not say
+    heavier = {after for _, after in changed["mass"]}  # its own numbers do not say which geom causes that
     same["geom"] = [pair for pair in same["geom"] if int(merged.geom_bodyid[pair[1]]) not in heavier]
     counts = {
         kind: [len(getattr(model, KINDS[kind].addresses)) for model in (alone, merged)] for kind in KINDS
@@ -80,7 +80,7 @@ def unchanged(mujoco: Any, alone: Model, merged: Model, given: Mapping[str, Any]
 
 
 def likeness_of(data: Mapping[str, Any]) -> Likeness:
-    """The likeness after its way through JSON."""
+    """Return the likeness from its JSON data."""
     return Likeness(
         {kind: frozenset((i, j) for i, j in pairs) for kind, pairs in data["same"].items()},
         {kind: (a, b) for kind, (a, b) in data["counts"].items()},
@@ -88,7 +88,7 @@ def likeness_of(data: Mapping[str, Any]) -> Likeness:
 
 
 def is_rounding(change: Change) -> bool:
-    """Whether the numbers are the same to six digits; an orientation has two signs."""
+    """Return whether the numbers are the same to six digits; quaternions may have the opposite sign."""
     ours, theirs = numbers(change.before), numbers(change.after)
     if ours is None or theirs is None or len(ours) != len(theirs):
         return False
@@ -101,7 +101,7 @@ def near(ours: list[float], theirs: list[float]) -> bool:
 
 
 def numbers(value: Value) -> list[float] | None:
-    """The numbers of a value in a row; None where it is, or has, something else."""
+    """Return the numbers of a value as a flat list, or None if it contains anything else."""
     if isinstance(value, float) or (isinstance(value, int) and not isinstance(value, bool)):
         return [value]
     if not isinstance(value, tuple):
@@ -111,7 +111,7 @@ def numbers(value: Value) -> list[float] | None:
 
 
 def places(unit: Unit) -> dict[Node, tuple[str, int]]:
-    """Kind and number of every element as MuJoCo counts them, where nothing in the file makes several of one."""
+    """Return kind and number of every element in MuJoCo's order, unless one element of the file makes several."""
     found: dict[Node, tuple[str, int]] = {}
     count: dict[str, int] = defaultdict(int)
     for node in ordered(unit.root):

@@ -1,4 +1,4 @@
-"""Where the parts are in a merged model, found by the names and the structure of their bodies."""
+"""Find parts in a merged model by the names and the structure of their bodies."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
 SEPARATORS = ("__", "/", ":", ".", "-", "_")
-_ENOUGH = 0.5  # of a part's bodies, by name
+_ENOUGH = 0.5  # share of a part's bodies, matched by name
 
 
 @dataclass(slots=True)
 class Instance:
     """A part at its place in the merged model.
 
-    `prefix` stands before the part's names there, `key` and `out` are the prefix in the recipe without and with
-    its separator; they differ from `prefix` where a recipe could not say that one.
+    `prefix` starts the part's names there. `key` and `out` are the prefix in the recipe, without and with its
+    separator; they differ from `prefix` if a recipe cannot use that one.
     """
 
     part: int
@@ -28,17 +28,17 @@ class Instance:
     root: Node
     """The part's own root body."""
     body: Node
-    """The body of the merged model that it is."""
+    """The corresponding body of the merged model."""
     likeness: float
     key: str = ""
     out: str = ""
     is_base: bool = False
     names: frozenset[str] = field(default=frozenset())
-    """The part's bodies."""
+    """The names of the part's bodies."""
 
 
 def find(merged: Unit, parts: list[Unit]) -> list[Instance]:
-    """The places of the parts, in the order of the merged model's bodies; no body is in two of them."""
+    """Return the places of the parts, in the order of the merged model's bodies; they do not overlap."""
     bodies = {str(body.get("name")): body for body in _bodies(merged) if body.get("name")}
     candidates: list[Instance] = []
     for number, part in enumerate(parts):
@@ -55,7 +55,7 @@ def find(merged: Unit, parts: list[Unit]) -> list[Instance]:
 
 
 def separator_of(found: list[Instance]) -> str:
-    """The separator that all prefixes end with; `/` where they have none in common."""
+    """Return the separator that all prefixes end with; `/` if they have none in common."""
     prefixes = [each.prefix for each in found if each.prefix]
     for separator in SEPARATORS:
         if prefixes and all(each.endswith(separator) and each != separator for each in prefixes):
@@ -64,7 +64,7 @@ def separator_of(found: list[Instance]) -> str:
 
 
 def name_in_recipe(found: list[Instance], labels: list[str], separator: str) -> None:
-    """Choose the base, and every other part's key."""
+    """Choose the base, and the key of every other part."""
     base = next((each for each in found if not each.prefix and _in_world(each.body)), None)
     if base is not None:
         base.is_base = True
@@ -82,7 +82,7 @@ def name_in_recipe(found: list[Instance], labels: list[str], separator: str) -> 
 
 
 def parent_body(body: Node) -> Node | None:
-    """The body around, frames left out; None for the world."""
+    """Return the body around, ignoring frames; None for the world."""
     parent = body.getparent()
     while parent is not None and parent.tag not in ("body", "worldbody"):
         parent = parent.getparent()

@@ -1,4 +1,4 @@
-"""The same numbers in other words: where an element stands, angles, and what is written with six digits."""
+"""Compare poses, angles and rounded numbers that are written differently."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _ANGLES = ("range", "ref", "springref", "springyield")
 
 
 def plain(values: Mapping[str, str], tag: str, settings: Settings, degrees: bool) -> dict[str, str]:
-    """The values with angles of joints in the unit that is asked for."""
+    """Return the values with joint angles in the given unit."""
     found = dict(values)
     slides = tag == "joint" and found.get("type") == "slide"
     if tag != "joint" or slides or (settings.angle == "degree") == degrees:
@@ -29,7 +29,7 @@ def plain(values: Mapping[str, str], tag: str, settings: Settings, degrees: bool
 
 
 def placed(values: Mapping[str, str], settings: Settings) -> tuple[Pose, list[float]] | None:
-    """Where the values put an element, and its size; None where they are not numbers."""
+    """Return the pose and size that the values describe, or None if they are not numbers."""
     try:
         pose, size = (
             read_pose(values, settings.angle == "degree", settings.eulerseq),
@@ -51,7 +51,7 @@ def placed(values: Mapping[str, str], settings: Settings) -> tuple[Pose, list[fl
 def at_the_same_place(
     one: Mapping[str, str], settings: Settings, other: Mapping[str, str], others: Settings
 ) -> bool:
-    """Whether two elements have the same pose and size but for rounding, however they say it."""
+    """Return whether two elements have the same pose and size except for rounding, however they are written."""
     here, there = placed(one, settings), placed(other, others)
     if here is None or there is None or len(here[1]) != len(there[1]):
         return False
@@ -64,7 +64,7 @@ def at_the_same_place(
 
 
 def is_rounded(exact: float, written: float) -> bool:
-    """Whether one number is the other, or that with the six digits that MuJoCo writes.
+    """Return whether one number is the other, or the other rounded to the six digits that MuJoCo writes.
 
     >>> is_rounded(1.5707963267948966, 1.5708), is_rounded(1.5707963267948966, 1.571)
     (True, False)

@@ -1,4 +1,4 @@
-"""The recipe that makes a merged model of its parts, as entries that can be left out one by one."""
+"""Propose the recipe that makes a merged model from its parts, as entries that can be left out one by one."""
 
 from __future__ import annotations
 
@@ -32,23 +32,23 @@ from composer.tree.unit import Unit
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
-_CLOSE = 1e-9  # metres, and parts of a quaternion
+_CLOSE = 1e-9  # metres, and quaternion components
 
 
 @dataclass(slots=True)
 class Proposal:
-    """The recipe; `renamed` are names of the merged model by kind, and what the recipe calls them."""
+    """The recipe; `renamed` maps names of the merged model, by kind, to names in the recipe."""
 
     head: list[str]
     entries: list[Entry]
     found: list[Instance]
     renamed: dict[str, dict[str, str]] = field(default_factory=dict)
     alike: dict[str, tuple[object, ...]] = field(default_factory=dict)
-    """What each asset of a part is, by its name in the recipe."""
+    """The contents of each asset of a part, by its name in the recipe."""
     nameless_keys: tuple[int, ...] = ()
-    """Which keys of the merged model have no name."""
+    """The numbers of the merged model's keys without a name."""
     changed: tuple[Changed, ...] = ()
-    """What the merged model says otherwise than the parts, and the recipe with it."""
+    """The values that the merged model and the recipe set differently from the parts."""
 
 
 def propose(
@@ -58,9 +58,9 @@ def propose(
     relative: Callable[[Path], str],
     likeness: Callable[[Instance, Names], Likeness] = lambda _, __: Likeness(),
 ) -> Proposal:
-    """What makes `merged` of `parts`, called by `references`; `relative` writes the path of a file.
+    """Return the recipe that makes `merged` from `parts`, which `references` name; `relative` writes file paths.
 
-    `likeness` says of a part what MuJoCo makes the same of; without it all that is written in other words differs.
+    `likeness` returns which elements of a part compile to the same; without it, any difference in writing counts.
     """
     found = find(merged, parts)
     separator = separator_of(found)
@@ -89,7 +89,7 @@ class _Proposer(Comparison):
         )
 
     def match_names(self) -> None:
-        """Which name of the composition each name of a part in the merged model is."""
+        """Map each name of a part in the merged model to its name in the composition."""
         for each in self.found:
             for namespace, name in named(self.parts[each.part]):
                 there_named = self.theirs(each, namespace, name)
@@ -97,7 +97,7 @@ class _Proposer(Comparison):
                     self.names[namespace, there_named] = each.out + name
 
     def match_assets(self) -> None:
-        """Which asset of a part each one of the merged model is; the others are entries of the recipe."""
+        """Map assets of the merged model to assets of parts; the others become entries of the recipe."""
         assets = assets_of(self.merged)
         for each in sorted(self.found, key=lambda each: not each.is_base):
             unit = self.parts[each.part]
@@ -119,7 +119,7 @@ class _Proposer(Comparison):
                 self.entries.append(Entry("asset", f"{word(name)}: {flow(shown)}", nested, tag))
 
     def remove_keys(self) -> None:
-        """Remove the keys of the parts that the merged model does not have."""
+        """Remove the keys of parts that the merged model does not have."""
         keys = [
             {str(key.get("name")) for key in unit.root.iter("key")} for unit in (self.merged, *self.parts)
         ]
@@ -129,7 +129,7 @@ class _Proposer(Comparison):
             self.edit({"select": f"{{key: {word(name)}}}", "remove": "true"}, REMOVED)
 
     def head(self) -> list[str]:
-        """The first lines of the recipe."""
+        """Return the first lines of the recipe."""
         model = self.merged.model
         head = ["recipe: 1", *([f"name: {word(model)}"] if model else [])]
         head += [f"angle: {self.merged.settings.angle}"]
@@ -139,7 +139,7 @@ class _Proposer(Comparison):
         return head
 
     def rename(self) -> dict[str, dict[str, str]]:
-        """Rename what has another name in the merged model; gives the names that verification alone renames."""
+        """Rename elements with another name in the merged model; return the names that only verification renames."""
         renamed: dict[str, dict[str, str]] = {}
         for (namespace, name), new in self.names.items():
             if name != new:
@@ -147,17 +147,17 @@ class _Proposer(Comparison):
         for namespace, pairs in renamed.items():
             for name, new in pairs.items():
                 if (namespace, name) not in self.there:
-                    continue  # an asset is what it is under any name
+                    continue  # the name of an asset does not matter
                 tag = self.there[namespace, name].kind.tag
                 select = selector_of(namespace, tag, new)
                 self.edit({"select": select, "rename": word(name)}, RENAMED)
-        return {  # the others have their names again at the end
+        return {  # at the end, the others have their names again
             namespace: {name: new for name, new in pairs.items() if (namespace, name) not in self.there}
             for namespace, pairs in renamed.items()
         }
 
     def label(self, section: str, word: str) -> str:
-        """A key for what has no name in a section: one that nothing there is called."""
+        """Return an unused key for an unnamed element of a section."""
         kind = section.partition("/")[2] or section
         taken = {name for (namespace, name) in self.there if namespace == kind}
         taken |= {name for (tag, name) in assets_of(self.merged) if tag == kind}
@@ -170,7 +170,7 @@ class _Proposer(Comparison):
         return key
 
     def attach(self, each: Instance, dropped: list[str]) -> None:
-        """How the part hangs; `dropped` are selectors of what is left out of it."""
+        """Write the attachment of the part; `dropped` are selectors of elements to leave out."""
         if each.is_base:
             return
         values = {"model": word(self.references[each.part])}
@@ -197,7 +197,7 @@ class _Proposer(Comparison):
         self.entries.append(Entry("attach", f"{word(each.key)}: {flow(values)}"))
 
     def site(self, parent: Node, pose: Pose) -> str | None:
-        """The site of a part that stands in the body and has that pose."""
+        """Return a part's site in this body with that pose."""
         for each in self.found:
             part = self.parts[each.part]
             name = str(parent.get("name")).removeprefix(each.prefix)
@@ -214,7 +214,7 @@ class _Proposer(Comparison):
         return None
 
     def compiler(self) -> None:
-        """The settings of the compiler that a recipe has for the whole model, where the base says something else."""
+        """Write the compiler settings of the whole model that differ from the base."""
         base = next((self.parts[each.part] for each in self.found if each.is_base), None)
         said = [
             {}
@@ -234,7 +234,7 @@ class _Proposer(Comparison):
             self.entries.append(Entry("compiler", flow(values)))
 
     def settings(self) -> None:
-        """Settings of the whole model that are not what the base says, or that a part says otherwise."""
+        """Write settings of the whole model that differ from the base or from another part."""
         wanted = settings_of(self.merged)
         base = next((settings_of(self.parts[each.part]) for each in self.found if each.is_base), {})
         others = [settings_of(self.parts[each.part]) for each in self.found if not each.is_base]
@@ -243,7 +243,7 @@ class _Proposer(Comparison):
             section, *inner, name = path
             attribute = GRAMMAR.element("/".join([section, *inner])).attributes.get(name)
             if attribute is None or path == ("size", "nkey"):
-                continue  # MuJoCo writes how many keys there are, and fills up with empty ones
+                continue  # MuJoCo writes the number of keys, and adds empty ones
             value = wanted.get(path, default_text(attribute))
             said = {each.get(path, value) for each in others}
             if value is not None and (
@@ -257,7 +257,7 @@ class _Proposer(Comparison):
             self.entries.append(Entry(section, nested(values)))
 
     def left_over(self) -> None:
-        """What the merged model has and no part."""
+        """Write the elements of the merged model that no part has."""
         brought = {
             (namespace, each.out + name)
             for each in self.found
@@ -270,7 +270,7 @@ class _Proposer(Comparison):
             if item.section == "worldbody":
                 parent = node.getparent()
                 if parent is None or (parent.tag != "worldbody" and parent not in self.covered):
-                    continue  # it comes with what it stands in
+                    continue  # it comes with its parent
                 name = (
                     "world"
                     if parent.tag == "worldbody"
@@ -284,7 +284,7 @@ class _Proposer(Comparison):
                 self.entries.append(Entry("contact", values, group=item.kind.tag))
             elif item.name:
                 key = item.name
-                if (item.namespace, key) in brought:  # until the part's own is removed, the name is taken
+                if (item.namespace, key) in brought:  # the name is taken until the part's element is removed
                     key = self.label(item.section, f"{key}_new")
                     select = selector_of(item.namespace, item.kind.tag, key)
                     self.edit({"select": select, "rename": word(item.name)}, RENAMED)
@@ -296,14 +296,14 @@ class _Proposer(Comparison):
                 self.entries.append(Entry(item.section, text))
 
     def is_empty(self, frame: Node) -> bool:
-        """Whether a frame without a name holds only what the parts bring."""
+        """Return whether an unnamed frame holds only elements of the parts."""
         return not frame.get("name") and all(
             child in self.covered or (child.tag == "frame" and self.is_empty(child))
             for child in frame.iterchildren("*")
         )
 
     def fragment(self, node: Node, called: str | None = None) -> str:
-        """An element of the merged model as text, with the values that its classes give it; `called` is its name."""
+        """Return an element of the merged model as text, with the values from its classes; `called` is its name."""
         kind = GRAMMAR.within(str(_section(node).tag)).get(str(node.tag))
         around = childclass_of(node)
         tag = str(node.tag)
@@ -316,7 +316,7 @@ class _Proposer(Comparison):
                 shown = self.name(kind.attributes[name], str(value)) if kind is not None else str(value)
                 shown = called if called is not None and name == "name" else shown
                 text += f" {name}={quoteattr(' '.join(shown.split()))}"
-        # What a part has stands there already, and is moved.
+        # Elements of a part already exist there, and are moved.
         inside = "".join(
             self.fragment(child) for child in node.iterchildren("*") if child not in self.covered
         )

@@ -1,4 +1,4 @@
-"""A proposal as the text of a recipe."""
+"""Write a proposal as the text of a recipe."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _ORDER = (
 
 
 def recipe_text(proposal: Proposal) -> tuple[str, dict[int, Entry]]:
-    """The text, and which entry stands on which line (from 1). Entries with a note are comments."""
+    """Return the text, and the entry on each line (from 1). Entries with a note are comments."""
     lines = list(proposal.head)
     places: dict[int, Entry] = {}
     for section in _ORDER:

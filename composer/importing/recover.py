@@ -1,4 +1,4 @@
-"""A merged model and its parts to a recipe that was built, and what still differs."""
+"""Recover a recipe from a merged model and its parts, build it, and list the remaining differences."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ _ROUNDS = 20
 
 @dataclass(frozen=True, slots=True)
 class Recovered:
-    """`text` is the recipe; `bundle` is None where it does not build, for the reasons in `faults`.
+    """`text` is the recipe; `bundle` is None if it does not build, for the reasons in `faults`.
 
-    `outcome` is None where the two models could not be compared, for the reason in `refused` if MuJoCo rejects the
-    merged model.
+    `outcome` is None if the models could not be compared; `refused` is MuJoCo's message if it rejects the merged
+    model.
     """
 
     text: str
@@ -53,10 +53,10 @@ def recover(
     progress: Callable[[str], None] = lambda _: None,
     references: Mapping[Path, str] | None = None,
 ) -> Recovered | None:
-    """The recipe that is to stand at `out`; None where a model cannot be read, which `context.sink` reports.
+    """Return the recipe to write to `out`, or None if a model cannot be read, which `context.sink` reports.
 
-    What the recipe cannot say is left out, as a comment, one after the other, until it builds. `progress` hears what is
-    done next. `references` are how the recipe refers to parts that are not named by their paths.
+    Entries that do not build become comments, one after the other, until the recipe builds. `progress` is called
+    before each stage. `references` maps parts to the references that the recipe uses instead of paths.
     """
     before = context.sink.error_count
     read = [parse_file(path, context.sink, file=context.shown(path)) for path in (merged, *parts)]
@@ -64,7 +64,7 @@ def recover(
         unit
         for unit in read
         if unit is not None
-        and all_admitted(unit, context.sink, context.shown)  # MuJoCo opens what it names
+        and all_admitted(unit, context.sink, context.shown)  # MuJoCo opens the files that it names
         and check_source(unit, context.sink)
     ]
     if context.sink.error_count > before or len(units) < len(read):
@@ -75,7 +75,7 @@ def recover(
 
 
 def whole_recipe(merged: Path, out: Path) -> str:
-    """The recipe that starts from the merged model as it is, for one whose parts nobody knows."""
+    """Return a recipe with the merged model as base, for a model whose parts are unknown."""
     return f"recipe: 1\nname: {word(out.stem)}\nbase: {word(_reference(merged, out.parent))}\n"
 
 
@@ -101,7 +101,7 @@ class _Recovery:
         proposal = self.proposal(self.trial.likeness)
         found = self.settled(proposal)
         if self.trial.compared and (found.outcome is None or not found.outcome.same):
-            # What was taken for the same may still be the reason.
+            # An element that counted as the same may still be the reason.
             other = self.settled(self.proposal(lambda _, __: Likeness()))
             if other.outcome is not None and (
                 found.outcome is None or other.outcome.amount < found.outcome.amount
@@ -128,7 +128,7 @@ class _Recovery:
         )
 
     def settled(self, proposal: Proposal) -> Recovered:
-        """The proposal without what does not build, with the keys that it lacks."""
+        """Return the proposal without the entries that do not build, and with the keys that it lacked."""
         out, context = self.out, self.context
         for number in range(_ROUNDS):
             self.progress(
@@ -145,7 +145,7 @@ class _Recovery:
                 entry.note = " ".join(fault.message.split())
         outcome = None if bundle is None else self.trial.outcome(proposal)
         missing = [] if outcome is None else [each.name for each in outcome.lost_keys if _has_name(each)]
-        if missing:  # with a key of that name it can be said what is in it
+        if missing:  # with a key of that name, its values can be compared
             blank = [Entry("keyframe", f"{word(name)}: {{}}") for name in missing]
             bundle, _ = self.built(recipe_text(replace(proposal, entries=[*proposal.entries, *blank]))[0])
             outcome = None if bundle is None else self.trial.outcome(proposal)
@@ -165,7 +165,7 @@ class _Recovery:
         return Recovered(text, proposal, bundle, tuple(faults), outcome, self.trial.refused)
 
     def built(self, text: str) -> tuple[Bundle | None, list[Diagnostic]]:
-        """Build the text as if it stood where it is to; nothing of it stays."""
+        """Build the text as if it were at `out`; leaves no files."""
         from composer.bundle.staging import sibling
 
         out, context = self.out, self.context
@@ -183,7 +183,7 @@ class _Recovery:
 
 
 def _at(fault: Diagnostic, trial: Path, out: Path, context: Context) -> Span | None:
-    """The place of a fault in the file that is to be."""
+    """Return the place of a fault in the file to be written."""
     if fault.span is None or fault.span.file != context.shown(trial):
         return fault.span
     return replace(fault.span, file=context.shown(out))
@@ -203,9 +203,9 @@ def _has_name(key: Change) -> bool:
 
 
 def keyframes(changes: Collection[Change], proposal: Proposal, missing: Collection[str] = ()) -> list[Entry]:
-    """The keys of the merged model that the parts' keys do not make, written with what differs.
+    """Return entries for keys of the merged model that the parts' keys do not produce, with the differing values.
 
-    Of those in `missing` no part has anything.
+    No part has anything for the keys in `missing`.
     """
     rows: dict[str, dict[str, dict[str, str]]] = {name: {} for name in missing}
     for each in changes:

@@ -1,4 +1,4 @@
-"""Models that a merged model may be made of: in folders, in Menagerie as far as it is on this machine, in packages."""
+"""Search for the parts of a merged model: in folders, in Menagerie as far as it is on this machine, and in packages."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ _MODEL = re.compile(rb"<mujoco[\s>]")
 _ENOUGH, _LEAST = (
     0.8,
     2,
-)  # the share of a model's bodies that must be there, and how many, to be taken for a part
+)  # to be a part, a model must share this much of its bodies with the merged one, and at least so many
 _MOST = 60
 _LARGEST = 16 << 20
 
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """A model file, and how a recipe refers to it; None for its path."""
+    """A model file, and the recipe's reference to it; None for its path."""
 
     path: Path
     reference: str | None = None
@@ -42,7 +42,7 @@ class Candidate:
 
 @dataclass(frozen=True, slots=True)
 class Search:
-    """`parts` are the models that the merged one seems to be made of; `looked_at` is how many there were to look at."""
+    """`parts` are the likely parts of the merged model; `looked_at` is the number of candidates."""
 
     parts: tuple[Candidate, ...]
     looked_at: int
@@ -51,9 +51,9 @@ class Search:
 def search(
     merged: Path, folders: Iterable[Path], context: Context, progress: Callable[[str], None]
 ) -> Search | None:
-    """The parts of a merged model, found by the names of their bodies; None where it cannot be read.
+    """Find the parts of a merged model by the names of their bodies; return None if it cannot be read.
 
-    What is in `folders` is preferred, then Menagerie, then packages. Nothing is fetched.
+    Models in `folders` come first, then Menagerie, then packages. Nothing is fetched.
     """
     whole = parse_file(merged, context.sink, file=context.shown(merged))
     if whole is None:
@@ -78,13 +78,13 @@ def search(
             units.append((candidate, unit))
     pieces = [each for each in units if _named(each[1]) != bodies]
     parts, covered = _found(whole, pieces)
-    if covered != bodies:  # another copy of the whole says less than its parts, and more than nothing
+    if covered != bodies:  # a copy of the whole model is less useful than its parts, but better than nothing
         parts, _ = _found(whole, units)
     return Search(parts, len(seen) - 1)
 
 
 def _found(whole: Unit, units: list[tuple[Candidate, Unit]]) -> tuple[tuple[Candidate, ...], set[str]]:
-    """Which of the models are parts of the whole, and the bodies that are of one of them."""
+    """Return the models that are parts of the whole, and the bodies that they cover."""
     found = [each for each in find(whole, [unit for _, unit in units]) if len(each.names) >= _LEAST]
     found = [each for each in found if each.likeness >= _ENOUGH]
     covered = {each.prefix + name for each in found for name in each.names} & _named(whole)
@@ -96,7 +96,7 @@ def _named(unit: Unit) -> set[str]:
 
 
 def _share(path: Path, bodies: set[str]) -> float:
-    """How many of the bodies of a file are in the merged model, under a prefix or none; 0 for what is not a model."""
+    """Return the share of a file's bodies that the merged model has, with or without a prefix; 0 for other files."""
     try:
         text = read_regular(path, _LARGEST)
     except (OSError, Refused):
@@ -116,7 +116,7 @@ def _candidates(folders: Iterable[Path], context: Context) -> Iterator[Candidate
 
 
 def _of_menagerie(context: Context) -> Iterator[Candidate]:
-    """The entries of the robots that are on this machine."""
+    """Yield the models of Menagerie robots that are on this machine."""
     if find_spec("mujoco_menagerie") is None:
         return
     import mujoco_menagerie
@@ -131,12 +131,12 @@ def _of_menagerie(context: Context) -> Iterator[Candidate]:
                     reference, relative_to=context.folder, environment=context.environment, fetching=offline
                 )
             except SourceError:
-                break  # what the robot lacks, its other entries lack too
+                break  # if the robot is missing, so are its other models
             yield Candidate(source.path, reference)
 
 
 def _of_packages() -> Iterator[Candidate]:
-    """The XML files of installed packages."""
+    """Yield the XML files of installed packages."""
     for distribution in metadata.distributions():
         for file in distribution.files or ():
             if file.suffix == ".xml" and len(file.parts) > 1:

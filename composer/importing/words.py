@@ -1,4 +1,4 @@
-"""What came of an import, in sentences."""
+"""Describe the outcome of an import in sentences."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from composer.importing.entries import Changed
 
 
 def changed(facts: tuple[Changed, ...]) -> Iterator[str]:
-    """One line for each attribute that the merged model says otherwise: ``mesh `elbow`: scale 1 1 1 → 1.1 1.1 1.1``."""
+    """Yield one line for each changed attribute: ``mesh `elbow`: scale 1 1 1 → 1.1 1.1 1.1``."""
     alike: dict[tuple[object, ...], list[Changed]] = {}
     for each in facts:
         key = (each.kind, each.attribute, each.before, each.after, each.unit, each.count)
@@ -27,7 +27,10 @@ def changed(facts: tuple[Changed, ...]) -> Iterator[str]:
 
 
 def left(outcome: Outcome, merged: str) -> Iterator[str]:
-    """What the recipe's model has otherwise than the merged one, a line each; what follows from that is counted."""
+    """Yield one line for each remaining difference between the recipe's model and the merged one.
+
+    Differences that follow from others are only counted.
+    """
 
     def between(wanted: Value, there: Value, unit: str) -> str:
         digits = None if shown(there) == shown(wanted) else 6

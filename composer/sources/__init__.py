@@ -1,6 +1,6 @@
-"""Where models come from: a model reference in, a local file with its origin and licences out.
+"""Resolve model references to local files with their origin and licences.
 
-What is not used is not imported.
+Submodules are imported on first use.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Model references into archives on the web, which a lock pins by their sha256."""
+"""Model references to archives on the web, pinned in a lock by their sha256."""
 
 from __future__ import annotations
 
@@ -48,9 +48,10 @@ def _host(reference: Reference) -> str | None:
 
 
 def _resolve(reference: Reference, lookup: Lookup) -> Source:
-    """The file in an archive. What the lock or the reference pins is taken from the store, else fetched.
+    """Return the file in an archive. Raises SourceError.
 
-    What nothing pins is asked for again, and fetched where the server says that it has changed. Raises SourceError.
+    Archives that the lock or the reference pins come from the store, or else are fetched. For unpinned ones the
+    server is asked again, and they are fetched if the server says that they have changed.
     """
     id, known = reference.id, lookup.fetching.origins
     if id not in known:
@@ -91,13 +92,13 @@ class _Archive:
         if self.fetching.offline:
             raise not_at_hand(self.reference)
         with self.store.lock(name_of(self.id), self.fetching.progress), self.store.usable():
-            # Another process may have fetched it while this one waited.
+            # Another process may have fetched it in the meantime.
             if wanted and (entry := self.store.get("archive", wanted)) is not None:
                 return entry
             return self._fetched(wanted, entry, seen)
 
     def _fetched(self, wanted: str | None, had: Entry | None, seen: Mapping[str, str]) -> Entry:
-        # Slow to import, and only a download needs it.
+        # Slow to import, and only needed for downloads.
         from composer.sources.download import Version, download, forget
         from composer.sources.unpack import Unsafe, unpack
 

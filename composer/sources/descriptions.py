@@ -1,4 +1,4 @@
-"""Model references into the package `robot_descriptions`, which clones the repositories of the models."""
+"""Model references to the package `robot_descriptions`, which clones repositories with models."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ def _parse(text: str) -> Reference:
 
 
 def _resolve(reference: Reference, lookup: Lookup) -> Source:
-    """The MJCF file of a description, or its URDF file where it has no MJCF. Raises SourceError.
+    """Return the MJCF file of a description, or its URDF file if it has no MJCF. Raises SourceError.
 
-    Importing a description runs the package's code, which clones a repository when it is first asked for.
+    Importing a description runs the package's code, which clones a repository on first use.
     """
     roots = folders(_PACKAGE)
     if not roots:
@@ -70,7 +70,7 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
 
 
 def _commit(repository: Path) -> str | None:
-    """The commit that the package has checked out, as it does by its hash; None for anything else."""
+    """Return the commit that the package has checked out by its hash, or None for any other state."""
     try:
         head = (repository / ".git" / "HEAD").read_text(encoding="ascii").strip()
     except (OSError, ValueError):
@@ -80,13 +80,13 @@ def _commit(repository: Path) -> str | None:
 
 def _load(reference: Reference, fetching: Fetching) -> Any:
     try:
-        # The package reports its progress on standard output, where a model may be on its way.
+        # The package prints its progress to standard output, which may carry a model.
         with redirect_stdout(sys.stderr), _no_transport() if fetching.offline else nullcontext():
             return import_module(f"{_PACKAGE}.{reference.name}")
     except Exception as fault:
         if fetching.offline:
             raise not_at_hand(reference, f"the cache of `{_PACKAGE}`") from fault
-        # Whatever git, the network or a missing extra of the package has to say.
+        # Any error of git, of the network or of a missing extra of the package.
         raise SourceError(
             "source-not-found", f"`{reference.text}` could not be fetched", notes=(str(fault) or repr(fault),)
         ) from fault
@@ -94,7 +94,7 @@ def _load(reference: Reference, fetching: Fetching) -> Any:
 
 @contextmanager
 def _no_transport() -> Iterator[None]:
-    """Have git, which the package runs in this process' environment, ask no other repository."""
+    """Prevent git, which the package runs in this process's environment, from contacting any repository."""
     before = os.environ.get(_TRANSPORTS)
     os.environ[_TRANSPORTS] = "none"
     try:
@@ -139,7 +139,7 @@ KIND = SourceKind(
     is_fetched=False,
     runs_code=True,
     pins=frozenset({"commit", "tree", "package", "version"}),
-    # The last two are where the package keeps what it clones.
+    # The last two name the folder of the package's clones.
     variables=(
         "ROBOT_DESCRIPTIONS_CACHE",
         "ROBOT_DESCRIPTION_COMMIT",

@@ -1,4 +1,4 @@
-"""The hashes of files, and how two sets of them differ."""
+"""Hash files, and compare two sets of hashes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from composer.reading.unsaved import unsaved_text
 
 
 def sha256_of(path: Path) -> str:
-    """Of the bytes of a file. Raises OSError."""
+    """Return the sha256 of a file. Raises OSError."""
     if (kept := unsaved_text(path)) is not None:
         return hashlib.sha256(kept).hexdigest()
     with path.open("rb") as stream:
@@ -23,12 +23,14 @@ _remembered = Memory(lambda path: sha256_of(Path(path)), lambda path: sha256_of(
 
 
 def remembered_sha256(path: Path) -> str:
-    """The same of a file that many models of one run are made of: read again only where it has changed."""
+    """Return the sha256 of a file that many models of a run use; it is read again only if it has changed."""
     return sha256_of(path) if unsaved_text(path) is not None else _remembered.ask(os.fspath(path))
 
 
 def files_below(folder: Path) -> Iterator[tuple[str, Path]]:
-    """Every file below a folder with its path from there, with forward slashes, in no order; links are not followed."""
+    """Yield every file below a folder with its relative path, with forward slashes, in no order; links are not
+    followed.
+    """
     for where, _, names in os.walk(folder):
         for name in names:
             path = Path(where, name)
@@ -36,7 +38,7 @@ def files_below(folder: Path) -> Iterator[tuple[str, Path]]:
 
 
 def differences(before: Mapping[str, str], after: Mapping[str, str]) -> tuple[str, ...]:
-    """What has become of files, a line for each, by name; empty when nothing has. No I/O.
+    """Return one line for each file that changed, sorted by name; empty if none has. No I/O.
 
     >>> differences({"a": "0" * 64, "b": "1" * 64}, {"a": "2" * 64, "c": "3" * 64})
     ('`a` changed: 000000000000… was locked, 222222222222… is there', '`b` is gone', '`c` is new')

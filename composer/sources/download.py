@@ -1,4 +1,4 @@
-"""One file over HTTP: redirects, proxies, timeouts, tries with pauses, resumption."""
+"""Download one file over HTTP, with redirects, proxies, timeouts, retries and resumption."""
 
 from __future__ import annotations
 
@@ -26,29 +26,29 @@ if TYPE_CHECKING:
 _TRIES = 5
 _PAUSE = 0.25
 _PATIENCE = 60.0
-"""Seconds that a server may ask to wait for; what asks for more is reported at once."""
+"""The longest wait in seconds that a server may ask for; a longer one is reported at once."""
 _HOPS = 10
 _CHUNK = 256 * 1024
 _LEAST = 1024
-"""Bytes that have to come in the time for which a server may say nothing: one that drips is as good as silent."""
+"""A server that sends fewer bytes than this within the timeout counts as silent."""
 _BUSY = (429, 500, 502, 503, 504)
 
 
 @dataclass(frozen=True, slots=True)
 class Version:
-    """What a server calls the version of a file that it gave; either may be empty."""
+    """A server's version of a file; either field may be empty."""
 
     etag: str = ""
     modified: str = ""
 
     @property
     def token(self) -> str:
-        """What `If-Range` takes: a weak etag does not promise the same bytes."""
+        """The value for `If-Range`: a weak etag does not promise the same bytes."""
         return self.etag if self.etag and not self.etag.startswith("W/") else self.modified
 
 
 class _Broken(Exception):
-    """The transfer broke off; what there is stays for the next try, which is not to come before `pause` seconds."""
+    """The transfer broke off. The next try starts after `pause` seconds and resumes."""
 
     def __init__(self, message: str, pause: float = 0.0) -> None:
         super().__init__(message)
@@ -64,10 +64,10 @@ def download(
     known: Version,
     is_confined: bool = False,
 ) -> Version | None:
-    """Have the file at `partial`, going on from what an earlier process left there.
+    """Download the file to `partial`, resuming an earlier download. Raises SourceError and OSError.
 
-    None where the server says that it still is the version `known`; then it writes no file. Raises SourceError
-    with what is there kept for the next time, and OSError. `is_confined` refuses to be led to this machine's network.
+    Return None, without writing a file, if the server still has the version `known`. After a SourceError the
+    partial file stays for the next run. `is_confined` refuses redirects into this machine's network.
     """
     silence = Silence(patience(environment))
     return _Download(url, partial, environment, progress, known, silence, is_confined).run()
@@ -100,7 +100,7 @@ class _Download:
                 self.progress(f"{last}; trying again" + (f" in {pause:.0f} s" if pause > 5 else ""))
                 time.sleep(max(pause, own))
                 if pause > own:
-                    self.silence.broken()  # it was the server that asked for the pause
+                    self.silence.broken()  # the server asked for the pause
             attempt += 1
             try:
                 return self._once()
@@ -112,7 +112,7 @@ class _Download:
                 ) from None
             except HTTPError as error:
                 last, pause = _in_short(error), 0.0
-                # A refused connection is a timeout to urllib3, too.
+                # urllib3 also reports a refused connection as a timeout.
                 if isinstance(error, TimeoutError) and not isinstance(error, NewConnectionError):
                     last = f"the server said nothing for {patience(self.environment):g} s"
                 if isinstance(getattr(error, "original_error", error), NameResolutionError):
@@ -128,7 +128,7 @@ class _Download:
         )
 
     def _no_name(self, said: str) -> SourceError:
-        """The network or the server does not exist: another try a second later finds the same."""
+        """Return the error for an unknown network or server: another try a second later would fail too."""
         return SourceError(
             "source-fetch",
             f"`{self.url}` cannot be fetched: the name of its server cannot be resolved",
@@ -148,7 +148,7 @@ class _Download:
         import urllib3
 
         parts = urlsplit(url)
-        seconds = self.silence.left  # of all tries together
+        seconds = self.silence.left  # for all tries together
         timeout = urllib3.Timeout(connect=seconds, read=seconds)
         named = (f"{parts.scheme}_proxy", f"{parts.scheme.upper()}_PROXY", "all_proxy", "ALL_PROXY")
         proxy = next((value for name in named if (value := self.environment.get(name))), None)
@@ -172,7 +172,7 @@ class _Download:
         at = self.url
         for _ in range(_HOPS + 1):
             with self._pool(at) as pool:
-                # What fails is tried again here, where the bytes that have come are known.
+                # Retries happen here, where the received bytes are known.
                 with waiting(self.progress, f"for {urlsplit(at).hostname}"):
                     response = pool.request(
                         "GET", at, headers=headers, preload_content=False, decode_content=False,
@@ -191,7 +191,7 @@ class _Download:
         )
 
     def _next(self, at: str, leads_to: str) -> str:
-        """Where a redirect leads; an address that is not encrypted is refused, this machine's own excepted."""
+        """Return the target of a redirect. Unencrypted addresses are refused, except on this machine."""
         way = take_apart(leads_to, at)
         if way is None or way.scheme not in ("http", "https"):
             raise SourceError(
@@ -239,7 +239,7 @@ class _Download:
         return version
 
     def _busy(self, response: BaseHTTPResponse) -> Exception:
-        """What to raise for a server that wants to be asked again, now or at a time that it says."""
+        """Return the exception for a server that is busy, with the pause that it asks for."""
         from urllib3 import Retry
         from urllib3.exceptions import HTTPError
 
@@ -270,7 +270,7 @@ class _Download:
         before = size
         with self.partial.open("ab" if size else "wb") as file:
             try:
-                # What has come, however little: `stream` would wait for all of a chunk.
+                # Read what has arrived, however little: `stream` would wait for a full chunk.
                 while chunk := response.read1(_CHUNK, decode_content=False):
                     size += len(chunk)
                     if max(size, total) > (most := in_force().source_size):
@@ -306,7 +306,7 @@ class _Download:
         return self.partial.with_suffix(".version")
 
     def _begun(self) -> tuple[int, Version]:
-        """How many bytes an earlier try left, and of which version."""
+        """Return how many bytes an earlier try left, and of which version."""
         try:
             note = json.loads(self._note.read_text(encoding="utf-8"))
             return self.partial.stat().st_size, Version(str(note["etag"]), str(note["modified"]))
@@ -315,13 +315,13 @@ class _Download:
 
 
 def forget(partial: Path) -> None:
-    """Take a download away that is finished or of no use."""
+    """Remove a download that is finished or useless."""
     partial.unlink(missing_ok=True)
     partial.with_suffix(".version").unlink(missing_ok=True)
 
 
 def _is_spared(host: str, spared: str) -> bool:
-    """Whether `no_proxy` names the host."""
+    """Return whether `no_proxy` names the host."""
     import urllib.request
 
     bypass: Any = getattr(urllib.request, "proxy_bypass_environment")  # noqa: B009  public, and not in the stubs
@@ -332,7 +332,7 @@ _OBJECT = re.compile(r"<.*?>: |HTTPS?Connection(Pool)?\(.*?\): ")
 
 
 def _in_short(error: Exception) -> str:
-    """The cause, without the objects of the library."""
+    """Return the cause without the library's object names."""
     said = [str(each) or type(each).__name__ for each in error.args] or [type(error).__name__]
     text = _OBJECT.sub("", ": ".join(each.rstrip(".") for each in said))
     return "".join(each if each.isprintable() else " " for each in text).strip()

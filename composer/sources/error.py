@@ -1,4 +1,4 @@
-"""A model reference that leads nowhere, before it is known where that reference is written."""
+"""The error for a model reference that cannot be resolved, before its place is known."""
 
 from __future__ import annotations
 
@@ -6,4 +6,4 @@ from composer.diagnostics.error import DiagnosticError
 
 
 class SourceError(DiagnosticError):
-    """What is wrong with a model reference; the notes say what exists, `help` what to write instead."""
+    """A fault in a model reference; the notes say what exists, `help` what to write instead."""

@@ -1,4 +1,4 @@
-"""The model file inside something that was fetched."""
+"""Find the model file in a fetched source."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from composer.sources.source import Source, has_format
 
 
 def source_in(origin: Origin, reference: Reference) -> Source:
-    """The file that a reference names inside of `origin`. Raises SourceError."""
+    """Return the file that a reference names in `origin`. Raises SourceError."""
     inside = PurePosixPath(reference.path)
     if inside.is_absolute() or ".." in inside.parts or "\\" in reference.path:
         raise SourceError(
@@ -46,7 +46,7 @@ def source_in(origin: Origin, reference: Reference) -> Source:
 
 
 def unlocked(reference: Reference, fetching: Fetching) -> SourceError:
-    """The error for a source that would have to be looked up although only what is locked may be used."""
+    """Return the error for a source that is not in the lock when only locked sources are allowed."""
     return SourceError(
         "lock-stale",
         f"`{reference.text}` is not in the lock",
@@ -55,7 +55,7 @@ def unlocked(reference: Reference, fetching: Fetching) -> SourceError:
 
 
 def not_at_hand(reference: Reference, where: str = "the store") -> SourceError:
-    """The error for a source that would have to be fetched although nothing may be; `where` it is not."""
+    """Return the error for a source that is missing in `where` when nothing may be fetched."""
     return SourceError(
         "source-offline",
         f"`{reference.text}` is not in {where}, and nothing is fetched offline",

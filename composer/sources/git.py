@@ -1,4 +1,4 @@
-"""Model references into git repositories, at a branch, a tag or a commit."""
+"""Model references to git repositories, at a branch, a tag or a commit."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _NO_ROOM = re.compile("No space left|quota exceeded", re.IGNORECASE)
 _TOO_LARGE = re.compile("File too large|signal 25", re.IGNORECASE)
 _NO_MEMORY = re.compile("out of memory|malloc failed|unable to create thread|mmap failed", re.IGNORECASE)
 _WITHOUT = "without "
-"""Before the path of what was left out of an entry, in what it says about itself."""
+"""In the notes of an entry, the prefix before the path of a file that was left out."""
 _ABBREVIATED = re.compile(r"[0-9a-f]{7,39}")
 
 
@@ -49,7 +49,7 @@ def _parse(text: str) -> Reference:
     location, _, path = rest.partition("#")
     host, _, tail = location.removeprefix("//").partition("/")
     check_secrets(text, host)
-    # Only an `@` behind the host starts a revision: before it, it ends a user's name.
+    # Only an `@` after the host starts a revision; before it, an `@` ends a user name.
     repository, at, revision = tail.rpartition("@")
     if not at:
         repository, revision = tail, ""
@@ -74,7 +74,7 @@ def _is_of_this_machine(reference: Reference) -> bool:
 
 
 def _unescaped(revision: str) -> str:
-    """An `@`, `#` or `%` in the name of a branch or tag is written as in any URL: `%40`, `%23`, `%25`."""
+    """Decode `%40`, `%23` and `%25` in the name of a branch or tag, as in any URL."""
     if "%" not in revision:
         return revision
     from urllib.parse import unquote
@@ -83,7 +83,7 @@ def _unescaped(revision: str) -> str:
 
 
 def _escaped(revision: str) -> str:
-    """The name of a branch or tag as a reference writes it.
+    """Return the name of a branch or tag as it is written in a reference.
 
     >>> _escaped("robots@1.2")
     'robots%401.2'
@@ -92,7 +92,9 @@ def _escaped(revision: str) -> str:
 
 
 def _resolve(reference: Reference, lookup: Lookup) -> Source:
-    """The file at a revision. The commit comes from the lock, or else the repository is asked. Raises SourceError."""
+    """Return the file at a revision. The commit comes from the lock, or else from the repository. Raises
+    SourceError.
+    """
     id, known = reference.id, lookup.fetching.origins
     if id not in known:
         store = Store.of(lookup.environment)
@@ -149,7 +151,7 @@ class _Repository:
         return Git(self.environment, self.fetching.progress)
 
     def _asked(self) -> str:
-        """The commit that the repository has for the revision now."""
+        """Ask the repository for the current commit of the revision."""
         url, revision = self.reference.name, self.reference.revision
         self.fetching.progress(f"looking up {revision} in {url}")
         try:
@@ -166,7 +168,7 @@ class _Repository:
         raise self._no_revision(refs)
 
     def _whole_hash(self, short: str, refs: Mapping[str, str]) -> str:
-        """The commit that begins so: only the whole history shows it."""
+        """Return the commit for an abbreviated hash, which needs the whole history."""
         with scratch("git") as folder:
             try:
                 self._history(Path(folder))
@@ -191,7 +193,9 @@ class _Repository:
             )
 
     def _fill(self, target: Path, commit: str, pinned: bool, about: dict[str, str]) -> None:
-        """The files of the commit; its repository is beside them meanwhile, so that a kill leaves nothing elsewhere."""
+        """Write the files of the commit. The clone is next to them for the time being, so that a kill leaves
+        nothing elsewhere.
+        """
         with tempfile.TemporaryDirectory(dir=target.parent) as folder:
             repository = Path(folder)
             self._get(commit, repository, pinned)
@@ -202,7 +206,7 @@ class _Repository:
             about |= {f"{_WITHOUT}{name}": why for name, why in left_out.items()}
 
     def _get(self, commit: str, repository: Path, pinned: bool) -> None:
-        """Have the commit in `repository`: alone where the other side gives it, else with all that it has."""
+        """Fetch the commit into `repository`: alone if the server allows it, else with the whole history."""
         git, url = self._git, self.reference.name
         self.fetching.progress(f"fetching {url} at {commit[:12]}")
         kind = ("--object-format=sha256",) if len(commit) == 64 else ()
@@ -302,7 +306,7 @@ class _Repository:
 
 
 def _files_are_small() -> bool:
-    """Whether the user allows this process smaller files than the limit of a source."""
+    """Return whether this process may only write files smaller than the size limit of a source."""
     try:
         import resource
     except ImportError:
@@ -312,9 +316,10 @@ def _files_are_small() -> bool:
 
 
 def _other_side(url: str) -> tuple[str, ...]:
-    """For a repository on this machine, what has the git that reads it hold no large file as a whole either.
+    """Return the options that keep git on the serving side of a local repository from holding large files in
+    memory.
 
-    It starts from the repository's own settings, without those that this side has on its command line.
+    That git starts with the repository's own settings, without the command-line settings of this side.
     """
     if not url.startswith("file://"):
         return ()
@@ -322,7 +327,7 @@ def _other_side(url: str) -> tuple[str, ...]:
 
 
 def _refs(out: bytes) -> dict[str, str]:
-    """What a repository calls its commits; tags with an object of their own have `NAME^{}` too."""
+    """Return the commits of a repository by ref name; annotated tags also have `NAME^{}`."""
     found = {}
     for line in out.decode("utf-8", "replace").splitlines():
         commit, _, name = line.partition("\t")

@@ -1,4 +1,4 @@
-"""The command `git`: run without a terminal, with a time limit, and tried again where the network failed."""
+"""Run `git` without a terminal, with a time limit and with retries after network failures."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ _PASSING = re.compile(
     r"|operation too slow",
     re.IGNORECASE,
 )
-"""What another try may get past."""
+"""Failures that another try may overcome."""
 _NO_NAME = re.compile("could not resolve host", re.IGNORECASE)
-"""The network or the name does not exist: another try a second later finds the same."""
+"""The network or the name does not exist: another try a second later would fail too."""
 _ADVICE = re.compile(
     r"(hint|warning): |Please make sure you have the correct access|and the repository exists", re.I
 )
 
 
 class GitFailure(Exception):
-    """The command failed; `said` is what it wrote to standard error."""
+    """The command failed; `said` is its standard error."""
 
     def __init__(self, said: str) -> None:
         super().__init__(said)
@@ -50,14 +50,14 @@ class GitFailure(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Git:
-    """Runs git in one repository (or in none); `limit` is the seconds that one command may take."""
+    """Runs git in one repository, or in none; `limit` is the maximum time of one command in seconds."""
 
     environment: Mapping[str, str]
     progress: Callable[[str], None]
     limit: float = 1800.0
 
     def run(self, *arguments: str, folder: Path | None = None) -> bytes:
-        """Standard output. Raises GitFailure, and SourceError where git is missing."""
+        """Return the standard output. Raises GitFailure, and SourceError if git is not installed."""
         with self.open(*arguments, folder=folder) as process:
             out: bytes = process.stdout.read(_MOST_OUTPUT + 1)
             if len(out) > _MOST_OUTPUT:
@@ -65,9 +65,9 @@ class Git:
         return out
 
     def fetch(self, *arguments: str, folder: Path | None = None) -> bytes:
-        """The same for what asks another machine: tried again where the network failed.
+        """Run a command that contacts another machine, and retry it if the network fails.
 
-        All tries together may wait as long for another machine as one may.
+        The timeout for silence applies to all tries together.
         """
         silence = Silence(patience(self.environment))
         for attempt in range(_TRIES):
@@ -84,10 +84,9 @@ class Git:
 
     @contextmanager
     def open(self, *arguments: str, folder: Path | None = None, asked: bool = False) -> Iterator[Any]:
-        """A command whose standard output is read in the block; with `asked`, what is asked is written to it.
+        """Run a command and yield it for reading its standard output; with `asked`, also for writing to its input.
 
-        It has ended after the block. Raises GitFailure there unless it went well, and SourceError where there is no
-        git.
+        The command ends with the block. Raises GitFailure if it fails, and SourceError if git is not installed.
         """
         limits = in_force()
         own = self._variables(arguments)
@@ -139,13 +138,13 @@ class Git:
             "http.lowSpeedTime": self._silence,
             "gc.auto": "0",
             "fetch.fsckObjects": "false",
-            "fetch.unpackLimit": "1",  # all that comes is one file, which can be bounded
+            "fetch.unpackLimit": "1",  # all objects arrive in one file, whose size can be limited
         }
         command = [*_options(settings), *bounded()]
         return command if folder is None else [*command, f"--git-dir={folder}"]
 
     def _variables(self, arguments: tuple[str, ...]) -> dict[str, str]:
-        # A repository that the user stands in is none of ours, nor what a hook says of it.
+        # Ignore the repository around the current folder, and variables that a git hook sets.
         own = {name: value for name, value in self.environment.items() if name not in _OF_A_REPOSITORY}
         own = {**os.environ, "GIT_ASKPASS": "", **own, "GIT_TERMINAL_PROMPT": "0", "LC_ALL": "C"}
         own |= {"GIT_ALLOW_PROTOCOL": _protocols(arguments), **NO_SYSTEM}
@@ -161,7 +160,7 @@ class Git:
 
 
 def bounded() -> list[str]:
-    """The options with which git holds no large file in memory as a whole."""
+    """Return the options that keep git from holding large files in memory."""
     settings = {
         "core.bigFileThreshold": "8m",
         "core.deltaBaseCacheLimit": "16m",
@@ -182,13 +181,13 @@ CONFINED = {
     "submodule.recurse": "false",
     "fetch.recurseSubmodules": "false",
 }
-"""Settings under which git runs nothing that a repository brings."""
-# What the user sets is the user's; what the machine sets may be another's. On Windows it says how servers are trusted.
+"""Settings that keep git from running anything from a repository."""
+# The user's settings apply; the system's may come from somebody else. On Windows they are needed to trust servers.
 NO_SYSTEM = {} if os.name == "nt" else {"GIT_CONFIG_NOSYSTEM": "1", "GIT_ATTR_NOSYSTEM": "1"}
 
 
 def _protocols(arguments: tuple[str, ...]) -> str:
-    """The transports that git may use, also where its own settings send it elsewhere. Never a program (`ext::`).
+    """Return the transports that git may use, even if its settings redirect it. Never a program (`ext::`).
 
     >>> _protocols(("ls-remote", "--", "http://localhost/robots"))
     'https:ssh:file:http'
@@ -204,7 +203,7 @@ _OF_A_REPOSITORY = (
 
 
 def _impatient_ssh(own: Mapping[str, str], seconds: str) -> dict[str, str]:
-    """What has ssh give up on a machine that says nothing for so long; another program than ssh is left as it is."""
+    """Return settings that make ssh give up after so many seconds of silence; other programs are left as they are."""
     written = own.get("GIT_SSH_COMMAND", "")
     if not written:
         try:
@@ -213,7 +212,7 @@ def _impatient_ssh(own: Mapping[str, str], seconds: str) -> dict[str, str]:
                 capture_output=True, check=False, timeout=30,
             )  # fmt: skip
         except (OSError, subprocess.TimeoutExpired):
-            return {}  # git itself is asked next, and its failure is reported
+            return {}  # git runs next, and its failure is reported
         written = done.stdout.decode("utf-8", "surrogateescape").strip()
     if not written and own.get("GIT_SSH"):
         return {}
@@ -225,7 +224,7 @@ def _impatient_ssh(own: Mapping[str, str], seconds: str) -> dict[str, str]:
 
 
 _OPENSSH = re.compile(r"(\S*/)?ssh(\s|$)")
-"""The first option that ssh is given counts: what the user's command says itself stays in force."""
+"""ssh uses the first of several equal options, so options in the user's command stay in force."""
 
 
 def _last_line(said: str) -> str:
@@ -233,7 +232,7 @@ def _last_line(said: str) -> str:
 
 
 def words_of(failure: GitFailure) -> tuple[str, ...]:
-    """What git said, as notes: its errors, without the advice."""
+    """Return git's error messages as notes, without the advice."""
     lines = [line.strip() for line in failure.said.splitlines() if line.strip()]
     said = [line for line in lines if not _ADVICE.match(line)] or lines
     return tuple(f"git said: {line}" for line in said[:3])

@@ -1,4 +1,4 @@
-"""The files of a commit, byte for byte: no filter, attribute or line ending of this machine touches them."""
+"""Write the files of a commit byte for byte: no filters, attributes or line endings of this machine apply."""
 
 from __future__ import annotations
 
@@ -30,10 +30,11 @@ Contents = Callable[[_Blob], Iterator[bytes]]
 
 
 def write_tree(git: Git, repository: Path, commit: str, target: Path) -> dict[str, str]:
-    """Write the files of a commit below `target`, an empty folder. What was left out, by its path, in words.
+    """Write the files of a commit below `target`, an empty folder. Return the omitted paths, each with a
+    description.
 
-    A link to a file or folder of the same commit becomes that; other links and submodules are left out. Raises
-    SourceError for a tree whose names lead out of the folder or that is too large, GitFailure, and OSError.
+    A link to a file or folder of the same commit becomes a copy; other links and submodules are omitted. Raises
+    SourceError for a tree that is too large or whose names lead out of the folder, GitFailure, and OSError.
     """
     packed = sum(path.stat().st_size for _, path in files_below(repository))
     try:
@@ -72,7 +73,7 @@ def _follow(
     written: dict[str, _Blob],
     left_out: dict[str, str],
 ) -> None:
-    """Put what links lead to into `written`, under their names; or the links into `left_out`."""
+    """Put the targets of links into `written` under the names of the links, or the links into `left_out`."""
     targets = {link.name: b"".join(contents(link)).decode("utf-8", "surrogateescape") for link in links}
     real = {name: _real(name, targets) for name in targets}
     for name, leads_to in real.items():
@@ -94,7 +95,7 @@ def _follow(
 
 
 def _real(path: str, targets: Mapping[str, str], patience: int = 16) -> str | None:
-    """The path without links on the way; None where that is not a path of the commit. No I/O.
+    """Return the path with links resolved, or None if it is not a path of the commit. No I/O.
 
     >>> _real("a/b/c.xml", {"a/b": "../d"})
     'd/c.xml'
@@ -120,7 +121,7 @@ def _real(path: str, targets: Mapping[str, str], patience: int = 16) -> str | No
 
 
 def _listed(git: Git, repository: Path, commit: str) -> Iterator[_Blob]:
-    """The files of a commit, read until there are too many: a tree may hold itself many times over."""
+    """Yield the files of a commit until there are too many: a tree may contain itself many times over."""
     left = b""
     with git.open("ls-tree", "-r", "-z", "-l", "--full-tree", commit, folder=repository) as process:
         count = 0
@@ -139,11 +140,13 @@ def _blob(line: bytes) -> _Blob:
 
 @contextmanager
 def _contents(git: Git, repository: Path) -> Iterator[Contents]:
-    """A function that gives the bytes of a file piece by piece, so that none is held as a whole."""
+    """Yield a function that returns the bytes of a file piece by piece, so that no file is held in memory as a
+    whole.
+    """
     with git.open("cat-file", "--batch", folder=repository, asked=True) as process:
 
         def content(blob: _Blob) -> Iterator[bytes]:
-            with suppress(BrokenPipeError):  # it has ended, which its answer shows
+            with suppress(BrokenPipeError):  # git has ended, which its output will show
                 process.stdin.write(f"{blob.hash}\n".encode())
                 process.stdin.flush()
             header = process.stdout.readline().split()

@@ -1,4 +1,4 @@
-"""What a kind of model reference is, apart from the code that reads and follows one."""
+"""The facts about a kind of model reference, without the code that parses and resolves it."""
 
 from __future__ import annotations
 
@@ -6,21 +6,21 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 Pin = Literal["commit", "tree", "sha256", "package", "version"]
-"""What a lock can write down of a source besides the hashes of its files."""
+"""What a lock can record about a source besides the hashes of its files."""
 
 PINS: tuple[Pin, ...] = get_args(Pin)
 
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """One way to write a reference: an example as messages and docs show it, and what it refers to."""
+    """One way to write a reference: an example for messages and docs, and what it refers to."""
 
     example: str
     meaning: str
 
     @property
     def scheme(self) -> str:
-        """What stands before the first colon; empty for a path, which has none.
+        """The text before the first colon; empty for a path, which has none.
 
         >>> Form("menagerie:ROBOT/ENTRY", "a robot").scheme, Form("./arm.xml", "a file").scheme
         ('menagerie', '')
@@ -31,7 +31,9 @@ class Form:
 
 @dataclass(frozen=True, slots=True)
 class Library:
-    """A Python package that a kind of reference needs, by its name on PyPI, and the extra of mjcompose that has it."""
+    """A Python package that a kind of reference needs, by its name on PyPI, and the extra of mjcompose that
+    includes it.
+    """
 
     name: str
     extra: str | None = None
@@ -43,19 +45,19 @@ class Kind:
 
     | field | what it says |
     |---|---|
-    | `name` | the kind in locks, manifests, `plan --format json` and messages |
+    | `name` | the name in locks, manifests, `plan --format json` and messages |
     | `forms` | how references of the kind are written, one or more |
-    | `local_schemes` | schemes that are read too, but only for a server on this machine |
-    | `separator` | what stands between the id of what is fetched or installed as one, and a file in it |
-    | `is_local` | whether the files are the user's own, who may change them |
-    | `is_fetched` | whether the files are in mjcompose's store, apart from all other files of this machine |
-    | `runs_code` | whether following a reference runs code that came with what it names |
-    | `pins` | what a lock has of such a source besides the hashes of its files |
-    | `variables` | the environment variables that decide which file a reference stands for |
-    | `libraries` | the Python packages that decide it, which need not be installed |
+    | `local_schemes` | further schemes, for a server on this machine only |
+    | `separator` | the text between the id of an origin and the path of a file in it |
+    | `is_local` | whether the files belong to the user, who may change them |
+    | `is_fetched` | whether the files are in mjcompose's store, separate from all other files of this machine |
+    | `runs_code` | whether resolving a reference runs code of the source |
+    | `pins` | what a lock records besides the hashes of the files |
+    | `variables` | the environment variables that determine the file of a reference |
+    | `libraries` | the Python packages that determine it; they need not be installed |
 
-    A change of one of `variables` or `libraries` makes what the build cache knows out of date. A kind that is not
-    fetched sees no other variables; one that is fetched sees all of them, since its bytes are pinned or asked for
+    A change of one of `variables` or `libraries` makes entries of the build cache outdated. A kind that is not
+    fetched sees no other variables; one that is fetched sees all of them, because its bytes are pinned or requested
     in every build.
     """
 
@@ -71,7 +73,7 @@ class Kind:
     libraries: tuple[Library, ...]
 
     def check_pinned(self, **known: str | None) -> None:
-        """Raise ValueError if something is known of a source of this kind that no lock of it would have."""
+        """Raise ValueError if a source of this kind has a fact that its lock would not record."""
         if missing := [pin for pin, value in known.items() if value is not None and pin not in self.pins]:
             raise ValueError(
                 f"the kind {self.name!r} knows {missing}, and `pins` in its row does not name it"

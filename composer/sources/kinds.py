@@ -1,4 +1,4 @@
-"""All kinds of model reference, and which of them a text is."""
+"""All kinds of model reference, and the parser that selects one."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ KINDS: tuple[SourceKind, ...] = (
     git.KIND,
     archive.KIND,
 )
-"""A kind exists when its row is here; messages and docs list kinds in this order."""
+"""A kind exists if its row is here; messages and docs list kinds in this order."""
 
 _BY_NAME = {kind.name: kind for kind in KINDS}
 _BY_SCHEME = {form.scheme: kind for kind in KINDS for form in kind.forms if form.scheme}
 _ON_THIS_MACHINE = {scheme: kind for kind in KINDS for scheme in kind.local_schemes}
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(.*)", re.DOTALL)
-"""Two characters at least: one letter before a colon is a drive of Windows."""
+"""At least two characters, because one letter before a colon is a Windows drive."""
 
 if len(_BY_NAME) < len(KINDS):
     raise ValueError("two kinds of model reference have one name")
@@ -36,15 +36,15 @@ for _kind in KINDS:
 
 
 def kind_called(name: str) -> SourceKind | None:
-    """The kind of that name, as a lock or a manifest has it; None where there is none."""
+    """Return the kind of that name in a lock or manifest, or None if there is none."""
     return _BY_NAME.get(name)
 
 
 def parse(text: str) -> Reference:
-    """Take a model reference apart. No I/O.
+    """Parse a model reference. No I/O.
 
-    What is not of another kind is a path; a path with a colon in its first part is written with `./` in front.
-    Raises SourceError (`source-kind`) for a text that has none of the forms.
+    Text without a scheme is a path; a path with a colon in its first component needs `./` before it. Raises
+    SourceError (`source-kind`) for a text that has none of the forms.
 
     >>> parse("menagerie:universal_robots_ur5e/ur5e").name
     'universal_robots_ur5e'

@@ -1,7 +1,7 @@
-"""Which entries of a store are in use: each process that reads some holds a lease on them until it ends.
+"""Track which entries of a store are in use: a process that reads entries holds a lease on them until it ends.
 
-A lease is a file in `leases/` that its process keeps locked and writes the keys into. The system unlocks it when the
-process ends, however it does. Whoever looks an entry up, or takes one away, holds the gate meanwhile: so no entry goes
+A lease is a file in `leases/` that its process keeps locked and that lists the keys. The system unlocks it when the
+process ends for any reason. Looking up or removing an entry happens inside the gate, so that no entry is removed
 between the look-up and the lease.
 """
 
@@ -17,12 +17,12 @@ from pathlib import Path
 LEASES = "leases"
 _GATE = "gate"
 _OWN: dict[tuple[str, int], tuple[Path, int, set[str]]] = {}
-"""The leases of this process, by store and process: what a fork has is its parent's."""
+"""The leases of this process, by store and process id: those of a forked process belong to its parent."""
 
 
 @contextlib.contextmanager
 def gate(store: Path) -> Iterator[None]:
-    """No other process looks entries up or takes one away. Raises OSError."""
+    """Keep other processes from looking up or removing entries. Raises OSError."""
     folder = store / LEASES
     folder.mkdir(parents=True, exist_ok=True)
     file = os.open(folder / _GATE, os.O_RDWR | os.O_CREAT | getattr(os, "O_CLOEXEC", 0), 0o600)
@@ -34,10 +34,10 @@ def gate(store: Path) -> Iterator[None]:
 
 
 def hold(store: Path, key: str) -> None:
-    """Keep an entry from being pruned while this process lives. Inside the gate. Raises OSError."""
+    """Keep an entry from being pruned while this process lives. Call it inside the gate. Raises OSError."""
     own = (os.fspath(store), os.getpid())
     if own not in _OWN:
-        held(store)  # takes those away that killed processes left
+        held(store)  # also removes leases of killed processes
         path = store / LEASES / f"{os.getpid()}.{os.urandom(6).hex()}"
         file = os.open(
             path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_APPEND | getattr(os, "O_CLOEXEC", 0), 0o600
@@ -51,7 +51,7 @@ def hold(store: Path, key: str) -> None:
 
 
 def let_go() -> None:
-    """Give up all that this process holds, as its end does: for a program that goes on after a build."""
+    """Release all leases of this process, for a program that goes on after a build."""
     for (_, process), (path, file, _) in _OWN.items():
         os.close(file)
         if process == os.getpid():
@@ -64,7 +64,7 @@ atexit.register(let_go)
 
 
 def held(store: Path) -> set[str]:
-    """The keys of all entries in use; leases of processes that ended are taken away. Inside the gate."""
+    """Return the keys of all entries in use, and remove the leases of ended processes. Call it inside the gate."""
     found: set[str] = set()
     with contextlib.suppress(OSError):
         for path in (store / LEASES).iterdir():
@@ -90,7 +90,7 @@ if sys.platform == "win32":
     import msvcrt
 
     _FAR = 1 << 30
-    """The byte that is locked: on Windows nobody else can read one that is."""
+    """The locked byte. On Windows nobody else can read a locked byte."""
 
     def lock_file(file: int, wait: bool = True) -> bool:
         while True:

@@ -1,4 +1,4 @@
-"""Model references into MuJoCo Menagerie, through the package `mujoco-menagerie`."""
+"""Model references to MuJoCo Menagerie, through the package `mujoco-menagerie`."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ def _parse(text: str) -> Reference:
 
 
 def _resolve(reference: Reference, lookup: Lookup) -> Source:
-    """An entry of a robot of Menagerie; without one the robot's own model, never its scene.
+    """Return the model of a robot of Menagerie by its entry; without one the robot's own model, never its scene.
 
-    The package downloads a robot when it is first asked for and keeps it. `MENAGERIE_ROOT` in the environment
-    is a folder with one subfolder for each robot, which is used instead; then nothing is downloaded.
-    `MENAGERIE_CACHE_DIR` and `MENAGERIE_BASE_URL` mean what they mean to the package. Raises SourceError.
+    The package downloads a robot on first use and keeps it. If `MENAGERIE_ROOT` is set in the environment, it is a
+    folder with one subfolder for each robot, and nothing is downloaded. `MENAGERIE_CACHE_DIR` and
+    `MENAGERIE_BASE_URL` have the same meaning as in the package. Raises SourceError.
     """
     environment, fetching = lookup.environment, lookup.fetching
     try:
@@ -59,7 +59,7 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
             f"`{folder}` has no `{entry.file}`, which `{reference.text}` stands for",
             notes=(exists_note("XML file", sorted(each.name for each in folder.glob("*.xml"))).message,),
         )
-    # The files of a folder that somebody else filled need not be those of the installed version.
+    # The files in a given folder need not be those of the installed version.
     is_own = not environment.get("MENAGERIE_ROOT")
     return Source(
         path,
@@ -106,14 +106,14 @@ def _entry(robot: Any, reference: Reference) -> Any:
 
 
 def _check_server(url: str, reference: Reference) -> None:
-    """Fail at once where the name of the server cannot be resolved: the package would try for ten seconds."""
+    """Fail at once if the server's name cannot be resolved: the package would retry for ten seconds."""
     import socket
     from urllib.parse import urlsplit
     from urllib.request import getproxies, proxy_bypass  # slow to import, and only a download needs it
 
     host = urlsplit(url).hostname
     if not host or (set(getproxies()) & {"http", "https", "all"} and not proxy_bypass(host)):
-        return  # a folder; or a proxy resolves the name
+        return  # a folder, or a proxy that resolves the name
     try:
         socket.getaddrinfo(host, None)
     except OSError as error:
@@ -128,7 +128,7 @@ def _check_server(url: str, reference: Reference) -> None:
 def _folder(
     library: Any, robot: Any, reference: Reference, environment: Mapping[str, str], fetching: Fetching
 ) -> Path:
-    """The folder with the robot's files, downloaded first where it has to be."""
+    """Return the folder with the robot's files, downloading them if necessary."""
     root = environment.get("MENAGERIE_ROOT")
     if root:
         folder = Path(root, robot.name)
@@ -169,7 +169,7 @@ KIND = SourceKind(
     is_fetched=False,
     runs_code=False,
     pins=frozenset({"commit", "tree", "package", "version"}),
-    # The last two are where the package keeps what it downloads.
+    # The last two determine the folder of the package's downloads.
     variables=("MENAGERIE_ROOT", "MENAGERIE_CACHE_DIR", "MENAGERIE_BASE_URL", "XDG_CACHE_HOME", "HOME"),
     libraries=(Library(_PACKAGE, "menagerie"),),
     parse=_parse,

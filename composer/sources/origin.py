@@ -1,4 +1,4 @@
-"""What a source belongs to: the thing that was fetched or installed as one, and that a lock pins."""
+"""The unit that a source belongs to: what is fetched or installed as a whole, and pinned by a lock."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from composer.sources.kind import Kind
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """A repository at a commit, an archive, a robot of Menagerie, an installed package.
+    """A repository at a commit, an archive, a robot of Menagerie, or an installed package.
 
-    `id` is the model reference without the file in it (`git+https://host/repo@v1`); `root` the folder against
-    which its files are named. `commit` and `tree` are git's hashes, `sha256` that of an archive. `without` has the
-    paths that were left out when it was fetched, and what they are in words; `stored` the sha256 of every file as it
-    was put into the store.
+    `id` is the model reference without the file (`git+https://host/repo@v1`); `root` is the folder that file names
+    are relative to. `commit` and `tree` are git's hashes, `sha256` that of an archive. `without` has the paths that
+    were left out when it was fetched, each with a description; `stored` has the sha256 of every file as it was put
+    into the store.
     """
 
     id: str
@@ -34,16 +34,16 @@ class Origin:
 
     @property
     def is_fetched(self) -> bool:
-        """Whether it is in the store, and none of the files of this machine has to do with it."""
+        """Whether its files are in the store, separate from all other files of this machine."""
         return self.kind.is_fetched
 
     def named(self, inside: str) -> str:
-        """The reference to a file in it, by its path from `root`."""
+        """Return the reference to a file in it, by its path from `root`."""
         return f"{self.id}{self.kind.separator}{inside}"
 
     @property
     def pin(self) -> str | None:
-        """What fetches the same bytes again; None for what somebody else installed."""
+        """The commit or sha256 that fetches the same bytes again; None for an installed package."""
         return self.commit or self.sha256
 
 
@@ -51,5 +51,5 @@ _COMMIT = re.compile(r"[0-9a-f]{40}([0-9a-f]{24})?")
 
 
 def is_commit(text: str) -> bool:
-    """Whether a text is the whole hash of a commit. No I/O."""
+    """Return whether a text is a full commit hash. No I/O."""
     return _COMMIT.fullmatch(text) is not None

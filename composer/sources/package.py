@@ -1,4 +1,4 @@
-"""Model references into an installed Python package, which is found without being imported."""
+"""Model references to files of an installed Python package, which is located without importing it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from composer.sources.source_kind import SourceKind, always, no_host
 from composer.sources.spdx import of_package
 
 if TYPE_CHECKING:
-    # Costs as much as the rest of the room together: imported where a package is asked for.
+    # Takes as long to import as the rest of the room together, so it is imported on first use.
     from importlib.metadata import Distribution
 
 
@@ -35,14 +35,14 @@ def _parse(text: str) -> Reference:
     if not name or not path.strip("/"):
         lacks = "the file inside the package" if name else "the package"
         raise malformed(text, _FORM, f"does not say {lacks}")
-    # A hyphen is let through: who writes what is typed after `pip install` gets the name of the package later.
+    # Hyphens pass: a later error names the package for a distribution name as in `pip install`.
     if not all(part.replace("-", "_").isidentifier() for part in name.split(".")):
         raise malformed(text, _FORM, f"names `{name}`, which cannot be a Python package")
     return Reference(text, KIND, name, path)
 
 
 def _resolve(reference: Reference, lookup: Lookup) -> Source:
-    """The file inside a package. Runs none of the package's code. Raises SourceError."""
+    """Return the file in a package, without running its code. Raises SourceError."""
     inside = PurePosixPath(reference.path)
     if inside.is_absolute() or ".." in inside.parts:
         raise SourceError("source-kind", f"the model reference `{reference.text}` leaves the package")
@@ -59,9 +59,10 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
 
 
 def folders(name: str) -> list[Path]:
-    """The folders of an installed package, more than one for a namespace package; empty when there is none.
+    """Return the folders of an installed package, several for a namespace package; empty if there is none.
 
-    A dotted name is looked up as folders below its first part, since finding a subpackage imports its parent.
+    A dotted name is looked up as subfolders of its first component, because finding a subpackage imports its
+    parent.
     """
     top, *rest = name.split(".")
     spec = _spec(top)
@@ -79,7 +80,7 @@ def _spec(top: str) -> ModuleSpec | None:
 
 
 def distribution(name: str) -> Distribution | None:
-    """The distribution that installed the package `name`, as far as its record of files shows."""
+    """Return the distribution that installed the package `name`, judged by its list of files."""
     from importlib import metadata
 
     top = name.partition(".")[0]
@@ -118,7 +119,7 @@ def _licence_of(owner: Distribution) -> str | None:
 
 
 def _licences_of(owner: Distribution) -> Iterator[Path]:
-    """The licence files that a distribution keeps beside its metadata."""
+    """Yield the licence files in a distribution's metadata."""
     for file in owner.files or ():
         if not file.parts[0].endswith((".dist-info", ".egg-info")):
             continue
@@ -142,7 +143,7 @@ def _not_installed(reference: Reference) -> SourceError:
     if spec is not None and spec.submodule_search_locations is None:
         return SourceError("source-not-found", f"`{name}` is a Python module without a folder, in `{text}`")
     known = {top: owners for top, owners in metadata.packages_distributions().items() if top.isidentifier()}
-    # Whoever knows the package by what is typed after `pip install` is reported the name that is imported.
+    # The user may have written the distribution name, as in `pip install`, instead of the import name.
     named = [top for top, owners in known.items() if _normalised(name) in map(_normalised, owners)]
     near = named or closest(name, (top for top in known if not top.startswith("_")))
     fix = f"write `package:{near[0]}/{reference.path}`" if near else "install the package with the model"

@@ -23,7 +23,7 @@ def _parse(text: str) -> Reference:
 
 
 def _resolve(reference: Reference, lookup: Lookup) -> Source:
-    """The file at a path; a relative one starts at the folder of the lookup. Raises SourceError."""
+    """Return the file at a path, relative to the folder of the lookup. Raises SourceError."""
     fetching = lookup.fetching
     if (left_out := _left_out(reference, lookup.folder, fetching)) is not None:
         raise left_out
@@ -57,7 +57,7 @@ def _file(reference: Reference, relative_to: Path) -> Source:
 
 
 def _existing(written: str, wanted: Path, relative_to: Path) -> list[str]:
-    """References to the model files beside the wanted one, then to those below the folder of the recipe."""
+    """Return references to the model files next to the wanted one, then to those below the folder of the recipe."""
     folder = PurePath(written).parent.as_posix()
     start = "./" if folder == "." else f"{folder}/" if folder.startswith((".", "/", "~")) else f"./{folder}/"
     beside = [start + each for each in nearby.model_files(wanted.parent, depth=0)]
@@ -76,7 +76,7 @@ def _is_folder(text: str, folder: Path) -> SourceError:
 
 
 def _left_out(reference: Reference, relative_to: Path, fetching: Fetching) -> SourceError | None:
-    """The error for a path in a recipe that was fetched, where it leads to what was left out when that was done."""
+    """Return the error for a path in a fetched recipe that leads to a file that was left out of the fetched source."""
     origin = fetching.around(relative_to)
     if origin is None:
         return None
@@ -93,7 +93,7 @@ def _left_out(reference: Reference, relative_to: Path, fetching: Fetching) -> So
 
 
 def _with_origin(source: Source, fetching: Fetching, folder: Path) -> Source:
-    """A path in a recipe that came with other files leads to one of these."""
+    """Set the origin of a source that belongs to the same origin as the recipe."""
     origin = fetching.around(folder)
     if origin is None or fetching.around(source.path) != origin:
         return source

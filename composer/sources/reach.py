@@ -1,4 +1,4 @@
-"""What the recipes of others may name: nothing of this machine or its network that the outer recipe does not trust."""
+"""Limit what fetched recipes may name: nothing on this machine or its network that the outer recipe does not trust."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from composer.sources.source_kind import SourceKind
 from composer.sources.trust import Trust
 
 _LOCAL = (".local", ".localhost", ".internal", ".lan", ".home", ".intranet", ".corp", ".home.arpa")
-"""How the names of machines end that only the own network knows."""
+"""Suffixes of names that only the local network knows."""
 
 
 def check_reach(reference: Reference, kind: SourceKind, origin: Origin, trust: Trust, offline: bool) -> None:
-    """Refuse what a recipe of `origin`, which was fetched, may not name. Raises SourceError."""
+    """Refuse a reference that a recipe fetched with `origin` may not name. Raises SourceError."""
     if trust.allows(reference.text):
         return
     host = kind.host(reference)
@@ -38,7 +38,7 @@ def check_reach(reference: Reference, kind: SourceKind, origin: Origin, trust: T
 
 
 def is_private(host: str, offline: bool = False) -> bool:
-    """Whether a server is on this machine or in its network; a name is looked up unless `offline`.
+    """Return whether a server is on this machine or in its network; a name is resolved unless `offline`.
 
     >>> [is_private(host, True) for host in ("localhost:80", "10.1.2.3", "git@[::1]", "example.org", "nas")]
     [True, True, True, False, True]
@@ -55,7 +55,7 @@ def is_private(host: str, offline: bool = False) -> bool:
 
 
 def _address(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
-    """The address that a text is, also in the forms that a resolver takes: `127.1`, `0x7f000001`, `2130706433`."""
+    """Parse an IP address, including the forms that a resolver accepts: `127.1`, `0x7f000001`, `2130706433`."""
     import socket
 
     try:
@@ -73,13 +73,13 @@ def _address(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
 def _inner(
     address: ipaddress.IPv4Address | ipaddress.IPv6Address,
 ) -> ipaddress.IPv4Address | ipaddress.IPv6Address:
-    """An address of IPv4 that is written as one of IPv6."""
+    """Return the IPv4 address that an IPv6 address maps, or the address itself."""
     return (isinstance(address, ipaddress.IPv6Address) and address.ipv4_mapped) or address
 
 
 @cache
 def _addresses(name: str) -> tuple[ipaddress.IPv4Address | ipaddress.IPv6Address, ...]:
-    """What a name stands for; nothing where it cannot be looked up, which is reported when it is fetched."""
+    """Return the addresses of a name; none if it cannot be resolved, which is reported when it is fetched."""
     import socket
 
     try:

@@ -1,4 +1,4 @@
-"""The text of a model reference taken apart, and the faults that references of several kinds can have."""
+"""The components of a model reference, and errors that several kinds of references share."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from composer.sources.kind import Form, Kind
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """A model reference in its parts.
+    """The components of a model reference.
 
     | kind | `name` | `path` |
     |---|---|---|
@@ -21,7 +21,7 @@ class Reference:
     | menagerie | the robot | the entry, empty for the robot's own model |
     | descriptions | the description | empty |
     | git | the URL of the repository | the file inside of it, at `revision` |
-    | archive | the URL of the archive | the file inside of it; `revision` is its sha256 where that is written |
+    | archive | the URL of the archive | the file inside of it; `revision` is its sha256 if it is written |
     """
 
     text: str
@@ -32,7 +32,7 @@ class Reference:
 
     @property
     def id(self) -> str:
-        """The reference without the file in it: what is fetched or installed as one."""
+        """The reference without the file: what is fetched or installed as a whole."""
         if self.kind.separator == "#":
             return self.text.partition("#")[0]
         return f"{self.text.partition(':')[0]}:{self.name}" if self.name else self.text
@@ -43,12 +43,12 @@ _LOOPBACK = re.compile(r"(localhost|127(\.\d+){3}|\[::1\])(:\d+)?")
 
 
 def is_this_machine(host: str) -> bool:
-    """Whether a host, with or without a port, is one to which a connection need not be encrypted. No I/O."""
+    """Return whether a host, with or without a port, is the loopback, which needs no encryption. No I/O."""
     return _LOOPBACK.fullmatch(host) is not None
 
 
 def bare(text: str, form: Form) -> str:
-    """What follows the colon; two slashes there are a habit from other tools. Raises SourceError."""
+    """Return the text after the colon; leading slashes, a habit from other tools, are an error. Raises SourceError."""
     rest = text.partition(":")[2]
     if rest.startswith("/"):
         stripped = rest.lstrip("/")
@@ -61,14 +61,14 @@ def bare(text: str, form: Form) -> str:
 
 
 def malformed(text: str, form: Form, problem: str) -> SourceError:
-    """The error for a reference that lacks something of its form."""
+    """Return the error for a reference that lacks something of its form."""
     return SourceError(
         "source-kind", f"the model reference `{text}` {problem}", help=f"the form is `{form.example}`"
     )
 
 
 def check_secrets(text: str, host: str) -> None:
-    """Refuse what everybody would read who gets a lock or a bundle. Raises SourceError."""
+    """Refuse a secret in a reference, because locks and bundles would publish it. Raises SourceError."""
     login, _, _ = host.rpartition("@")
     user, colon, _ = login.partition(":")
     shown = hide(text.replace(f"{login}@", f"{user}:…@", 1) if colon else text)

@@ -1,4 +1,4 @@
-"""From the text of a model reference to the file it stands for."""
+"""Resolve the text of a model reference to its file."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from composer.sources.source import Source
 def resolve(
     reference: str, *, relative_to: Path, environment: Mapping[str, str], fetching: Fetching | None = None
 ) -> Source:
-    """Find the file that a model reference stands for, and the licences that go with it; fetch it where it has to be.
+    """Find the file of a model reference and its licences; fetch it if necessary.
 
-    `relative_to` is the folder of the file that holds the reference; `environment` stands for the environment
-    of the process; `fetching` has the rules and the memory of the run. A reference in what was fetched may name only
-    what is not on this machine. Raises SourceError.
+    `relative_to` is the folder of the file that contains the reference; `environment` replaces the environment of
+    the process; `fetching` has the rules and the memory of the run. A reference in a fetched file may not name
+    anything on this machine. Raises SourceError.
     """
     fetching = Fetching() if fetching is None else fetching
     parsed = parse(reference)
     kind = kind_called(parsed.kind.name)
     assert kind is not None, "what is parsed is of a kind"
-    if not kind.is_fetched:  # another variable could change the outcome without the build cache's knowing
+    if not kind.is_fetched:  # another variable could change the result without the build cache noticing
         environment = {name: environment[name] for name in kind.variables if name in environment}
     asking = fetching.around(relative_to)
     is_confined = asking is not None and asking.is_fetched
@@ -44,7 +44,7 @@ def resolve(
 
 
 def _with_door(source: Source, door: Door) -> Source:
-    """With its door, which its own file and its licences pass; one that is a link may lead elsewhere."""
+    """Return the source with its door, after the door has admitted its file and its licences, which may be links."""
     try:
         door.admit(source.path)
         for licence in source.licences:

@@ -1,4 +1,4 @@
-"""The folders that `package://NAME` stands for in a URDF file."""
+"""Find the folders for `package://NAME` in a URDF file."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _REFERENCE = re.compile(r"package://([^/\"'<>\s]+)/")
 
 
 def packages_in(text: str) -> tuple[str, ...]:
-    """The names of the packages that a text refers to, sorted. No I/O.
+    """Return the sorted names of the packages that a text refers to. No I/O.
 
     >>> packages_in('<mesh filename="package://arm/a.stl"/> <mesh filename="package://arm/b.stl"/>')
     ('arm',)
@@ -20,9 +20,9 @@ def packages_in(text: str) -> tuple[str, ...]:
 
 
 def folders(names: tuple[str, ...], urdf: Path, given: Mapping[str, Path]) -> dict[str, Path]:
-    """The folder of each package that has one: as given, or the nearest folder above the file that is called so.
+    """Return the folder of each package: the given one, or the nearest folder of that name above the file.
 
-    ROS keeps the description of a robot in the package that its meshes are named by.
+    ROS keeps the description of a robot in the package that provides its meshes.
     """
     above = {folder.name: folder for folder in reversed(list(_above(urdf)))}
     known = {**above, **given}
@@ -30,7 +30,7 @@ def folders(names: tuple[str, ...], urdf: Path, given: Mapping[str, Path]) -> di
 
 
 def beside(name: str, urdf: Path) -> Path | None:
-    """A folder of that name beside one above the file: what was probably meant, and still nobody's to decide."""
+    """Return a folder of that name beside one above the file. It is probably meant, but only suggested."""
     return next((found for folder in _above(urdf) if (found := folder / name).is_dir()), None)
 
 

@@ -1,4 +1,4 @@
-"""The row of a kind of model reference: its facts, and the functions that read and follow a reference."""
+"""The row of a kind of model reference: its facts, and the functions that parse and resolve a reference."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from composer.sources.source import Source
 class SourceKind(Kind):
     """A kind of model reference as a row of `composer.sources.kinds.KINDS`. Every field is required.
 
-    `parse` takes the text of a reference apart, without I/O; `resolve` finds the file that it stands for, and fetches
-    it where that is needed. Both raise SourceError for what is wrong with the reference. `host` gives the server that a
-    reference is fetched from, with its port, or None; `is_of_this_machine` says whether one without a server names what
-    only this machine has. Neither does I/O; what they say decides whether a fetched recipe may write the reference.
+    `parse` takes the text of a reference apart, without I/O; `resolve` finds its file, and fetches it if necessary.
+    Both raise SourceError for a faulty reference. `host` returns the server of a reference, with its port, or None;
+    `is_of_this_machine` returns whether a reference without a server names something that only this machine has.
+    Neither does I/O; they decide whether a fetched recipe may contain the reference.
     """
 
     parse: Callable[[str], Reference]
@@ -28,15 +28,15 @@ class SourceKind(Kind):
 
 
 def no_host(reference: Reference) -> str | None:
-    """For kinds that ask no server by themselves."""
+    """Return None, for kinds without a server."""
     return None
 
 
 def always(reference: Reference) -> bool:
-    """For kinds of which every reference names what this machine has."""
+    """Return True, for kinds whose references always name something on this machine."""
     return True
 
 
 def never(reference: Reference) -> bool:
-    """For kinds of which no reference names what only this machine has."""
+    """Return False, for kinds whose references never name something that only this machine has."""
     return False

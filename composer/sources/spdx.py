@@ -1,4 +1,4 @@
-"""Which licence a model has, as an SPDX identifier: from what its files say, or from the package it came with."""
+"""Identify the licence of a model as an SPDX identifier, from its files or its package."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from composer.reading.memory import Memory
 from composer.sources.source import Source
 
 UNKNOWN = "unknown"
-"""What a licence is called that is not known; no SPDX identifier is."""
+"""The name of an unidentified licence, which is not an SPDX identifier."""
 
 _LARGEST = 1 << 20
 _DECLARED = re.compile(
@@ -43,7 +43,7 @@ _PHRASES: tuple[tuple[str, str], ...] = (
     ("ISC", r"permission to use, copy, modify, and/?(?:or)? distribute this software for any purpose with or"),
     ("MIT", r"permission is hereby granted, free of charge, to any person obtaining a copy .{0,400}restriction"),
 )  # fmt: skip
-"""What a licence says and no other does; of several the one whose words come first in the text."""
+"""Phrases that occur in one licence only; the first one in the text counts."""
 
 _BSD = r"redistribution and use in source and binary forms, with or without modification"
 _BSD_3 = r"neither the name of .{1,200} may be used to endorse or promote"
@@ -52,9 +52,9 @@ _BSD_4 = r"all advertising materials mentioning features"
 
 @lru_cache(maxsize=64)
 def identify(text: str) -> str | None:
-    r"""The SPDX identifier of a licence's text, None where it is not one of the common ones. No I/O.
+    r"""Return the SPDX identifier of a licence text, or None if it is not one of the common licences. No I/O.
 
-    A line `SPDX-License-Identifier: …` counts before the text itself.
+    A line `SPDX-License-Identifier: …` takes precedence over the text itself.
 
     >>> identify("The MIT License\n\nPermission is hereby granted, free of charge, to any person\n"
     ...          "obtaining a copy of this software, to deal in it without restriction")
@@ -75,10 +75,10 @@ def identify(text: str) -> str | None:
 
 
 def licence_of(source: Source) -> str | None:
-    """The licence of a model as an SPDX expression, None where nothing names it.
+    """Return the licence of a model as an SPDX expression, or None if it is not stated.
 
-    The model file itself comes first (`SPDX-License-Identifier`), then the licence files that go with it, then the
-    package. Licence files that say different things are joined by AND.
+    The model file itself comes first (`SPDX-License-Identifier`), then its licence files, then the package.
+    Different licence files are joined by AND.
     """
     if (declared := _DECLARED.search(_text(source.path, _HEAD))) is not None:
         return declared[1]
@@ -91,7 +91,7 @@ def licence_of(source: Source) -> str | None:
 
 
 def is_empty(licence: Path) -> bool:
-    """Whether a licence file says nothing."""
+    """Return whether a licence file is blank."""
     return not _text(licence, _LARGEST).strip()
 
 
@@ -107,7 +107,7 @@ def _read(path: str, size: int) -> str:
         return ""
 
 
-# Many models of one run go with the same licences.
+# Many models of one run share the same licence files.
 _heads = Memory(lambda path: _read(path, _HEAD), lambda _: "")
 _texts = Memory(lambda path: _read(path, _LARGEST), lambda _: "")
 
@@ -137,7 +137,7 @@ _WRITTEN = {
 
 
 def of_package(expression: str | None, written: str | None, classifiers: Iterable[str]) -> str | None:
-    """What the metadata of a package says: its `License-Expression`, `License`, or classifiers. No I/O.
+    """Return the licence in the metadata of a package: its `License-Expression`, `License`, or classifiers. No I/O.
 
     >>> of_package(None, "Apache 2.0", [])
     'Apache-2.0'

@@ -1,4 +1,4 @@
-"""What a person may have meant by a model file that does not exist: the model files near to it."""
+"""Suggest existing model files for one that does not exist."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ _ENTRIES = 2000
 
 
 def model_files(folder: Path, depth: int = _DEPTH) -> list[str]:
-    """The model files in `folder` and up to `depth` levels below, as paths relative to it, the nearest first.
+    """Return the model files in `folder` and up to `depth` levels below, as relative paths, the nearest first.
 
-    What is hidden is left out, and the search ends after 2000 entries. Empty when the folder does not exist.
+    Hidden files are left out, and the search ends after 2000 entries. Empty if the folder does not exist.
     """
     found: list[str] = []
     seen = 0
@@ -46,9 +46,9 @@ def model_files(folder: Path, depth: int = _DEPTH) -> list[str]:
 
 
 def not_found(text: str, wanted: Path, existing: Iterable[str], *, hint: str | None = None) -> SourceError:
-    """The error for a reference whose file does not exist; `existing` are references that lead to a file."""
+    """Return the error for a reference whose file does not exist; `existing` are references to existing files."""
     suffix = PurePath(text).suffix.lower()
-    # Files of the kind that was written first: who looks for an XML file has no use for the recipes beside it.
+    # Files with the same suffix first: recipes are no use to somebody who looks for an XML file.
     known = sorted(existing, key=lambda each: PurePath(each).suffix.lower() != suffix)
     near = nearest(text, known)
     shown = [near, *(each for each in known if each != near)] if near else known
@@ -56,7 +56,7 @@ def not_found(text: str, wanted: Path, existing: Iterable[str], *, hint: str | N
     note = exists_note("model file", shown).message
     if "\\" in text:
         hint, near = _with_slashes(text, near), None
-    elif not os.path.isdir(wanted.parent):  # a path may be too long for `Path.is_dir`, which then raises
+    elif not os.path.isdir(wanted.parent):  # `Path.is_dir` raises for a path that is too long
         message, note, corrected = _without_folder(text, wanted)
         near = corrected or near
     return SourceError(
@@ -68,14 +68,16 @@ def not_found(text: str, wanted: Path, existing: Iterable[str], *, hint: str | N
 
 
 def _with_slashes(text: str, near: str | None) -> str:
-    """What to write instead of a path with backslashes, which are part of a name outside of Windows."""
+    """Return what to write instead of a path with backslashes, which are part of a name outside of Windows."""
     if near is None and PureWindowsPath(text).drive:
         return "paths are written with `/` and are best relative to the recipe: `./models/arm.xml`"
     return f"paths are written with `/`: write `{near or text.replace(chr(92), '/')}`"
 
 
 def _without_folder(text: str, wanted: Path) -> tuple[str, str, str | None]:
-    """For a file in a folder that does not exist: the message, the folders that do, and the path with the nearest."""
+    """For a file in a missing folder, return the message, the existing folders, and the path with the nearest of
+    them.
+    """
     missing = next(
         each
         for each in (wanted.parent, *wanted.parent.parents)
@@ -100,15 +102,15 @@ def _without_folder(text: str, wanted: Path) -> tuple[str, str, str | None]:
 
 
 def nearest(text: str, existing: Iterable[str]) -> str | None:
-    """The one of the existing references that was probably meant."""
-    # A dot would count as the end of a prefix, and every `.xml` as the same name with another one.
+    """Return the existing reference that was probably meant."""
+    # Otherwise a dot would count as the end of a prefix, and all `.xml` files as one name with different prefixes.
     flat = {each.removeprefix("./").replace(".", "_"): each for each in existing}
     near = closest(text.replace("\\", "/").removeprefix("./").replace(".", "_"), flat)
     return flat[near[0]] if near else None
 
 
 def without_suffix(text: str, existing: Iterable[str]) -> SourceError:
-    """The error for a reference that does not say what it refers to by its suffix."""
+    """Return the error for a reference whose suffix is missing or unknown."""
     known = list(existing)
     suffix = PurePath(text.rpartition("#")[2]).suffix
     same = [each for each in known if os.path.splitext(each)[0].removeprefix("./") == text.removeprefix("./")]

@@ -1,4 +1,4 @@
-"""How long another machine may say nothing."""
+"""The timeout for silence of another machine."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _SHORTEST, _LONGEST = 0.1, 24 * 3600.0
 
 
 def patience(environment: Mapping[str, str]) -> float:
-    """Seconds, as `MJCOMPOSE_TIMEOUT` says. Raises SourceError for what is none.
+    """Return the timeout in seconds from `MJCOMPOSE_TIMEOUT`. Raises SourceError for an invalid value.
 
     >>> patience({}), patience({"MJCOMPOSE_TIMEOUT": "2.5"})
     (30.0, 2.5)
@@ -34,7 +34,7 @@ def patience(environment: Mapping[str, str]) -> float:
 
 
 class Silence:
-    """How long another machine has said nothing, over all tries together; `seconds` are what it may."""
+    """Measures how long another machine has been silent, over all tries together; `seconds` is the limit."""
 
     def __init__(self, seconds: float) -> None:
         self._seconds = seconds
@@ -42,12 +42,12 @@ class Silence:
 
     @property
     def left(self) -> float:
-        """Seconds; never quite none, for a time limit of zero means another thing."""
+        """Remaining seconds; never zero, because a time limit of zero has another meaning."""
         return max(self._seconds - (time.monotonic() - self._since), 0.01)
 
     @property
     def is_nearly_over(self) -> bool:
-        """Whether another try would have too little time to be worth it."""
+        """Whether too little time is left for another try."""
         return self.left < self._seconds / 4
 
     @property
@@ -55,5 +55,5 @@ class Silence:
         return time.monotonic() - self._since >= self._seconds
 
     def broken(self) -> None:
-        """Something was said."""
+        """Restart the measurement after the machine has answered."""
         self._since = time.monotonic()

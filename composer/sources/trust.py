@@ -1,4 +1,4 @@
-"""What the outer recipe lets models and fetched recipes reach on this machine, beyond what they may anyway."""
+"""What the outer recipe lets models and fetched recipes reach on this machine, beyond the defaults."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from pathlib import Path
 
 @dataclass(frozen=True, slots=True)
 class Trust:
-    """`files` are folders that one's own models may read; `references` are what fetched recipes may name.
+    """`files` are folders that the user's own models may read; `references` are what fetched recipes may name.
 
-    A reference is allowed that is one of `references`, or goes on after one at a separator:
+    A reference is allowed if it is one of `references`, or continues one of them after a separator:
 
     >>> trust = Trust(references=("git+file:///srv/robots", "package:arms"))
     >>> trust.allows("git+file:///srv/robots@v1#arm.xml"), trust.allows("package:armsdealer/arm.xml")
@@ -23,21 +23,21 @@ class Trust:
     references: tuple[str, ...] = ()
 
     def with_more(self, other: Trust) -> Trust:
-        """Both."""
+        """Return the union of both."""
         return Trust(
             tuple(dict.fromkeys((*self.files, *other.files))),
             tuple(dict.fromkeys((*self.references, *other.references))),
         )
 
     def allows(self, reference: str) -> bool:
-        """Whether a fetched recipe may write the reference. No I/O."""
-        if _LEADS_OUT.search(reference):  # out of the folder that was allowed
+        """Return whether a fetched recipe may contain the reference. No I/O."""
+        if _LEADS_OUT.search(reference):  # leads out of the allowed folder
             return False
         return any(_begins(reference, each) for each in self.references)
 
     @property
     def folders(self) -> tuple[str, ...]:
-        """The references that are paths: what fetched recipes may see of this machine."""
+        """The references that are absolute paths: the folders of this machine that fetched recipes may read."""
         return tuple(each for each in self.references if os.path.isabs(each))
 
 

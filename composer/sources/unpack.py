@@ -1,4 +1,4 @@
-"""Archives of strangers: plain files below one folder, of bounded number and size, or nothing at all."""
+"""Unpack untrusted archives: plain files below one folder, limited in number and size, or nothing at all."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from typing import IO, Any
 from composer.limits import MIB, advice, in_force, written
 
 SMALL = 64 * MIB
-"""What unpacks to no more is not a bomb, whatever its ratio."""
+"""An archive that unpacks to at most this size is not a bomb, whatever its ratio."""
 
 
 class Unsafe(Exception):
-    """An archive that is broken or may do harm; the text says which entry and why, `help` what lets it pass."""
+    """An archive is broken or may do harm; the text says which entry and why, `help` how to allow it."""
 
     def __init__(self, message: str, help: str | None = None) -> None:
         super().__init__(message)
@@ -32,7 +32,7 @@ class Unsafe(Exception):
 
 
 def check(files: int, size: int, packed: int | None = None) -> None:
-    """Raises Unsafe for more files, or bytes of them, than the limits allow to one source of `packed` bytes."""
+    """Raise Unsafe if a source of `packed` bytes has more files or bytes than the limits allow."""
     limits = in_force()
     if files > limits.source_files:
         raise Unsafe(f"it holds more than {limits.source_files} files", advice("source-files"))
@@ -47,7 +47,7 @@ def check(files: int, size: int, packed: int | None = None) -> None:
 _CHUNK = 1024 * 1024
 _HEADER = 16 * _CHUNK
 _NAME_MAX, _PATH_MAX = 255, 2048
-"""Bytes in the name of a file, and in a path below the store, whose own path counts too."""
+"""Maximum bytes of a file name, and of a path below the store."""
 _DRIVE = re.compile(r"[A-Za-z]:")
 _OPENERS: tuple[tuple[bytes, Any], ...] = (
     (b"\x1f\x8b", gzip.open),
@@ -66,8 +66,8 @@ _OF_THE_DISK = frozenset({errno.EIO, errno.ENOSPC, errno.EDQUOT, errno.ENXIO, er
 def unpack(archive: Path, target: Path) -> None:
     """Unpack a zip or a tar (plain, gz, bz2 or xz), recognised by its bytes, into `target`, an empty folder.
 
-    Raises Unsafe for an archive that is broken, leads out of the folder, holds links or devices or the same
-    name twice, is encrypted, or is larger than the limits; OSError where the disk refuses.
+    Raises Unsafe for an archive that is broken, encrypted or larger than the limits, that leads out of the folder,
+    or that has links, devices or duplicate names; OSError for errors of the disk.
     """
     with archive.open("rb") as stream:
         start = stream.read(512)
@@ -86,14 +86,14 @@ def unpack(archive: Path, target: Path) -> None:
     except _BROKEN as fault:
         raise Unsafe(f"it is broken: {str(fault) or type(fault).__name__}") from fault
     except OSError as fault:
-        # What bz2 and zipfile say of bytes that are none of theirs has no number, or that of a wrong argument.
+        # bz2 and zipfile report foreign bytes by an error without a number, or with that of an invalid argument.
         if fault.errno in (None, errno.EINVAL):
             raise Unsafe(f"it is broken: {str(fault).lower()}") from fault
         raise
 
 
 def check_name(name: str) -> None:
-    """Raises Unsafe for a path that is not one below a folder, on any system. No I/O."""
+    """Raise Unsafe for a path that is not below a folder on every system. No I/O."""
     parts = name.split("/")
     if not name or name.startswith("/") or "\\" in name or _DRIVE.match(name) or ".." in parts:
         raise Unsafe(f"`{name}` leads out of its folder")
@@ -116,7 +116,7 @@ def _zip_members(archive: zipfile.ZipFile) -> Iterator[tuple[str, IO[bytes] | No
         if member.is_dir():
             yield member.filename.rstrip("/"), None
         else:
-            # Of what the archive calls it: zipfile itself changes names, so that bad ones look good.
+            # Check the name in the archive: zipfile itself sanitizes names.
             with archive.open(member) as stream:
                 yield member.orig_filename, stream
 
@@ -173,7 +173,7 @@ def _write(members: Iterator[tuple[str, IO[bytes] | None]], target: Path, packed
 
 
 def _read(stream: IO[bytes], name: str) -> bytes:
-    """The next piece of a member. What is wrong with it is the archive's fault, not that of the disk."""
+    """Return the next piece of a member. Other errors than those of the disk are faults of the archive."""
     try:
         return stream.read(_CHUNK)
     except OSError as fault:
@@ -185,7 +185,7 @@ def _read(stream: IO[bytes], name: str) -> bytes:
 
 
 class _Bounded:
-    """A stream that refuses to read much at once: nothing but a forged header asks for it."""
+    """A stream that refuses large reads, which only a forged header asks for."""
 
     def __init__(self, stream: IO[bytes]) -> None:
         self._stream = stream

@@ -1,4 +1,4 @@
-"""The one place that takes the addresses of the web apart."""
+"""Split web addresses; all code that parses them uses this module."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ if TYPE_CHECKING:
 
 
 def take_apart(url: str, base: str = "") -> SplitResult | None:
-    """The parts of an address, relative to `base`; None for what is not an address of a host. No I/O.
+    """Split an address, relative to `base`; return None if it has no valid host. No I/O.
 
-    Python's own parser raises ValueError for brackets that do not match, for a port that is not a number and for
-    letters that become `/` or `@` when they are normalised.
+    Python's own parser raises ValueError for unbalanced brackets, for a port that is not a number and for
+    characters that normalize to `/` or `@`.
 
     >>> take_apart("https://host:8080/a.zip").port
     8080

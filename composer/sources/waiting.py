@@ -1,4 +1,4 @@
-"""Progress while another machine says nothing, so that a person sees that something is waited for."""
+"""Report progress while another machine is silent, so that the user sees that mjcompose is waiting."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _FIRST, _EVERY = 2.0, 1.0
 
 @contextmanager
 def waiting(progress: Callable[[str], None], what: str) -> Iterator[None]:
-    """Report every second of the block, from the second one on, how long it has taken so far."""
+    """Report every second how long the block has taken so far, from the second one on."""
     done = threading.Event()
     begun = time.monotonic()
 

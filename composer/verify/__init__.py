@@ -1,1 +1,1 @@
-"""Whether what was built is right: it compiles, its parts are what they are alone."""
+"""Judge a built model: it compiles, and each of its parts is the same as its source alone."""

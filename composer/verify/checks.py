@@ -1,4 +1,6 @@
-"""The checks of a recipe on the model that was built, and of the recipes in it, reported where they are written."""
+"""Run the checks of a recipe and of its nested recipes on the built model, and report failures where they are
+written.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,7 @@ from composer.verify.outcome import Hear, Outcome
 from composer.verify.parts import Compared, Judge
 from composer.verify.report import causes, changed, notes
 
-# What a check finds in a model; other codes are about the check itself.
+# The codes of failed checks; all other codes are errors in the check itself.
 _NOT_HELD = ("check-failed", "part-changed")
 
 check_rows("the checks that composer/verify/kinds/ask.py runs", [*CHECKS, Unchanged.word], KINDS)
@@ -47,9 +49,9 @@ def run_checks(
     renamed: Renamed,
     hear: Hear | None = None,
 ) -> None:
-    """Run every check on the model that the session keeps; what does not hold goes to the sink.
+    """Run every check on the model that the session keeps, and report those that fail to the sink.
 
-    `hear` is called with what came of each check, in the order of the recipe.
+    `hear` is called with the outcome of each check, in the order of the recipe.
     """
     judge, kept = Judge(session, merged, renamed), True
     drawn = sorted({array for step in plan.draws if step.sample for array in arrays_of_draw(step)})
@@ -69,7 +71,7 @@ def run_checks(
 
 
 def places(plan: Plan) -> dict[str, Span]:
-    """Where each check is written, by the name that its outcome has."""
+    """Return where each check is written, by the name in its outcome."""
     return {recipe.part + check.name: _place(check, recipe) for recipe, check in checks_in(plan)}
 
 
@@ -78,7 +80,7 @@ def _place(check: Check, recipe: Nested) -> Span:
 
 
 def _as_severe(found: Diagnostic, check: Check, recipe: Nested) -> Diagnostic:
-    """As severe as the check says; what is wrong with the check itself stays an error."""
+    """Return the diagnostic with the severity that the check sets; errors in the check itself stay errors."""
     severity = find(recipe.plan.document, (*check.at, SEVERITY))
     warns = isinstance(severity, Scalar) and severity.value == Severity.WARNING
     return replace(found, severity=Severity.WARNING) if warns and found.code in _NOT_HELD else found
@@ -87,7 +89,10 @@ def _as_severe(found: Diagnostic, check: Check, recipe: Nested) -> Diagnostic:
 def _ask(
     check: Check, recipe: Nested, members: Sequence[PartRecord], session: engine.Session, context: Context
 ) -> tuple[bool, dict[str, Any]]:
-    """A check on the compiled model, asked in the process that keeps it; whether it still does, and what was found."""
+    """Run a check on the compiled model, in the process that keeps it.
+
+    Return whether that process still keeps the model, and the values that the check found.
+    """
     angle = recipe.plan.readings.at((*check.at, check.word, "value")).angle
     asked = {**asdict(check), "angle": angle, "frame": recipe.frame(members)}  # type: ignore[call-overload]
     about = f"check `{recipe.part}{check.name}`"
@@ -123,7 +128,10 @@ def _unchanged(
     context: Context,
     drawn: Sequence[str],
 ) -> dict[str, Any]:
-    """The part as the outermost recipe calls it, each of its sources against itself alone; how many there are."""
+    """Compare each source of the part with the source alone, and return how many there are.
+
+    The part goes by the name that the outermost recipe gives it.
+    """
     part = recipe.part + check.part if check.part else recipe.part.removesuffix(separator) or None
     excused = [*drawn, *(array for name in check.excepted for array in arrays_of(name))]
     found = of_part(members, part, separator)
@@ -151,7 +159,7 @@ def _report(compared: Compared, recipe: Nested, check: Unchanged, context: Conte
 
 
 def _excepting(compared: Compared, check: Unchanged) -> str | None:
-    """The line to write if all of that is meant; None where no attribute can be named for it."""
+    """Return the line that accepts all differences, or None if one of them belongs to no attribute."""
     names = list(check.excepted)
     for each in causes(compared.differences):
         if each.field in (MISSING, EXTRA):
@@ -164,7 +172,7 @@ def _excepting(compared: Compared, check: Unchanged) -> str | None:
 
 
 def _attribute(difference: Difference) -> str | None:
-    """An attribute of MJCF from which the array follows."""
+    """Return an MJCF attribute that determines the array."""
     end = difference.array.partition("_")[2]
     known = attributes()
     if end in known:

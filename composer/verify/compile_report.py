@@ -1,4 +1,4 @@
-"""What MuJoCo says about a bundle, reported at the places of the recipe and its sources."""
+"""Report MuJoCo's verdict on a bundle at the places of the recipe and its sources."""
 
 from __future__ import annotations
 
@@ -38,10 +38,10 @@ def judge(
     keep: str | None = None,
     at: Span | None = None,
 ) -> Compiled | None:
-    """Compile the bundle; faults and warnings go to the sink. None where MuJoCo gave no verdict.
+    """Compile the bundle and report errors and warnings to the sink. Return None if MuJoCo gave no verdict.
 
-    With `keep` the session keeps the compiled model under that name. `at` is the place of what MuJoCo says of no
-    element: that of the recipe, as a rule.
+    With `keep` the session keeps the compiled model under that name. `at` is the place of messages that are
+    about no element, as a rule the recipe.
     """
     try:
         verified = verify(bundle, session=session, keep=keep)
@@ -90,7 +90,7 @@ def _called(element: Node | None) -> str:
 
 
 def _report_unread(element: Node, name: str | None, model: Unit, context: Context) -> None:
-    """A warning where MuJoCo passes over it in the source too; else an error, because alone the source is refused."""
+    """Warn if MuJoCo ignores it in the source too; else report an error, because MuJoCo refuses the source alone."""
     if is_unread_alone(element, name, model):
         context.sink.add(ignored(element, name, model))
         return
@@ -99,7 +99,11 @@ def _report_unread(element: Node, name: str | None, model: Unit, context: Contex
 
 
 def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
-    """The element on that line of `model.xml`, the plugin's instance, the only one of that name, a setting."""
+    """Return the element that a message is about.
+
+    It is the one on the given line of `model.xml`, a plugin instance, the only element of that name, or a
+    setting.
+    """
     if fault.line is not None:
         found = element_at(model.root, bundle.files[bundle.model], fault.line)
         return _attaching(fault, model.root) if _is_another(found, fault) else found
@@ -122,13 +126,13 @@ def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
 
 
 def _is_copy(name: str | None, element: Node) -> bool:
-    """Whether MuJoCo calls one of the copies of the element so."""
+    """Return whether MuJoCo gives this name to a copy of the element."""
     own = element.get("name")
     return bool(name and own and name.startswith(own) and name.removeprefix(own)[-1:].isdigit())
 
 
 def _is_another(found: Node | None, fault: Fault) -> bool:
-    """Whether what MuJoCo speaks of has another name than what stands there: the line is one of another file."""
+    """Return whether the message is about an element of another name, so that its line belongs to another file."""
     if found is None or not fault.name:
         return False
     if found.get("name"):
@@ -140,14 +144,14 @@ def _is_another(found: Node | None, fault: Fault) -> bool:
 
 
 def _attaching(fault: Fault, root: Node) -> Node | None:
-    """The `<attach>` that brings what MuJoCo speaks of, as far as its prefix shows."""
+    """Return the `<attach>` that brings in the element of the message, judged by its prefix."""
     prefixes = {each: str(each.get("prefix") or "") for each in root.iter("attach")}
     fitting = [each for each, prefix in prefixes.items() if str(fault.name).startswith(prefix)]
     return max(fitting, key=lambda each: len(prefixes[each]), default=None)
 
 
 def _with_sources(message: str, model: Unit, context: Context) -> str:
-    """The message with files called what the user calls them, and on one line."""
+    """Return the message on one line, with the file names that the user knows."""
     for path, where in model.contents.items():
         if path in message:
             message = message.replace(path, context.shown(where) if isinstance(where, Path) else path)

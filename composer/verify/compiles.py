@@ -1,4 +1,4 @@
-"""Whether a bundle compiles in MuJoCo, and what MuJoCo says where it does not."""
+"""Compile a bundle in MuJoCo and return what MuJoCo says."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from composer.scratch import scratch
 
 WHOLE = "whole"
 """The name under which the session keeps the composition."""
-# Greedy: between two sections of one name there may be more than is needed, but never less.
+# Greedy: the match may include what stands between two sections of one name, but it never misses anything.
 _OF_FILES = [
     re.compile(rb"<%b\b[^>]*>(?:.*</%b>)?" % (tag, tag), re.DOTALL)
     for tag in (b"asset", b"default", b"compiler")
 ]
 _MATERIAL = re.compile(rb"<material\b[^>]*>")
-"""What is drawn most often among the assets, and nothing that MuJoCo reads a file for."""
+"""Materials are the assets that are drawn most often, and MuJoCo reads no file for them."""
 
 
 @dataclass(frozen=True, slots=True)
 class Verified:
-    """What MuJoCo said about a bundle; `compiled` has the sizes and the index.
+    """MuJoCo's verdict on a bundle; `compiled` has the sizes and the index.
 
-    `error` is why the model was refused. `crash` is set when MuJoCo gave no verdict (see `engine.Compiled`);
-    `error` is then a sentence about that. `code` is the diagnostic's code for `error`.
+    `error` says why MuJoCo refused the model. If MuJoCo gave no verdict, `crash` is set (see
+    `engine.Compiled`) and `error` describes the crash. `code` is the code of the diagnostic for `error`.
     """
 
     compiled: engine.Compiled
@@ -48,7 +48,7 @@ class Verified:
 
     @property
     def code(self) -> str | None:
-        """The code of the diagnostic that reports `error`; None when all is well."""
+        """The code of the diagnostic that reports `error`; None if there is no error."""
         if self.error is None:
             return None
         if self.crash is None:
@@ -57,7 +57,7 @@ class Verified:
 
 
 class StrangerError(Exception):
-    """A bundle names files that are not in it; `found` says which, and where."""
+    """A bundle names files outside of itself; `found` reports each of them."""
 
     def __init__(self, found: tuple[Diagnostic, ...]) -> None:
         super().__init__(found[0].message)
@@ -72,13 +72,12 @@ def verify(
     keep: str | None = None,
     stranger: str | None = None,
 ) -> Verified:
-    """Compile the bundle as a user would, from a folder of its own, and run one mj_forward.
+    """Compile the bundle in a folder of its own, as a user would, and run one mj_forward.
 
-    `stranger` is how messages name one that anyone may have made: it is compiled only if it names no other files.
-
-    A model that compiles and whose first forward step fails is not well: that is an error too. With a
-    `session`, `keep` names the compiled model for what is run on it later. Raises OutputError when the bundle
-    cannot be put into a temporary folder, and StrangerError.
+    If the bundle may come from anyone, `stranger` is its name in messages; it is then compiled only if it
+    names no files outside of itself. A failing first forward step is an error too. With a `session`, `keep`
+    names the compiled model for later calls. Raises OutputError if the bundle cannot be written to a
+    temporary folder, and StrangerError.
     """
     try:
         with _written(bundle, session) as (folder, stands):
@@ -108,7 +107,9 @@ def verify(
 
 @contextmanager
 def _written(bundle: Bundle, session: engine.Session | None) -> Iterator[tuple[Path, bool]]:
-    """A folder with the bundle, and whether it stands there for what is like it in all but the model's tree."""
+    """Yield a folder with the bundle, and whether the folder stays for bundles that differ only in the
+    model's tree.
+    """
     if session is None or not session.remembers:
         with scratch("bundle") as folder:
             write_files(bundle, folder)
@@ -126,7 +127,9 @@ def _written(bundle: Bundle, session: engine.Session | None) -> Iterator[tuple[P
 
 
 def _named(bundle: Bundle) -> str:
-    """Says what files there are, their bytes, and what the model says of them: versions of MuJoCo look at less."""
+    """Return a hash of the files, their bytes and what the model says of them; versions of MuJoCo look at
+    less than that.
+    """
     whole = hashlib.sha256(bundle.model.encode())
     for path in bundle.files:
         if path not in (bundle.model, MANIFEST):

@@ -1,4 +1,4 @@
-"""The sources of a stored bundle, found again: only a file with the hash that the manifest has counts."""
+"""Find the sources of a stored bundle again. A file counts only if it has the hash in the manifest."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ from composer.tree.parse import parse_file
 
 
 class Inputs:
-    """Looks for the inputs of a bundle: through its recipe where that is at hand, else from `context.folder`.
+    """The inputs of a bundle, found through its recipe if there is one, else from `context.folder`.
 
-    Without `recipe` a file of that name in the folder is taken if it is the very recipe of the manifest. What
-    is wrong with a given recipe goes to the sink.
+    Without `recipe`, a file of the recipe's name in the folder is used if its hash is that in the manifest.
+    Errors in a given recipe go to the sink.
     """
 
     def __init__(self, manifest: Manifest, recipe: Path | None, context: Context) -> None:
@@ -35,7 +35,7 @@ class Inputs:
         self.given = recipe is not None
         found = recipe or self._beside()
         self.folder = context.folder if found is None else (context.folder / found).parent
-        # The bundle may be anyone's: it names files of this project alone.
+        # The bundle may come from anyone, so its references may only name files of this project.
         self.door = Door.of([folder_of_recipe(self.folder / "recipe.yaml")])
         self.planned: list[Source] = []
         if found is not None:
@@ -44,7 +44,7 @@ class Inputs:
             self.planned = [] if plan is None else list(plan.sources())
 
     def find(self, number: int) -> Source | str:
-        """The source of an input, or a sentence that says why there is none."""
+        """Return the source of an input, or a sentence that says why there is none."""
         if number >= len(self.manifest.inputs):
             return f"the manifest has no input {number}"
         wanted = self.manifest.inputs[number]
@@ -59,7 +59,7 @@ class Inputs:
         return f"its source `{wanted.reference}` is not found"
 
     def _is_admitted(self, source: Source) -> bool:
-        """Whether MuJoCo may have it. URDF is asked when it is converted."""
+        """Return whether MuJoCo may open the source and its files. URDF is checked when it is converted."""
         if source.format != "mjcf":
             return True
         unit = parse_file(source.path, Sink(), door=source.door)
@@ -76,7 +76,7 @@ class Inputs:
         if len(self.planned) == len(self.manifest.inputs):
             yield self.planned[number]
         kind = kind_called(wanted.kind)
-        # Nobody but the bundle asks for it: so nothing is fetched, and no code is run.
+        # Only the bundle asks for this reference, so nothing is fetched and no code runs.
         if kind is not None and not kind.is_fetched and not kind.runs_code:
             with suppress(SourceError):
                 found = resolve(
@@ -90,7 +90,7 @@ class Inputs:
 
 
 def _sha256(path: Path) -> str | None:
-    """None where no such file exists."""
+    """Return the hash of a file, or None if it does not exist."""
     try:
         return hashlib.sha256(read_regular(path)).hexdigest() if path.is_file() else None
     except (OSError, ValueError):

@@ -1,4 +1,4 @@
-"""Values that the recipe writes into its keys outside the ranges that the compiled model has for them."""
+"""Warn of values in the recipe's keys that are outside the ranges of the compiled model."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from composer.recipe.keyframe import Keyframe
 
 _ROUNDING = 1e-6
-"""How far a value may be outside, in parts of the larger of 1 and the bound: ranges are often rounded numbers."""
+"""How far a value may be out of range, relative to the larger of 1 and the bound: ranges are often rounded."""
 _KINDS = {"qpos": "joint", "ctrl": "actuator", "act": "actuator"}
 
 
 class _Bound(NamedTuple):
-    """A value and the range that it should be in, and the unit of both as MuJoCo has it."""
+    """A value and its range, and their unit in MuJoCo."""
 
     value: float
     range: Range
@@ -39,7 +39,7 @@ class _Bound(NamedTuple):
 
 
 def check_key_ranges(plan: Plan, model: Unit, index: Index, sink: Sink) -> None:
-    """Warn of what the recipe's own keys set outside of a range; keys of its parts are theirs."""
+    """Warn of out-of-range values in the recipe's own keys; keys that come from parts are not looked at."""
     if not plan.keyframes:
         return
     written = {str(key.get("name")): key for key in model.root.iterfind("keyframe/key")}
@@ -55,7 +55,7 @@ def check_key_ranges(plan: Plan, model: Unit, index: Index, sink: Sink) -> None:
 
 
 def _written_names(key: Keyframe, vector: str, index: Index) -> list[str]:
-    """What the recipe writes into a vector by name; all actuators hold a pose where it says so."""
+    """Return the names for which the recipe sets a value in a vector; with `hold`, also all actuators."""
     names = [*key.values.get(vector, {})]
     if vector != CTRL:
         return names
@@ -65,13 +65,13 @@ def _written_names(key: Keyframe, vector: str, index: Index) -> list[str]:
 
 
 def _bounds(index: Index, vector: str, name: str, row: Sequence[float]) -> Iterator[_Bound]:
-    """The numbers of an entry that have a range."""
+    """Yield the numbers of an entry that have a range."""
     if vector == "qpos":
         joint = _joint(index, name)
         if joint is None or not joint.limited:
             return
         values = row[joint.qpos_address : joint.qpos_address + joint.qpos_size]
-        if joint.type == "ball" and values:  # its range limits how far it is turned, whatever the axis
+        if joint.type == "ball" and values:  # its range limits the rotation angle about any axis
             angle = 2 * math.atan2(math.hypot(*values[1:]), abs(values[0]))
             yield _Bound(angle, (0.0, joint.range[1]), BY_WORD[joint.type].range_unit)
         elif values:
@@ -96,7 +96,7 @@ def _of_actuator(
 
 
 def _joint(index: Index, name: str) -> Joint | None:
-    """The joint of that name, or the one without a name in the body of that name."""
+    """Return the joint of that name, else the unnamed joint in the body of that name."""
     named = (each for each in index.joints if each.name == name)
     return next(chain(named, (each for each in index.joints if not each.name and each.body == name)), None)
 
@@ -134,7 +134,9 @@ def _check(
 
 
 def _instead(key: Keyframe, entry: tuple[str, str], bound: _Bound) -> str | None:
-    """What to write where nobody wrote the number: it is what holds the pose of the key."""
+    """Return what to write instead of a control that holds the key's pose; None if the recipe writes the
+    number itself.
+    """
     vector, name = entry
     if vector != CTRL or key.controls.hold is None or name in key.values.get(CTRL, {}):
         return None
@@ -145,19 +147,19 @@ def _instead(key: Keyframe, entry: tuple[str, str], bound: _Bound) -> str | None
 
 
 def _down(bound: float) -> float:
-    """A lower end, a little lower."""
+    """Return a lower bound, lowered a little."""
     return bound - _ROUNDING * max(1.0, abs(bound))
 
 
 def _in_degrees(plan: Plan, key: Keyframe, at: Path, entry: tuple[str, str]) -> bool:
-    """Whether the user wrote degrees there."""
+    """Return whether the recipe gives this entry in degrees."""
     vector, name = entry
     angles = [each for each in key.values.get(vector, {}).get(name, ()) if isinstance(each, Angle)]
     return angles[0].unit == "deg" if angles else plan.readings.at(at).angle == "degree"
 
 
 def _integrates(actuator: Node, model: Unit) -> bool:
-    """Whether its activation is what its control is the rate of."""
+    """Return whether the actuator integrates its control into its activation."""
     dynamics = text_in_effect(actuator, kind_of(actuator), "dyntype", model.classes)
     return actuator.tag == "intvelocity" or dynamics == "integrator"
 

@@ -1,4 +1,4 @@
-"""Flexes that MuJoCo 3 leaves where they would be without the frames around them; MuJoCo 4 moves them."""
+"""Flexes that MuJoCo 3 does not move with the frames around them. MuJoCo 4 moves them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _MOVING = frozenset({"pos", *ORIENTATIONS})
 
 
 def left_behind(root: Node, mujoco: str | None) -> Iterator[Node]:
-    """The flexes in frames that say a pose, where the MuJoCo of that version does not look at these. No I/O."""
+    """Yield the flexes inside of posed frames, if this version of MuJoCo ignores these poses. No I/O."""
     if mujoco is None or version_key(mujoco) >= (4,):
         return
     for flex in root.iter("flexcomp"):

@@ -1,4 +1,4 @@
-"""The checks of a recipe and of the recipes in it, each with what it is about in the outermost one's model."""
+"""The checks of a recipe and its nested recipes, each with its scope in the outermost model."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from composer.recipe.checks.kind import Check
 
 @dataclass(frozen=True, slots=True)
 class Nested:
-    """A recipe as it is in another: `part` is what that calls it with a separator behind, empty for the outermost.
+    """A recipe within another one. `part` is its name there with a separator behind it, empty for the
+    outermost recipe.
 
-    `prefix` stands before its names, `others` are prefixes of what is not its own, `keys` stands before the names
-    of its keyframes, None where they were left out.
+    `prefix` starts all its names, `others` are longer prefixes that do not belong to it, and `keys` starts
+    the names of its keyframes; None if they were left out.
     """
 
     plan: Plan
@@ -27,11 +28,11 @@ class Nested:
 
     @property
     def whole(self) -> bool:
-        """Whether the whole model is its own."""
+        """Whether the whole model belongs to the recipe."""
         return not self.prefix and not self.others
 
     def scope(self) -> dict[str, object]:
-        """The fields of a `kinds.scope.Scope`, as JSON data."""
+        """Return the fields of a `kinds.scope.Scope` as JSON data."""
         return {
             "prefix": self.prefix,
             "others": list(self.others),
@@ -41,9 +42,10 @@ class Nested:
         }
 
     def frame(self, members: Sequence[PartRecord]) -> dict[str, object] | None:
-        """Where its world stands in that of the model: a body and the pose in it; None where that is not known.
+        """Return the body and pose of its world in the model, or None if the pose is unknown.
 
-        The base of a recipe stands in the recipe's own world, so that its place is the recipe's.
+        The base of a recipe is placed at the origin of the recipe's world, so the place of the base is that
+        of the recipe.
         """
         if not self.part:
             return {"body": None, "pos": ORIGIN, "quat": IDENTITY_QUAT}
@@ -57,7 +59,7 @@ class Nested:
 
 
 def checks_in(plan: Plan) -> Iterator[tuple[Nested, Check]]:
-    """The checks of a plan, then those of the recipes in it."""
+    """Yield the checks of a plan, then those of its nested recipes."""
     for place in plan.walk():
         if isinstance(inner := place.model, Plan):
             part = f"{place.part}{inner.separator}" if place.part else ""

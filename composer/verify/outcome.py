@@ -1,4 +1,4 @@
-"""What came of one check."""
+"""The outcome of one check."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from composer.diagnostics.span import Span
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """A check that ran: what the outermost recipe calls it (`left/reach`), its kind and place, what it reported,
-    and what it found.
+    """A check that ran: its name in the outermost recipe (`left/reach`), kind, place, diagnostics and the
+    values it found.
     """
 
     name: str
@@ -28,4 +28,4 @@ class Outcome:
 
 
 Hear = Callable[[Outcome], None]
-"""What is called with the outcome of each check that ran."""
+"""A function that is called with the outcome of each check."""

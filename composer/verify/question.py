@@ -1,4 +1,4 @@
-"""The judge behind a process boundary: what to compare as plain data, and the differences back."""
+"""Comparison in another process: the question as plain data, and the differences back."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from composer.numerics.pose import IDENTITY_QUAT, ORIGIN, Quat, Vec3
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """Is this part unchanged? The fields are those of `compare`; the place is given as in a recipe.
+    """Whether a part is unchanged. The fields are those of `compare`; the place is given as in a recipe.
 
-    ``site`` and ``body`` are names in the composition; neither is the world. ``pos`` is in metres, in the
-    frame of the place. ``posed=False`` says that the pose is not known; it has no site then. ``key_prefix``
-    stands before the names of the part's keys, where that is not what ``keys`` says. ``welded`` is whether
-    free joints at the part's root were taken away.
+    ``site`` and ``body`` are names in the composition; if both are None, the place is the world. ``pos`` is
+    in metres, in the frame of the place. ``posed=False`` says that the pose is unknown; there is no site
+    then. ``key_prefix`` starts the names of the part's keys if it is not the one that ``keys`` implies.
+    ``welded`` says that free joints at the part's root were removed.
     """
 
     prefix: str = ""
@@ -45,7 +45,7 @@ class Question:
         return asdict(self)
 
     def mount(self, composed: Model) -> Mount:
-        """Where the part hangs. Raises KeyError for a site or body the composition has not got."""
+        """Return the place of the part. Raises KeyError if the composition lacks the site or body."""
         if not self.posed:
             return Mount(self.body, None)
         return Mount.of(composed, site=self.site, body=self.body, pos=self.pos, quat=self.quat)
@@ -54,9 +54,10 @@ class Question:
 def ask(
     _mujoco: object, alone: Model, composed: Model, question: Mapping[str, Any]
 ) -> list[dict[str, Any]] | None:
-    """For `composer.engine.call`: the differences of a part as JSON data; ``question`` is a `Question`'s.
+    """Return the differences of a part as JSON data; runs under `composer.engine.call`.
 
-    None where the composition does not have the body that the part hangs on.
+    ``question`` has the fields of a `Question`. Return None if the composition lacks the body of the part's
+    place.
     """
     given = Question(**question)
     if given.body is not None and given.body not in NameTable(composed).ids["body"]:
@@ -86,7 +87,7 @@ def _renamed(alone: Model, given: Question) -> Mapping[str, Mapping[str, str]]:
 
 
 def _free(alone: Model, prefix: str) -> frozenset[str]:
-    """What free joints and their bodies are called in a composition; `#` stands for those without a name."""
+    """Return the names of free joints and their bodies in the composition; `#` stands for unnamed ones."""
     roster = NameTable(alone)
     free = [index for index, kind in enumerate(alone.jnt_type) if kind == FREE]
     names = [roster.names["joint"][index] for index in free]
@@ -95,7 +96,7 @@ def _free(alone: Model, prefix: str) -> frozenset[str]:
 
 
 def _of_welding(difference: Difference, free: frozenset[str]) -> bool:
-    """Whether it is only that a free joint was taken away."""
+    """Return whether the difference only says that a free joint was removed."""
     if (difference.kind, difference.field) != ("joint", MISSING) and (
         difference.field not in ("body_dofnum", "body_jntnum")
     ):
@@ -104,7 +105,7 @@ def _of_welding(difference: Difference, free: frozenset[str]) -> bool:
 
 
 def differences_of(value: list[dict[str, Any]]) -> list[Difference]:
-    """The differences that ``ask`` gave, after their way through JSON."""
+    """Return the differences that ``ask`` returned as JSON data."""
     return [
         Difference(
             each["kind"], each["name"], each["field"], _frozen(each["expected"]), _frozen(each["actual"])

@@ -1,4 +1,4 @@
-"""What is reported of a part that is not what its source is alone."""
+"""The wording of differences between a part and its source."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from composer.diagnostics.diagnostic import Note
 from composer.verify.parts import Compared
 
 _SHOWN = 8
-"""How many differences of a part are reported one by one."""
+"""How many differences of a part are listed one by one."""
 
 
 def causes(differences: Sequence[Difference]) -> list[Difference]:
-    """The differences without those that follow from others, as long as there are any."""
+    """Return the differences that do not follow from others; all of them if each follows from another."""
     return [each for each in differences if each.array not in DERIVED] or list(differences)
 
 
 def changed(compared: Compared) -> str:
-    """One sentence about a part that is not what it is alone."""
+    """Return one sentence about a part that differs from its source."""
     found = causes(compared.differences)
     places = len(found)
     arrays = list(dict.fromkeys(_what(each) for each in found))
@@ -31,7 +31,7 @@ def changed(compared: Compared) -> str:
 
 
 def notes(differences: Sequence[Difference]) -> list[Note]:
-    """The first differences, expected and actual."""
+    """Return the first differences as notes, with the expected and actual values."""
     found = causes(differences)
     listed = [Note(str(each)) for each in found[:_SHOWN]]
     if len(found) > _SHOWN:

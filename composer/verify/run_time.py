@@ -1,4 +1,4 @@
-"""In MuJoCo's process: where a drawn attribute is in a compiled model, and what becomes of a model it is put into."""
+"""In MuJoCo's process: find drawn attributes in a compiled model and apply draws to it."""
 
 from __future__ import annotations
 
@@ -13,15 +13,16 @@ from composer.compiled.servos import GAINS
 from composer.recipe.verbs.values import MASS
 
 _CLOSE = 1e-9
-"""How far numbers may be apart that were computed in two ways, in parts of the larger of 1 and the number."""
+"""Tolerance for numbers that were computed in two ways, relative to the larger of 1 and the number."""
 
 
 def resolve(mujoco: Any, model: Model, asked: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """For `composer.engine.call`: of every element its id and the numbers in mjModel, or an `error`.
+    """Return for each element its id and the addresses of its numbers in mjModel, or an `error`.
 
-    Each of `asked` has `tag`, `family`, `name` or `place`, `attribute`, `start` and `count` of its numbers. The answer
-    has `id`, and under `targets` for each number a list of `{array, index}`, with a `sign` if it is not 1, with
-    `follows` if it changes in proportion to the first.
+    Runs under `composer.engine.call`. Each of `asked` has `tag`, `family`, `name` or `place`, `attribute`,
+    and `start` and `count` of its numbers. The answer has `id`, and under `targets` for each number a list of
+    `{array, index}`; with a `sign` if it is not 1, and with `follows` if the value changes in proportion to
+    the first.
     """
     return [_resolved(mujoco, model, each) for each in asked]
 
@@ -45,7 +46,7 @@ def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any
         return {"id": number, "targets": [targets]}
     array = array_of(family, attribute)
     rows = rows_of(model, family, array, number)
-    if family == "actuator":  # the draw of one with several controls is that of the first
+    if family == "actuator":  # if an actuator has several controls, the draw is for the first
         rows = range(rows.start, rows.start + 1)
     found = getattr(model, array, None)
     width = 1 if found is None or found.ndim == 1 else int(np.prod(found.shape[1:]))
@@ -60,7 +61,7 @@ def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any
 
 
 def _id(mujoco: Any, model: Model, asked: dict[str, Any]) -> int | str:
-    """The number of an element, or why it has none."""
+    """Return the id of an element, or why it has none."""
     family, name, place = asked["family"], asked["name"], asked["place"]
     if name:
         kind = getattr(mujoco.mjtObj, f"mjOBJ_{family.upper()}")
@@ -79,10 +80,10 @@ def _id(mujoco: Any, model: Model, asked: dict[str, Any]) -> int | str:
 
 
 def compare(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -> dict[str, Any]:
-    """For `composer.engine.call`: in what a sample that was built differs from the nominal model with its draws in it.
+    """Return how a built sample differs from the nominal model with the same draws in it.
 
-    ``asked`` has the draws as `row` and `columns`. The answer has the `arrays` that differ when constants are computed
-    anew, and the `fields` of which some number does that was put there.
+    Runs under `composer.engine.call`. ``asked`` has the draws as `row` and `columns`. The answer has the
+    `arrays` that differ after mj_setConst, and the `fields` with a drawn number that differs.
     """
     apply(nominal, asked["columns"], asked["row"])
     mujoco.mj_setConst(nominal, mujoco.MjData(nominal))
@@ -103,7 +104,7 @@ def _differs(nominal: Model, sample: Model, target: dict[str, Any]) -> bool:
 
 
 def apply(model: Model, columns: list[dict[str, Any]], row: list[float | None]) -> None:
-    """Put the draws of one sample into a model; None changes nothing."""
+    """Put the draws of one sample into a model; None leaves a number as it is."""
     for column, value in zip(columns, row, strict=True):
         ratio = 1.0
         if value is None:
@@ -122,7 +123,7 @@ def apply(model: Model, columns: list[dict[str, Any]], row: list[float | None]) 
 
 
 def are_close(a: Any, b: Any) -> bool:
-    """Whether numbers are equal but for the last digits of what was computed in two ways."""
+    """Return whether numbers are equal up to the rounding of two ways to compute them."""
     a, b = np.asarray(a), np.asarray(b)
     if a.shape != b.shape:
         return False

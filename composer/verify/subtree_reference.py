@@ -1,4 +1,4 @@
-"""A source of which one body was taken: that body as a model of its own, and the whole source to hold it against."""
+"""Compile a body that was taken from a source as a model of its own, and the whole source to compare it with."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ _NAMELESS = "a body around what was taken, "
 
 
 class Taken(NamedTuple):
-    """`above` are the bodies of the whole around what was taken, the nearest first, and None for the world.
+    """The outcome. `above` are the bodies around the subtree in the whole source, the nearest first, and None
+    for the world.
 
-    The first one stands for the world of what was taken, or one further up that `fusestatic` has made it one with.
+    The subtree's world corresponds to the first of them, or to one further up if `fusestatic` fused them.
     """
 
     above: tuple[str | None, ...] = (None,)
@@ -30,7 +31,9 @@ class Taken(NamedTuple):
 
 
 def keep_taken(member: PartRecord, session: engine.Session, taken: str, whole: str) -> Taken:
-    """Compile both and keep them in the session under these names; a sentence where that cannot be."""
+    """Compile the subtree and the whole source and keep them under these names; the result has a message if
+    that fails.
+    """
     assert member.subtree is not None
     sink = Sink()
     path = member.source.path

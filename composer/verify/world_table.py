@@ -1,4 +1,6 @@
-"""`emit: worlds`: the numbers in which worlds differ, computed in MuJoCo's process, and held against samples."""
+"""`emit: worlds`: compute the numbers that differ between worlds in MuJoCo's process, and compare them with
+samples.
+"""
 
 from __future__ import annotations
 
@@ -21,13 +23,13 @@ from composer.verify.draw_table import CODE, SAMPLE, DrawTable
 _FORMAT = 1
 
 Build = Callable[[int], bool]
-"""Builds a sample, which the session keeps as `SAMPLE`; whether that went well."""
+"""Builds a sample, which the session keeps as `SAMPLE`; returns whether it succeeded."""
 
 
 def with_worlds(table: DrawTable, bundle: Bundle, build: Build) -> Bundle:
-    """The bundle with the worlds of a table that is filled, one for each sample from 1; faults go to the sink.
+    """Return the bundle with the worlds of a filled table, one for each sample from 1; errors go to the sink.
 
-    The first, the last and the middle one are built, and each array of mjModel is compared.
+    The first, middle and last sample are built, and each array of mjModel is compared.
     """
     with scratch("worlds") as folder:
         paths = {"draws": str(folder / "draws.npy"), "out": str(folder / "worlds.npz")}
@@ -69,7 +71,7 @@ def _fault(table: DrawTable, sample: int, arrays: list[str]) -> None:
 
 
 def _described(table: DrawTable, content: bytes) -> bytes:
-    """The file with what it is about in it."""
+    """Return the file with its description in it."""
     wanted = table.plan.randomize
     assert wanted is not None
     about: dict[str, object] = {

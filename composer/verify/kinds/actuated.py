@@ -1,4 +1,4 @@
-"""The check `actuated`."""
+"""The check `actuated`: every joint has an actuator."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _SHOWN = 8
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
-    """The finding that joints have no actuator, if so."""
+    """Report joints without an actuator."""
     for key in ("joints", "exclude"):
         if (nothing := unmet(scope, ("joint",), asked[key], key)) is not None:
             return [nothing]
@@ -39,7 +39,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
 
 
 def _moved(mujoco: Any, model: Any) -> set[int]:
-    """The joints that an actuator moves in the reference configuration, those that follow by an equality included."""
+    """Return the joints that an actuator moves in the reference configuration, directly or through an equality."""
     data = mujoco.MjData(model)
     mujoco.mj_fwdPosition(model, data)
     dofs = set(np.asarray(data.moment_colind[: int(np.sum(data.moment_rownnz))]).tolist())

@@ -1,4 +1,4 @@
-"""The check `clear`."""
+"""The check `clear`: a distance between geoms."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _SHOWN = 8
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
-    """The finding that geoms are closer to one another than asked, with the closest pairs, if so."""
+    """Report the closest pairs of geoms that are nearer to each other than the check allows."""
     sides = []
     for index, globs in enumerate(asked["between"]):
         if (nothing := unmet(scope, ("geom", "body"), globs, "between", index)) is not None:
@@ -48,7 +48,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
 
 
 def _geoms(scope: Scope, globs: Sequence[str]) -> list[int]:
-    """The geoms that globs name, and those of the bodies that they name."""
+    """Return the geoms that the globs match, and the geoms of the bodies that they match."""
     found: list[int] = []
     for glob in globs:
         found += scope.matching("geom", glob)
@@ -58,7 +58,7 @@ def _geoms(scope: Scope, globs: Sequence[str]) -> list[int]:
 
 
 def _pairs(scope: Scope, data: Any, sides: list[list[int]], limit: float) -> list[tuple[int, int, float]]:
-    """Every pair of geoms of two bodies, with the distance as far as it is below the limit; the limit otherwise."""
+    """Yield pairs of geoms on different bodies with their distance, at most the limit."""
     mujoco, model = scope.mujoco, scope.model
     found = []
     for one in sides[0]:
@@ -68,7 +68,7 @@ def _pairs(scope: Scope, data: Any, sides: list[list[int]], limit: float) -> lis
             apart = float(np.linalg.norm(data.geom_xpos[one] - data.geom_xpos[other]))
             radius = float(model.geom_rbound[one] + model.geom_rbound[other])
             if model.geom_rbound[one] and model.geom_rbound[other] and apart - radius >= limit:
-                continue  # spheres around them are apart: MuJoCo need not be asked
+                continue  # their bounding spheres are apart: no need to ask MuJoCo
             distance = float(mujoco.mj_geomDistance(model, data, one, other, limit + 1e-9, None))
             found.append((one, other, distance))
     return found

@@ -1,4 +1,4 @@
-"""The check `equal`."""
+"""The check `equal`: the value of an attribute."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from composer.verify.kinds.failure import failed, unknown
 from composer.verify.kinds.scope import Scope
 
 _ROUNDING = {4: 1e-6, 8: 1e-9}
-"""By the bytes of a number: how far off counts as rounding, in parts of the larger of 1 and the value."""
+"""Rounding tolerance by the bytes of a number, relative to the larger of 1 and the value."""
 _SHOWN = 8
 
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A number as it is written, with its unit; `per_unit` is what one of that is in the compiled model."""
+    """A number with its unit as written; `per_unit` is one such unit in the unit of the compiled model."""
 
     number: float
     unit: str | None
@@ -41,14 +41,14 @@ class Quantity:
         return f"{self.number:.9g}{self.unit or ''}"
 
     def like(self, value: float) -> str:
-        """A value of the compiled model, in this one's unit."""
+        """Return a value of the compiled model as text, in the unit of this quantity."""
         if isinstance(value, bool):
             return str(value).lower()
         return str(Quantity(value / self.per_unit, self.unit, self.per_unit))
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
-    """The finding that some of the elements have another value, if so."""
+    """Report elements with another value."""
     tag, glob = asked["tag"], asked["element"]
     matched = scope.matching(tag, glob)
     if not matched:
@@ -89,24 +89,24 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
 
 
 def _plain(numbers: Any) -> Any:
-    """One number or a list of them, as JSON has them; those of single precision without what that makes up."""
+    """Return one number or a list of numbers for JSON; single-precision numbers are rounded to six digits."""
     single = numbers.dtype == np.float32
     found = [float(f"{each:.6g}") if single else each for each in numbers.tolist()]
     return found[0] if len(found) == 1 else found
 
 
 def value_of(scope: Scope, tag: str, index: int, attr: str) -> Any | Fault:
-    """The numbers of an attribute, flat."""
+    """Return the numbers of an attribute as a flat array."""
     model, name = scope.model, array_of(tag, attr)
     array = getattr(model, name, None)
     if array is None:
         return Fault("unknown-attribute", f"this MuJoCo has no `{attr}` of a {tag}", ("attr",))
-    row = rows_of(model, tag, name, index).start  # a joint has one value, an actuator is asked for its first
+    row = rows_of(model, tag, name, index).start  # a joint has one value; for an actuator the first counts
     return np.atleast_1d(array[row]).ravel()
 
 
 def expected_of(scope: Scope, tag: str, index: int, asked: dict[str, Any]) -> list[Quantity] | Fault:
-    """The numbers in the unit that the compiled model has them in."""
+    """Return the expected numbers in the unit of the compiled model."""
     attr = asked["attr"]
     joint = JOINT_TYPES[int(scope.model.jnt_type[index])].word if tag == "joint" else ""
     angular = attr in ANGLES.get(joint, ())

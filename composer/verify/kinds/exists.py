@@ -1,4 +1,4 @@
-"""The check `exists`."""
+"""The check `exists`: how many elements a selector matches."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from composer.verify.kinds.words import words_of
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
-    """One finding for each selector that names nothing, or another number than it expects."""
+    """Report each selector that matches nothing, or another number of elements than expected."""
     found: list[Fault] = []
     for index, selector in enumerate(asked["selectors"]):
         tag, glob, expect = selector["tag"], selector["glob"], selector["expect"]
@@ -42,7 +42,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
 
 
 def _stands_there(scope: Scope, kind: str, index: int, selector: dict[str, Any]) -> bool:
-    """Whether the bodies around an element are those that are asked for."""
+    """Return whether the bodies around an element are those that the selector names."""
     if not (selector["parent"] or selector["inside"]):
         return True
     around = list(_bodies_around(scope, kind, index))
@@ -53,7 +53,7 @@ def _stands_there(scope: Scope, kind: str, index: int, selector: dict[str, Any])
 def _fits(
     scope: Scope, kind: str, index: int, selector: dict[str, Any], angle: str | None, place: int
 ) -> bool | Fault:
-    """Whether an element has the values that `where` asks for; the finding that it cannot be asked."""
+    """Return whether an element has the values in `where`, or a finding if they cannot be looked up."""
     for each in selector["where"]:
         if each["word"] is not None:
             words = set(words_of(scope, kind, index, each["attr"]))
@@ -75,7 +75,7 @@ def _fits(
 
 
 def _bodies_around(scope: Scope, kind: str, index: int) -> Iterator[int]:
-    """From the nearest to the world."""
+    """Yield the bodies around an element, from the nearest to the world."""
     body = holder(scope.model, kind, index)
     while body:
         yield body

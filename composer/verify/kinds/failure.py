@@ -1,4 +1,4 @@
-"""What a check found that does not hold, as faults and as data that goes through the pipe of the child process."""
+"""The findings of a check as faults, and as JSON data for the child process."""
 
 from __future__ import annotations
 
@@ -19,27 +19,27 @@ def failed(
     more: Iterable[str] = (),
     help: str | None = None,
 ) -> Fault:
-    """A check that does not hold: what was expected, and what is.
+    """Return a finding with the expected and the actual value.
 
-    `at` is the path, below the check's kind, of the value that is not met.
+    `at` is the path of the value that does not hold, below the check's kind.
     """
     notes = (f"expected: {expected}", f"actual: {actual}", *more)
     return Fault("check-failed", message, at, notes=tuple(map(Note, notes)), help=help)
 
 
 def unknown(kind: str, name: str, known: Iterable[str], *at: str | int) -> Fault:
-    """A name that nothing has. `known` are the names as the recipe would write them."""
+    """Return a finding for an unknown name. `known` are the existing names as the recipe would write them."""
     found = unknown_name(kind, name, [each for each in known if each])
     return Fault(found.code, found.message, at, notes=found.notes, help=found.help)
 
 
 def to_json(fault: Fault) -> dict[str, Any]:
-    """The fields that a check may set: the others are the recipe's."""
+    """Return the fields that a check may set; the recipe's side fills in the others."""
     return {name: value for name, value in asdict(fault).items() if name in _FIELDS}
 
 
 def from_json(data: dict[str, Any]) -> Fault:
-    """What `to_json` gave."""
+    """Return the fault that `to_json` turned into data."""
     notes = tuple(Note(each["message"]) for each in data["notes"])
     return Fault(**{**data, "at": tuple(data["at"]), "notes": notes})
 

@@ -1,8 +1,9 @@
-"""Joint positions that bring a site to a point: damped least squares with joint limits, from several starts.
+"""Find joint positions that bring a site to a point: damped least squares with joint limits, from several
+starts.
 
-`mujoco.minimize.least_squares` (3.12 to 4.0) finds the same on arms of hinges and slides in about the same time. Its
-bounds are boxes, and the range of a ball joint is not one: of 19 targets that two ball joints reach with one of them at
-its limit, it found 10.
+`mujoco.minimize.least_squares` (3.12 to 4.0) finds the same on arms of hinges and slides in about the same
+time. Its bounds are boxes, and the range of a ball joint is not a box: of 19 targets that two ball joints
+reach with one of them at its limit, it found 10.
 """
 
 from __future__ import annotations
@@ -19,19 +20,19 @@ STARTS = 32
 _STEPS = 150
 _FIRST_DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 1e-3, 1e-9, 1e6
 _LONGEST_STEP = 0.5
-"""The greatest change of a joint in one step, in radians or metres: beyond it, the linear picture is wrong."""
+"""The greatest change of a joint in one step, in radians or metres; the linearization does not hold beyond it."""
 _LOOSE = 1e-3
-"""How far equality constraints may be open where the site is, in metres or radians; they are soft in MuJoCo."""
+"""How far equality constraints, which are soft in MuJoCo, may be violated in a solution, in metres or radians."""
 _CLOSED = 100.0
-"""How much more it counts that they stay closed than that the site comes near."""
+"""The weight of constraint violations relative to the distance of the site."""
 _NEAR = 1e-6
 
 
 class Solver:
-    """Looks for positions of the joints that carry a site. The same every time.
+    """Searches for positions of the joints between the world and the site. Deterministic.
 
-    Free joints that carry it stay where they are, or everything would be in reach. Equality constraints are kept
-    closed, and what they move moves along. `tolerance` is in metres.
+    Free joints above the site stay where they are, or every point would be in reach. Equality constraints
+    stay closed, and the joints that they move follow. `tolerance` is in metres.
     """
 
     def __init__(
@@ -40,7 +41,7 @@ class Solver:
         self.mujoco, self.model, self.data = mujoco, model, data
         self.site, self.target, self.tolerance = site, target, tolerance
         self.chain = self._chain()
-        # What does not carry the site moves only where a constraint ties it to something.
+        # Other joints move only if a constraint couples them.
         self.moving = np.array(sorted({*self._dofs(self.chain), *self._tied()}), dtype=int)
         self.lower, self.upper = self._limits()
         self.start = data.qpos.copy()
@@ -50,7 +51,7 @@ class Solver:
         self.distance = float(np.linalg.norm(self._look()[0][:3]))
 
     def solve(self) -> float:
-        """The least distance that was found, in metres; the data is at these positions."""
+        """Return the least distance found, in metres, and leave the data at these positions."""
         random = np.random.default_rng(0)
         best, best_qpos = np.inf, self.start
         for number in range(STARTS):
@@ -68,7 +69,7 @@ class Solver:
         return self.distance
 
     def _descend(self) -> float:
-        """From where the data is, downhill; gives the distance, infinite where constraints stay open."""
+        """Descend from the positions in the data; return the distance, infinite if constraints stay violated."""
         damping = _FIRST_DAMPING
         error, jacobian = self._look()
         for _ in range(_STEPS):
@@ -91,7 +92,7 @@ class Solver:
         return float(np.linalg.norm(error[:3])) if self._open(error) <= self._slack else np.inf
 
     def _look(self) -> tuple[Any, Any]:
-        """What is left to go, the site's three numbers first, and how the moving joints change it."""
+        """Return the residual, the site's three numbers first, and its Jacobian for the moving joints."""
         mujoco, model, data = self.mujoco, self.model, self.data
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
@@ -105,7 +106,7 @@ class Solver:
         return error, jacobian[:, self.moving]
 
     def _equalities(self) -> tuple[Any, Any]:
-        """The rows of equality constraints, and how far they are open."""
+        """Return the Jacobian rows of equality constraints, and how far they are violated."""
         mujoco, model, data = self.mujoco, self.model, self.data
         if model.nflex:
             mujoco.mj_flex(model, data)
@@ -113,7 +114,7 @@ class Solver:
         option = model.opt
         kept = int(option.jacobian), int(option.disableflags)
         option.jacobian = int(mujoco.mjtJacobian.mjJAC_DENSE)
-        # Limits are kept by the solver itself, contacts are not looked at.
+        # The solver keeps limits itself and does not look at contacts.
         option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_LIMIT) | int(
             mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS
         )
@@ -133,7 +134,7 @@ class Solver:
         return float(np.abs(error[3:]).max(initial=0.0)) / _CLOSED
 
     def _step(self, error: Any, jacobian: Any, damping: float) -> Any:
-        """The step of the moving joints; one that would leave its range stays, and the others make up for it."""
+        """Return the step of the moving joints. Joints that would leave their range stay; the others compensate."""
         able = np.ones(len(self.moving), dtype=bool)
         here = self._scalar_positions()
         for _ in range(len(self.moving) + 1):
@@ -178,7 +179,7 @@ class Solver:
                     qpos[at : at + 4] = turned
 
     def _scatter(self, random: Any, number: int) -> None:
-        """Another start: the middle of all ranges first, then anywhere in them."""
+        """Move to another start: first the middle of all ranges, then random positions within them."""
         model, qpos = self.model, self.data.qpos
         for joint in self.chain:
             at, kind = int(model.jnt_qposadr[joint]), int(model.jnt_type[joint])
@@ -188,7 +189,7 @@ class Solver:
                 continue
             reach = np.pi if kind == HINGE else 1.0
             low, high = qpos[at] - reach, qpos[at] + reach
-            if model.jnt_limited[joint]:  # an end may be infinite all the same
+            if model.jnt_limited[joint]:  # a bound may still be infinite
                 ends = model.jnt_range[joint]
                 low, high = np.where(np.isfinite(ends), ends, (low, high))
             drawn = random.uniform(low, high)
@@ -196,7 +197,7 @@ class Solver:
         self._clamp()
 
     def _chain(self) -> list[int]:
-        """The joints that carry the site, without free ones."""
+        """Return the joints between the world and the site, except free joints."""
         model, found = self.model, []
         body = int(model.site_bodyid[self.site])
         while body:
@@ -210,7 +211,7 @@ class Solver:
         return {dof for joint in joints for dof in span(self.model, "qvel", joint)}
 
     def _tied(self) -> set[int]:
-        """Degrees of freedom in equality constraints, but for free joints that carry the site."""
+        """Return the degrees of freedom in equality constraints, except those of free joints above the site."""
         if not self.model.neq:
             return set()
         self.mujoco.mj_kinematics(self.model, self.data)
@@ -226,7 +227,7 @@ class Solver:
         }
 
     def _limits(self) -> tuple[Any, Any]:
-        """The bounds of each moving degree of freedom; infinite for those without, and for ball joints."""
+        """Return the bounds of each moving degree of freedom; infinite for ball joints and those without limits."""
         lower, upper = np.full(len(self.moving), -np.inf), np.full(len(self.moving), np.inf)
         for place, dof in enumerate(self.moving.tolist()):
             joint = int(self.model.dof_jntid[dof])
@@ -235,7 +236,7 @@ class Solver:
         return lower, upper
 
     def _scalar_positions(self) -> Any:
-        """The position of each moving degree of freedom that has one number; 0 for the others."""
+        """Return the position of each moving slide and hinge; 0 for other degrees of freedom."""
         joints = self.model.dof_jntid[self.moving]
         here = self.data.qpos[self.model.jnt_qposadr[joints]].copy()
         here[~np.isin(self.model.jnt_type[joints], (SLIDE, HINGE))] = 0.0

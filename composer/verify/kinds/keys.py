@@ -1,4 +1,4 @@
-"""The keyframes that a check is about."""
+"""Find the keyframes that a check names."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ from composer.verify.kinds.scope import Scope
 
 
 def keys_named(scope: Scope, globs: Sequence[str]) -> list[str] | Fault:
-    """The names of the keyframes that globs name, as the recipe writes them; all of them without globs."""
+    """Return the names of the keyframes that the globs match, as the recipe writes them; all of them without
+    globs.
+    """
     known = [] if scope.keys is None else scope.names("key")
     if not globs:
         return known
@@ -28,7 +30,7 @@ def keys_named(scope: Scope, globs: Sequence[str]) -> list[str] | Fault:
 
 
 def at_keys(scope: Scope, names: Sequence[str]) -> Iterator[tuple[str, Any]]:
-    """An mjData at each of the keyframes; `mj_forward` is still to be called."""
+    """Yield an mjData at each keyframe. The caller still calls `mj_forward`."""
     for name in names:
         data = scope.at_key(name)
         if not isinstance(data, Fault):
@@ -36,7 +38,7 @@ def at_keys(scope: Scope, names: Sequence[str]) -> Iterator[tuple[str, Any]]:
 
 
 def unmet(scope: Scope, kinds: Sequence[str], globs: Sequence[str], *at: str | int) -> Fault | None:
-    """The finding that a glob names nothing of those kinds, if so."""
+    """Return a finding for the first glob that matches nothing of these kinds."""
     known = [name for kind in kinds for name in scope.names(kind)]
     for index, glob in enumerate(globs):
         if not scope.fitting(glob, known):

@@ -1,4 +1,4 @@
-"""The check `limits`."""
+"""The check `limits`: keys stay within the ranges of joints and actuators."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from composer.verify.kinds.scope import Scope
 _ROUNDING = 1e-6
 _SHOWN = 8
 Value = tuple[str, int, str, float, Range, str]
-"""A number of a key: the kind and id of what has it, its vector, the number, its range and the unit of both."""
+"""A number of a key: kind and id of its element, its vector, the number, and its range and their unit."""
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
-    """The finding that numbers of keys are outside of their ranges, if so."""
+    """Report numbers of keys that are out of range."""
     keys = keys_named(scope, asked["keys"])
     if isinstance(keys, Fault):
         return [keys]
@@ -52,12 +52,12 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
 
 
 def _slack(bound: float) -> float:
-    """How far a number may be outside: ranges are often rounded."""
+    """Return how far a number may be out of range: ranges are often rounded."""
     return _ROUNDING * max(1.0, abs(bound))
 
 
 def _values(scope: Scope, data: Any) -> Iterator[Value]:
-    """The numbers of a key that have a range and are the recipe's."""
+    """Yield the numbers of a key that have a range and belong to the recipe."""
     model = scope.model
     for joint in scope.own("joint"):
         if not model.jnt_limited[joint]:

@@ -1,4 +1,4 @@
-"""The check `mass`."""
+"""The check `mass`: the mass of the model, a body or a subtree."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from composer.verify.kinds.scope import Scope
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
-    """The finding that the mass is another, if so."""
+    """Report a mass that is not the expected one."""
     model = scope.model
     word = "subtree" if asked["subtree"] else "body" if asked["body"] else None
     if word is None:

@@ -1,4 +1,4 @@
-"""The check `no_penetration`."""
+"""The check `no_penetration`: nothing is inside of anything else."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Side = tuple[str, int]
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
-    """The finding that things are inside of one another, with the deepest pairs, if so."""
+    """Report the pairs that penetrate each other, the deepest first."""
     data = scope.at_key(asked["key"])
     if isinstance(data, Fault):
         return [data]
@@ -62,7 +62,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
 
 
 def _collide(scope: Scope, data: Any) -> None:
-    """Find contacts, also in a model whose options switch them off."""
+    """Find contacts even if the options of the model disable them."""
     mujoco, option = scope.mujoco, scope.model.opt
     flags = int(option.disableflags)
     off = int(mujoco.mjtDisableBit.mjDSBL_CONTACT) | int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
@@ -84,7 +84,7 @@ def _excluded(scope: Scope, pair: tuple[Side, Side], one: frozenset[str], other:
 
 
 def _names(scope: Scope, side: Side) -> set[str]:
-    """What a glob can name a side by: its own name and that of its body."""
+    """Return the names by which a glob matches a side: its own and that of its body."""
     kind, index = side
     names = [scope.roster.names[kind][index]]
     if kind == "geom":

@@ -1,4 +1,4 @@
-"""The check `reachable`."""
+"""The check `reachable`: joint positions exist that bring a site to a point."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from composer.verify.kinds.scope import SOLVED, Scope
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
-    """The finding that no joint positions were found, with the nearest point, if so."""
+    """Report that no joint positions were found, with the nearest point."""
     site = scope.find("site", asked["site"], "site")
     if isinstance(site, Fault):
         return [site]
@@ -44,7 +44,10 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
 
 
 def _in_the_world(scope: Scope, data: Any, target: list[float], frame: dict[str, Any]) -> Any:
-    """A point of the recipe's world in the model's; `frame` is where the first stands in the latter."""
+    """Convert a point from the recipe's world frame to the model's.
+
+    `frame` is the pose of the recipe's world in the model.
+    """
     turned = np.zeros(3)
     scope.mujoco.mju_rotVecQuat(
         turned, np.array(target, dtype=np.float64), np.array(frame["quat"], dtype=np.float64)

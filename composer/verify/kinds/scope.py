@@ -1,4 +1,6 @@
-"""What of a compiled model is a recipe's own: all of it, or what bears its prefix where it is nested."""
+"""The elements of a compiled model that belong to a recipe: all of them, or for a nested recipe those with
+its prefix.
+"""
 
 from __future__ import annotations
 
@@ -16,16 +18,16 @@ from composer.tree.pattern import fitter
 from composer.verify.kinds.failure import unknown
 
 SOLVED = 4
-"""The digits of what is simulated or solved for."""
+"""Digits kept of simulated or solved values."""
 
 
 @dataclass
 class Scope:
-    """The names of a recipe in a compiled model, in which each has `prefix` in front.
+    """The names of a recipe in a compiled model, where each of them starts with `prefix`.
 
-    `others` are prefixes of what is not the recipe's although it begins alike. `keys` stands before the names
-    of its keyframes; None where they were left out. `whole` is whether everything is its own. `values` is what a
-    check found, whether it holds or not.
+    `others` are longer prefixes that do not belong to the recipe. `keys` is the prefix of its keyframes, or
+    None if they were left out. `whole` says that the whole model belongs to the recipe. `values` are the
+    values that a check found, whether it holds or not.
     """
 
     mujoco: Any
@@ -42,19 +44,19 @@ class Scope:
         self.roster = NameTable(self.model)
 
     def before(self, kind: str) -> str:
-        """What stands before the recipe's names of a kind."""
+        """Return the prefix of the recipe's names of a kind."""
         return (self.keys or "") if kind == "key" else self.prefix
 
     def own(self, kind: str) -> Iterator[int]:
-        """The ids of the elements that are the recipe's."""
+        """Yield the ids of the recipe's elements."""
         return (index for index in range(self.roster.count(kind)) if self.owns(kind, index))
 
     def owns(self, kind: str, index: int) -> bool:
-        """Whether an element is the recipe's: by its name, or by what it is on or about."""
+        """Return whether an element belongs to the recipe, judged by its name or else by its body or target."""
         if self.whole:
             return True
         name = self.roster.names[kind][index]
-        if kind == "key":  # those of several recipes merge into one
+        if kind == "key":  # keys of several recipes merge into one
             return self.keys is not None and name.startswith(self.keys)
         if name and not (kind == "body" and index == 0):
             return self._is_own(name)
@@ -67,36 +69,38 @@ class Scope:
         )
 
     def _is_own(self, name: str) -> bool:
-        # The body and joint that carry a part are called by its prefix alone, and are not its own.
+        # The body and joint that carry a part are named by its prefix alone. They do not belong to the part.
         return (
             name.startswith(self.prefix) and name != self.prefix and not name.startswith(tuple(self.others))
         )
 
     def called(self, kind: str, index: int) -> str:
-        """An element as messages call it: geom `pad`, or geom #2 of body `hand`."""
+        """Return an element's name for messages: geom `pad`, or geom #2 of body `hand`."""
         name = self.written(kind, index)
         return f"{kind} `{name}`" if self.roster.names[kind][index] else f"{kind} {name}"
 
     def written(self, kind: str, index: int) -> str:
-        """What the recipe calls an element, or where an unnamed one is."""
+        """Return the name of an element in the recipe, or the place of an unnamed one."""
         return self.roster.describe(kind, index).removeprefix(self.before(kind))
 
     def names(self, kind: str) -> list[str]:
-        """The names of a kind as the recipe writes them."""
+        """Return the names of a kind as the recipe writes them."""
         found = [self.roster.names[kind][index] for index in self.own(kind)]
         return [name.removeprefix(self.before(kind)) for name in found if name]
 
     def find(self, kind: str, name: str, *at: str | int) -> int | Fault:
-        """The id of the element that the recipe calls so; the finding that there is none. The world is any recipe's."""
+        """Return the id of the element of that name, or a finding that there is none. Every recipe may name
+        the world.
+        """
         if kind == "body" and name == "world":
             return 0
         index = self.roster.ids[kind].get(self.prefix + name)
         return unknown(kind, name, self.names(kind), *at) if index is None else index
 
     def matching(self, kind: str, glob: str) -> list[int]:
-        """The ids of the recipe's elements that a glob or a regular expression names.
+        """Return the ids of the recipe's elements that a glob or regular expression matches.
 
-        `**` alone names those without a name too. Raises BadPattern.
+        `**` alone also matches unnamed elements. Raises BadPattern.
         """
         if glob == "**":
             return list(self.own(kind))
@@ -106,11 +110,13 @@ class Scope:
         return [index for index, name in named if name in fitting]
 
     def fitting(self, glob: str, names: Collection[str]) -> frozenset[str]:
-        """Those of names as the recipe writes them that a glob or a regular expression means. Raises BadPattern."""
+        """Return those of `names`, as the recipe writes them, that a glob or regular expression matches.
+        Raises BadPattern.
+        """
         return frozenset(filter(fitter(glob, lambda: names, self.separator), names))
 
     def at_key(self, key: str | None) -> Any | Fault:
-        """An mjData at a keyframe, or at the reference configuration; `mj_forward` is still to be called."""
+        """Return an mjData at a keyframe or the reference configuration. The caller still calls `mj_forward`."""
         data = self.mujoco.MjData(self.model)
         if key is None:
             return data
@@ -128,7 +134,10 @@ class Scope:
         return data
 
     def found(self, name: str, value: float, digits: int = 9) -> None:
-        """Note what a check found. What is simulated or solved for has few `digits`, or it would differ by machine."""
+        """Note a value that a check found.
+
+        Simulated or solved values have few `digits`, because further digits differ between machines.
+        """
         exact = isinstance(value, int) or not math.isfinite(value)
         self.values[name] = value if exact else float(f"{round(value, digits):.{digits}g}")
 

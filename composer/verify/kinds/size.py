@@ -1,4 +1,4 @@
-"""The check `size`."""
+"""The check `size`: sizes of mjModel."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _SUMMED = {size: (kind, vector) for vector, (kind, size) in VECTORS.items()}
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
-    """One finding for each size that is another. Keyframes that merged belong to no recipe alone."""
+    """Report each size that is not the expected one. Merged keyframes belong to no single recipe."""
     found: list[Fault] = []
     for size, expected in asked["counts"].items():
         actual = count(scope, size)
@@ -31,7 +31,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
 
 
 def count(scope: Scope, size: str) -> int | None:
-    """A size of mjModel, as far as it is the recipe's own; None where that cannot be determined."""
+    """Return a size of mjModel, counting the recipe's own elements; None if that is impossible."""
     model = scope.model
     if scope.whole:
         value = getattr(model, size, None)
@@ -39,7 +39,7 @@ def count(scope: Scope, size: str) -> int | None:
     if size in _COUNTED:
         return len(list(scope.own(_COUNTED[size])))
     if size == "nbody":
-        return 1 + len(list(scope.own("body")))  # the world is in every model
+        return 1 + len(list(scope.own("body")))  # every model has the world
     if size in _SUMMED:
         kind, vector = _SUMMED[size]
         return sum(len(span(model, vector, index)) for index in scope.own(kind))

@@ -1,4 +1,4 @@
-"""What an element of a compiled model is, and which others it names, in the words of MJCF."""
+"""The type of an element of a compiled model, and the names it refers to, in MJCF's words."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ _SECOND = ("refsite", "slidersite", "refname")
 
 
 def words_of(scope: Scope, tag: str, index: int, attr: str) -> Iterator[str]:
-    """The value of an attribute; several where MuJoCo does not keep which of two it is, none where it has none."""
+    """Yield the value of an attribute.
+
+    There are several if MuJoCo does not store which of two it is, and none if the attribute is not set.
+    """
     if attr in ENUMERATED.get(tag, ()):
         array = array_of(tag, attr)
         values = getattr(scope.model, array, None)
@@ -28,7 +31,7 @@ def words_of(scope: Scope, tag: str, index: int, attr: str) -> Iterator[str]:
 
 
 def _is_meant(field: str, tag: str, attr: str) -> bool:
-    """Whether the reference that is kept in a field is the one that an attribute writes."""
+    """Return whether the attribute writes the reference that the field of mjModel stores."""
     if attr == "target":
         return "target" in field
     if tag == "sensor":
