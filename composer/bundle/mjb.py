@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-from importlib import metadata
 from pathlib import Path
 
 from composer import engine
@@ -62,7 +61,11 @@ def with_version(out: str, version: str | None = None) -> str:
     """
     if "{mujoco}" not in out:
         return out
-    return out.replace("{mujoco}", version or metadata.version("mujoco"))
+    if version is None:
+        from importlib import metadata  # takes longer to import than a known model to be found
+
+        version = metadata.version("mujoco")
+    return out.replace("{mujoco}", version)
 
 
 def _manifest(text: bytes, name: str, content: bytes) -> bytes:

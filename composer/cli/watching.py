@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from functools import wraps
 from pathlib import Path
@@ -80,6 +79,8 @@ def _code(command: Callable[[], None]) -> int:
 
 def _wait(before: dict[Path, Mark]) -> None:
     """Until a file is not as before. In a thread of its own: a watch swallows the signal that ends a command."""
+    from concurrent.futures import ThreadPoolExecutor
+
     from composer.view.watching import Watch
 
     stop, done = Event(), Event()

@@ -70,7 +70,6 @@ def put(made: Made, maker: Maker, context: Context, session: Session | None, wan
     """Write a model where it is wanted; gives it as it was written, or None where that cannot be, which is reported."""
     from composer.bundle.licence_table import report_unlicensed
     from composer.bundle.output_error import OutputError
-    from composer.bundle.replaced import made_of
 
     clear_progress()
     report_unlicensed(made.licences, context)
@@ -86,6 +85,8 @@ def put(made: Made, maker: Maker, context: Context, session: Session | None, wan
             text = text_alone(composed.model, composed.files, target, context.folder)
             made = maker.with_text(made, text, context)
         if not made.is_written:
+            from composer.bundle.replaced import made_of
+
             out = place(context.folder, target)
             before = None if wanted.kind in ("text", "usd") else made_of(out)
             maker.note_written(made, _write(made, target, maker, wanted, context, session))

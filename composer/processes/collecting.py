@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gc
 
-_NEW, _YOUNG, _OLD = 20_000, 20, 50
+_NEW, _YOUNG, _OLD = 50_000, 20, 50
 
 
 def rarely_collecting() -> None:

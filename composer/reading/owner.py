@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import stat
-import tempfile
 
 
 def untrusted(folder: str | os.PathLike[str]) -> str | None:
@@ -23,7 +22,11 @@ def untrusted(folder: str | os.PathLike[str]) -> str | None:
 
 def untrusted_for_temporary(folder: str | os.PathLike[str] | None = None) -> str | None:
     """The same of the folder for temporary files, which may be the system's if none removes what others have there."""
-    status = _status(folder or tempfile.gettempdir())
+    if folder is None:
+        import tempfile  # the store, whose owner is asked by every build, is elsewhere
+
+        folder = tempfile.gettempdir()
+    status = _status(folder)
     if status is None:
         return None
     if status.st_uid not in (os.geteuid(), 0):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Iterable
 from functools import cache
 
@@ -81,6 +80,8 @@ def _home() -> str:
 @cache
 def _too_wide(home: str) -> frozenset[str]:
     """Folders with the files of everybody or of everything: homes, the one for temporary files, all above these."""
+    import tempfile  # a model that the cache knows needs no folder of its own
+
     found: set[str] = set()
     for each in (home, tempfile.gettempdir()):
         for at in (os.path.abspath(each), os.path.realpath(each)):

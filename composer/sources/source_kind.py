@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from composer.sources.fetching import Lookup
 from composer.sources.kind import Kind
-from composer.sources.reference import Reference
-from composer.sources.source import Source
+
+if TYPE_CHECKING:
+    from composer.sources.fetching import Lookup
+    from composer.sources.reference import Reference
+    from composer.sources.source import Source
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,6 +9,11 @@ from pathlib import Path
 import pytest
 
 HEAVY = ("mujoco", "numpy", "pydantic")
+UNKNOWN_ONLY = (
+    "lxml", "yaml", "importlib.metadata", "concurrent.futures", "tarfile", "tempfile",
+    "composer.sources.git_repository", "composer.sources.web_archive",
+)  # fmt: skip
+"""What only a model that must be built has a use for."""
 _TELL = """
 import atexit, sys
 atexit.register(lambda: print("imported:", *(name for name in {heavy!r} if name in sys.modules), file=sys.stderr))
@@ -19,8 +24,8 @@ main()
 
 
 def imported(*arguments: str) -> set[str]:
-    """The heavy libraries that the command imports."""
-    program = _TELL.format(heavy=(*HEAVY, "composer"), arguments=arguments)
+    """What the command imports of the heavy libraries and of what a known model does not need."""
+    program = _TELL.format(heavy=(*HEAVY, *UNKNOWN_ONLY, "composer"), arguments=arguments)
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     told = done.stderr.rsplit("imported:", 1)[1].split()
@@ -33,5 +38,14 @@ def test_help_imports_nothing_heavy(arguments: tuple[str, ...]) -> None:
     assert imported(*arguments) == set()
 
 
-def test_a_plan_needs_pydantic_alone(repository: Path) -> None:
-    assert imported("plan", str(repository / "recipes" / "arm_gripper.yaml")) == {"pydantic"}
+def test_a_plan_needs_no_mujoco_and_no_numpy(repository: Path) -> None:
+    assert imported("plan", str(repository / "recipes" / "arm_gripper.yaml")).intersection(HEAVY) == {
+        "pydantic"
+    }
+
+
+def test_a_known_model_needs_nothing_that_reads_or_builds_one(repository: Path, tmp_path: Path) -> None:
+    recipe = repository / "recipes" / "arm_gripper.yaml"
+    build = ("build", str(recipe), "-o", str(tmp_path / "model.zip"), "--no-verify")
+    assert "lxml" in imported(*build)
+    assert imported(*build) == set()

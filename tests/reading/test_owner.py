@@ -47,7 +47,7 @@ def test_mujoco_does_not_work_in_a_folder_that_others_change(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     tmp_path.chmod(0o777)
-    monkeypatch.setattr(owner.tempfile, "gettempdir", lambda: str(tmp_path))
+    monkeypatch.setattr("tempfile.gettempdir", lambda: str(tmp_path))
     with Session() as session:
         answer, _ = session.ask(Request(tmp_path))
     assert answer["crash"] == "start" and "is not trusted" in answer["error"]

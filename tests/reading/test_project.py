@@ -41,7 +41,7 @@ def test_a_home_is_no_project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_the_folder_for_temporary_files_is_nobodys(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(project.tempfile, "gettempdir", lambda: str(tmp_path))
+    monkeypatch.setattr("tempfile.gettempdir", lambda: str(tmp_path))
     project._too_wide.cache_clear()
     try:
         assert folders_of_model(tmp_path / "robot" / "arm.xml") == [str(tmp_path / "robot")]
