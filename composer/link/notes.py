@@ -36,9 +36,7 @@ class Flex(NamedTuple):
 
 
 class MemoryRequest(NamedTuple):
-    """The memory that a source requests: the attribute of `<size>`, its value, the source's name in messages, and
-    the place.
-    """
+    """The memory that a source requests by an attribute of `<size>`; `called` is the source's name in messages."""
 
     name: str
     value: str

@@ -35,8 +35,9 @@ class Verdict(NamedTuple):
 
 
 class Concern:
-    """Finds the side of elements from the names they refer to, also indirectly (the sensor of an actuator of a
-    joint).
+    """Finds the side of elements from the names they refer to, directly or through others.
+
+    A sensor may, for example, refer to an actuator that refers to a joint.
     """
 
     def __init__(self, unit: Unit, inside: Iterable[Node], outside: Iterable[Node]) -> None:
