@@ -1,6 +1,6 @@
 """Compose MuJoCo models from a YAML recipe into one verified bundle.
 
-What this package offers is imported when it is first asked for, so that `import composer` costs nothing.
+The package's functions are imported on first use, so that `import composer` costs nothing.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Temporary folders that the next run sweeps when a process could not: each is locked as long as it is in use.
+"""Temporary folders that are locked while they are in use; the next run sweeps leftovers of killed processes.
 
-A lock is let go of by the system when its process ends, however that happens. What cannot be locked (some network file
-systems), what has no lock file and what belongs to another user is never swept.
+The system releases a lock when its process ends for any reason. Folders that cannot be locked (on some network file
+systems), that have no lock file or that belong to another user are never swept.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _swept: set[tuple[str, str]] = set()
 
 @contextmanager
 def scratch(purpose: str) -> Iterator[Path]:
-    """An empty folder among the temporary ones of this machine. Raises OSError.
+    """Yield an empty temporary folder. Raises OSError.
 
     >>> with scratch("example") as folder:
     ...     folder.is_dir(), folder.parent.name.startswith("mjcompose-example-")
@@ -40,7 +40,7 @@ def scratch(purpose: str) -> Iterator[Path]:
 
 
 def sweep_temporary() -> Path:
-    """Remove what killed processes left in the folder for temporary files, which is given; once in this process."""
+    """Remove leftovers of killed processes from the folder for temporary files and return it; once in this process."""
     parent = Path(tempfile.gettempdir())
     sweep_once(parent, _is_ours)
     return parent
@@ -52,13 +52,13 @@ def _is_ours(name: str) -> bool:
 
 @contextmanager
 def locked_folder(folder: Path) -> Iterator[Path]:
-    """Make a folder that is locked in the block, and removed after it. Raises OSError."""
+    """Create a folder that is locked for the block, and removed after it. Raises OSError."""
     folder.mkdir(mode=0o700)
     try:
         lock = os.open(folder / _NEW, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600)
         try:
             _lock(lock)
-            if os.name == "posix":  # elsewhere no open file can be renamed, and none can be removed
+            if os.name == "posix":  # on Windows, open files can be neither renamed nor removed
                 os.replace(folder / _NEW, folder / _LOCK)
             yield folder
         finally:
@@ -71,9 +71,9 @@ def locked_folder(folder: Path) -> Iterator[Path]:
 def sweep_once(
     parent: Path, is_ours: Callable[[str], bool], save: Callable[[Path], None] | None = None
 ) -> None:
-    """Remove the locked folders in `parent` whose process has ended; once in this process for each kind of name.
+    """Remove locked folders in `parent` whose process has ended; once in this process for each kind of name.
 
-    `save` takes out of such a folder what must not be lost.
+    `save` rescues from such a folder what must not be lost.
     """
     key = str(parent), getattr(is_ours, "__qualname__", "")
     if key in _swept:
@@ -86,13 +86,13 @@ def sweep_once(
 
 
 def sweep(folder: Path, save: Callable[[Path], None] | None = None) -> bool:
-    """Remove a locked folder if its process has ended; whether it was removed."""
+    """Remove a locked folder if its process has ended; return whether it was removed."""
     with contextlib.suppress(OSError):
         status = folder.lstat()
         if not stat.S_ISDIR(status.st_mode) or (hasattr(os, "getuid") and status.st_uid != os.getuid()):
             return False
         if os.name != "posix":
-            (folder / _NEW).unlink()  # which Windows refuses as long as it is open: that is the lock there
+            (folder / _NEW).unlink()  # Windows refuses this while the file is open: that is the lock there
             return _remove(folder, save)
         if not (folder / _LOCK).exists():
             return _remove_unlocked(folder, status.st_mtime)
@@ -113,7 +113,7 @@ def _remove(folder: Path, save: Callable[[Path], None] | None) -> bool:
 
 
 def _empty(folder: Path) -> None:
-    """Remove all but the lock: without one, what a process leaves that is killed meanwhile would never be swept."""
+    """Remove everything except the lock: without it, leftovers of a process that is killed now would never be swept."""
     with contextlib.suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
             if entry.name in (_LOCK, _NEW):
@@ -125,14 +125,14 @@ def _empty(folder: Path) -> None:
 
 
 def _remove_unlocked(folder: Path, made: float) -> bool:
-    """What a process left that was killed before it had its lock: it holds nothing else."""
+    """Remove the folder of a process that was killed before it had its lock: it holds nothing else."""
     if time.time() - made < _GRACE or set(os.listdir(folder)) - {_NEW}:
         return False
     return _remove(folder, None)
 
 
 def _lock(file: int) -> bool:
-    """Whether an open file could be locked; it is until it is closed, or its process ends."""
+    """Lock an open file until it is closed or its process ends; return whether that succeeded."""
     if sys.platform == "win32":
         return True
     import fcntl

@@ -1,4 +1,4 @@
-"""An option that takes an amount: a number of which there is no infinity."""
+"""An option for a finite number."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import click
 
 
 class Amount(click.FloatRange):
-    """A range of floats without `nan`, which no comparison finds outside of any range, and without `inf`."""
+    """A range of floats without `nan`, which comparisons never find out of range, and without `inf`."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         number = float(super().convert(value, param, ctx))

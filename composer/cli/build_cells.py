@@ -1,4 +1,4 @@
-"""`mjcompose build --all` and `--pick`: the cells of a recipe's matrix, and the samples of what it draws."""
+"""`mjcompose build --all` and `--pick`: the cells of a recipe's matrix, and its samples."""
 
 from __future__ import annotations
 
@@ -56,9 +56,9 @@ def build_cells(
     cluster: str | None = None,
     parquet: bool = False,
 ) -> int:
-    """Build them; what is at fault in several is reported once. Gives the exit code.
+    """Build the cells, and report a fault in several cells once. Return the exit code.
 
-    What was drawn goes to `table`; without one, beside the models where all are built.
+    Draws are written to `table`, or by default next to the models if all are built.
     """
     recipe = maker.recipe
     chosen, code = chosen_cells(recipe, picks, only_samples, given, context, "build")
@@ -71,7 +71,7 @@ def build_cells(
             return finish(made, maker, wanted, context, session)
         return build_one(maker, wanted, given, context, session, why)
     try:
-        kind_of_output(wanted.out, len(chosen))  # of all parts, which write to one place
+        kind_of_output(wanted.out, len(chosen))  # of all shards, which write to one place
     except OutputError as error:
         context.sink.add(error.diagnostic)
         report(context, wanted.form)
@@ -107,16 +107,16 @@ def build_cells(
                 path = os.path.relpath(wanted.target(each.made.name, each.made.mujoco), beside)
                 index.add(*index_row(each.cell, each.made, path, len(each.outcomes)))
 
-    putting = partial(put, wanted=replace(wanted, picturing=None))  # pictures are made by this process
+    putting = partial(put, wanted=replace(wanted, picturing=None))  # pictures are drawn by this process
     away = None
-    if wanted.kind != "text":  # which names this machine's files
+    if wanted.kind != "text":  # text alone refers to this machine's files
         away = partial(put, wanted=wanted.elsewhere(context.folder))
     with (
         crew_of(cluster, jobs, folder, away) as crew,
         CellRun(CellMaker(maker, given, session, putting), jobs, crew) as running,
     ):
         try:
-            # A crew knows what it has done, and may wait long for it.
+            # A crew records what it has done, and may wait long for it.
             with deferring() if crew is None else nullcontext(), stopped(context) as ended:
                 for each in counting(running.made(chosen), len(chosen), lambda each: each.cell.name):
                     take(each)
@@ -133,7 +133,7 @@ def build_cells(
             return (
                 ended.code if isinstance(ended, SystemExit) and isinstance(ended.code, int) else INTERRUPTED
             )
-        finally:  # of an interrupted run too
+        finally:  # also after an interruption
             forms = (".csv", ".parquet") if parquet else (".csv",)
             drawn, all_of_them = (
                 [_in(beside, f"{name}{form}", shard) for form in forms] for name in (SAMPLES, MODELS)
@@ -147,13 +147,13 @@ def build_cells(
 
 
 def _folder(out: str) -> str:
-    """The folder in which every model has its own name, or is in the folder of a hash."""
+    """Return the folder in which every model has its own name, or a folder by its hash."""
     folder = out.partition("{")[0].rpartition("/")[0]
     return folder or ("/" if out.startswith("/") else ".")
 
 
 def _in(folder: str | None, name: str, shard: Shard | None) -> str | None:
-    """A table of all models in that folder, or of one part of them."""
+    """Return the path of a table of all models in that folder, or of one shard."""
     if folder is None:
         return None
     path = f"{folder}/{name if shard is None else shard.file(name)}"
@@ -168,7 +168,7 @@ def _put_table(table: RunTable, paths: Iterable[str | None], what: str, form: st
             table.write(place(context.folder, path))
         except OutputError as error:
             known = {each.code for each in context.sink.errors}
-            if error.code != "output-full" or error.code not in known:  # which ended the run
+            if error.code != "output-full" or error.code not in known:  # that error ended the run
                 context.sink.add(error.diagnostic)
         else:
             if form == "text":

@@ -1,4 +1,4 @@
-"""`mjcompose build --worlds`: every model of a recipe as one bundle and a table of the numbers in which they differ."""
+"""`mjcompose build --worlds`: all models of a recipe as one bundle and a table of the numbers that differ."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def build_worlds(
     session: Session,
     jobs: int | None,
 ) -> int:
-    """Build all models into `table`, and the one whose worlds they are where it is wanted; gives the exit code."""
+    """Build all models into `table`, and their common model if it is wanted. Return the exit code."""
     chosen, code = chosen_cells(maker.recipe, picks, only_samples, given, context, "build")
     if not code and wanted.kind not in (Form.FOLDER, Form.ARCHIVE):
         help = "write a folder or an archive, such as `-o build/{name}.zip`"
@@ -85,7 +85,7 @@ def build_worlds(
 
 
 class _Run:
-    """One run; `last` is where the recipe has the model that was taken last."""
+    """One run; `last` is where the recipe defines the last model."""
 
     def __init__(
         self,
@@ -102,7 +102,7 @@ class _Run:
         self.last: Span | None = None
 
     def worlds(self, chosen: list[Cell], shelf: Shelf, jobs: int | None) -> tuple[Worlds, Bundle | None]:
-        """All models as worlds; and the bundle of their union, where they are worlds of one. Raises LoadError."""
+        """Return all models as worlds, and the bundle of their union if they form one. Raises LoadError."""
         self.tally.total = len(chosen)
         joining = Joining(len(chosen), is_united(self.maker.recipe, self.context))
         unwritten = Maker(
@@ -129,7 +129,7 @@ class _Run:
         return shelf.take(each.made, each.cell)
 
     def write(self, first: Cell, study: Worlds, bundle: Bundle | None) -> None:
-        """Write the bundle, and then the table; what cannot be written is reported."""
+        """Write the bundle, and then the table; report what cannot be written."""
         try:
             said = self._put_first(first) if bundle is None else self._put(bundle, study)
             tables.write(self.context.folder / self.table, study.nominal, study.table)
@@ -144,7 +144,7 @@ class _Run:
             say(f"wrote {self.table}: {study.count} worlds, {numbers} numbers of {len(study.arrays)} arrays")
 
     def _put_first(self, first: Cell) -> str:
-        """Write the model of the first cell as any build does; gives what there is to say."""
+        """Write the model of the first cell as any build does; return the report."""
         again = CellMaker(self.maker, self.given, self.session, partial(put, wanted=self.wanted)).make(first)
         if again.made is None or again.failed:
             for each in again.found:
@@ -153,7 +153,7 @@ class _Run:
         return words(again.made, self.wanted)
 
     def _put(self, bundle: Bundle, study: Worlds) -> str:
-        """Write the union of all models; gives what there is to say."""
+        """Write the union of all models; return the report."""
         target = self.wanted.target(study.manifest.name, study.manifest.mujoco)
         write_bundle(bundle, self.context.folder / target, environment=self.context.environment)
         parts = ", ".join(study.table.parts)

@@ -1,4 +1,4 @@
-"""What `mjcompose build` says of a model that it made."""
+"""The report of `mjcompose build` about a model."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def said(made: Made, wanted: Wanted) -> str:
-    """What is reported of a model that is where it is wanted, several lines."""
+    """Return the report about a written model, in several lines."""
     import json
 
     out, sizes = hide(wanted.target(made.name, made.mujoco)), made.sizes or {}
@@ -71,7 +71,7 @@ def said(made: Made, wanted: Wanted) -> str:
 
 
 def remarks(made: Made, wanted: Wanted) -> Iterator[str]:
-    """What it takes from its parts, what it replaced, what was merged, and why it was built or not, a line each."""
+    """Yield one line each for adopted settings, the replaced output, merged assets, and why it was built or not."""
     yield from (f"  adopted {words}" for words in in_words(made.adopted))
     if made.replaced:
         yield _replacing(made.replaced)

@@ -1,4 +1,4 @@
-"""The options of the build cache, and the cache of the command that runs."""
+"""The options of the build cache, and the cache of the current command."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 
 def caching_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`--no-cache` and `--why`; the command gets them as `no_cache` and `why`."""
+    """Add `--no-cache` and `--why`; the command gets them as `no_cache` and `why`."""
     command = click.option("--why", is_flag=True, help="Say why a model was built, or was not.")(command)
     return no_cache_option(command)
 
 
 def no_cache_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`--no-cache`; the command gets it as `no_cache`."""
+    """Add `--no-cache`; the command gets it as `no_cache`."""
     return click.option("--no-cache", is_flag=True, help="Ignore the cache, and do not store the result.")(
         command
     )
@@ -28,7 +28,7 @@ def no_cache_option(command: Callable[..., Any]) -> Callable[..., Any]:
 
 @contextlib.contextmanager
 def caching(context: Context, no_cache: bool) -> Iterator[Cache | None]:
-    """The user's build cache inside the block; None where it is not to be used or cannot be."""
+    """Yield the user's build cache inside the block, or None if it is disabled or unusable."""
     cache = None if no_cache else _cache(context)
     try:
         yield cache

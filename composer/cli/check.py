@@ -1,4 +1,4 @@
-"""`mjcompose check`: everything a build would find, and nothing written."""
+"""`mjcompose check`: everything that a build would find, without writing anything."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ def command(
 
 
 class _Check:
-    """A look at one recipe: at one model or at several."""
+    """Checks one recipe, as one model or several."""
 
     def __init__(
         self,
@@ -140,7 +140,7 @@ class _Check:
         self.code = 0
 
     def one(self, given: dict[str, Node], *, alone: bool = False) -> None:
-        """Check the one model that the recipe is without a cell; `alone` says that nobody asked for the cells."""
+        """Check the recipe's model without a cell; `alone` says that the user did not ask for cells."""
         from composer.cache.result import files_of
 
         maker, context = self.maker, self.context
@@ -162,7 +162,7 @@ class _Check:
             self._report_cells(made)
 
     def cells(self, picks: tuple[str, ...], samples: tuple[int, ...], given: dict[str, Node]) -> bool:
-        """Check cells; False where there are none, for the recipe is one model."""
+        """Check cells; return False if there are none, because the recipe is one model."""
         from composer.cache.cell_run import CellRun
         from composer.cache.making import CellMaker
         from composer.engine import Session
@@ -188,7 +188,7 @@ class _Check:
                 self.files |= each.files
                 note_files(each.files)
                 self.tally.take(each.cell.label, each.found, context.sink, failed=each.failed)
-                if self.wants_suites:  # which grow with the cells
+                if self.wants_suites:  # suites grow with the cells
                     self.suites.append(
                         suite_of(maker.recipe, each.outcomes, each.found, context, each.cell.label)
                     )
@@ -198,7 +198,7 @@ class _Check:
         return True
 
     def _report_cells(self, made: Made) -> None:
-        """Say what was not checked: the cells of the matrix."""
+        """Report that the cells of the matrix were not checked."""
         if made.cells:
             count = f"{made.cells} cell{'s' * (made.cells > 1)}"
             self.context.sink.note("cells-not-checked", f"one model was checked, and the matrix has {count}",

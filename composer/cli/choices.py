@@ -1,4 +1,4 @@
-"""Options that choose among the builds of a recipe: parameters, variants, cells of the matrix."""
+"""Options that select among the builds of a recipe: parameters, variants, cells of the matrix."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Choices:
-    """What `--set`, `--set-file` and `--variant` say."""
+    """The values of `--set`, `--set-file` and `--variant`."""
 
     sets: tuple[str, ...] = ()
     set_files: tuple[Path, ...] = ()
     variants: tuple[str, ...] = ()
 
     def values(self, context: Context) -> dict[str, Node]:
-        """The values by name, those of options over those of files; faults go to the context's sink."""
+        """Return the values by name, with options overriding files; errors go to the context's sink."""
         found: dict[str, Node] = {}
         if not (self.sets or self.set_files or self.variants):
-            return found  # and import nothing
+            return found  # without importing anything
         from composer.diagnostics.span import Span
         from composer.document import Mapping, Scalar, load
 
@@ -65,7 +65,9 @@ class Choices:
         return found
 
     def named(self, context: Context) -> dict[str, str]:
-        """The values as text, by what a person calls them: what the build cache compares. Nothing is judged."""
+        """Return the values as text, by their names for the user, for comparison in the build cache. Nothing is
+        validated.
+        """
         from composer.cache.reasons import content_of, name_of
 
         found: dict[str, str] = {}
@@ -86,7 +88,7 @@ class Choices:
 
 
 def choice_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`--set`, `--set-file` and `--variant`; the command gets them as `choices`."""
+    """Add `--set`, `--set-file` and `--variant`; the command gets them as `choices`."""
 
     @functools.wraps(command)
     def choosing(

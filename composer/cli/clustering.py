@@ -1,4 +1,4 @@
-"""`--cluster`: who makes the cells where this machine does not."""
+"""`--cluster`: make the cells on other machines."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 def crew_of(
     cluster: str | None, jobs: int | None, out: Place | None = None, away: Finish | None = None
 ) -> Iterator[Crew | None]:
-    """The workers that `--cluster` names, which write below `out`; None without it.
+    """Yield the workers that `--cluster` names, which write below `out`, or None without the option.
 
-    `away` does that on a machine that has other folders.
+    `away` writes on a machine with other folders.
     """
     if cluster is None:
         yield None
@@ -40,23 +40,23 @@ def crew_of(
 
 
 class FullError(DiagnosticError):
-    """No model can be written any more: it is of no use to make others."""
+    """No more models can be written, so making others is useless."""
 
 
 def found_no_room(made: MadeCell) -> bool:
-    """Whether there was no room for a model, which says so itself."""
+    """Return whether there was no room for a model, according to its diagnostics."""
     return any(each.code == "output-full" for each in made.found)
 
 
 def check_room(made: MadeCell) -> None:
-    """Raise FullError if there was no room for a model; it has been reported."""
+    """Raise FullError if there was no room for a model, which has been reported."""
     if found_no_room(made):
         raise FullError("output-full", "there is no room for more models")
 
 
 @contextmanager
 def stopped(context: Context) -> Iterator[list[Diagnostic]]:
-    """A block that ends where nobody can do the work, or a disk is full; why is reported, and is in the list."""
+    """End the block if the workers are lost or a disk is full; the reason is reported, and is in the yielded list."""
     found: list[Diagnostic] = []
     try:
         yield found

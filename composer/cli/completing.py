@@ -1,4 +1,4 @@
-"""What a shell may offer that only the recipe on the line knows: cells, parameters, variants, names of elements."""
+"""Shell completion that depends on the recipe on the command line: cells, parameters, variants, names of elements."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ Complete = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 
 
 def _completing(offered: Callable[[Path, Context], Iterable[str]], listed: bool = False) -> Complete:
-    """What of `offered` begins as the word does; nothing where the recipe cannot be read, whatever the reason.
+    """Return a completion with the matches among `offered`, or nothing if the recipe cannot be read.
 
-    Where `listed`, the word is a list with commas, of which the last item is completed.
+    With `listed`, the word is a comma-separated list whose last item is completed.
     """
 
     def complete(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
@@ -35,7 +35,7 @@ def _completing(offered: Callable[[Path, Context], Iterable[str]], listed: bool 
         try:
             names = list(dict.fromkeys(offered(recipe, Context(fetching=Fetching(offline=True)))))
         except Exception:
-            return []  # a line that is being typed has no room for a message
+            return []  # there is no room for a message on a line that is being typed
         before, comma, begun = incomplete.rpartition(",") if listed else ("", "", incomplete)
         return [
             CompletionItem(before + comma + name)
@@ -47,16 +47,16 @@ def _completing(offered: Callable[[Path, Context], Iterable[str]], listed: bool 
 
 
 def _recipe(ctx: click.Context) -> Path | None:
-    """The recipe that stands on the line already."""
+    """Return the recipe on the command line."""
     for name in ("recipe", "recipes", "model", "target", "a"):
         if given := ctx.params.get(name):
             return Path(given[0] if isinstance(given, tuple) else given)
-    # Before an option without its value click leaves all arguments as they stand.
+    # If an option lacks its value, click does not parse the arguments.
     return Path(ctx.args[0]) if ctx.args else None
 
 
 def _cells(recipe: Path, context: Context) -> Iterator[str]:
-    """The names of cells and samples, and the values of the axes."""
+    """Yield the names of cells and samples, and the values of the axes."""
     from composer.cache.cells import cells_of
     from composer.document.node import Scalar
 
@@ -76,7 +76,7 @@ def _samples(recipe: Path, context: Context) -> Iterator[str]:
 
 
 def _parameters(recipe: Path, context: Context) -> Iterator[str]:
-    """Parameters, with each of the values of those that have a choice, and variants, which are set in the same way."""
+    """Yield parameters, with the values of those that have choices, and variants, which can be set in the same way."""
     from composer.document.node import Mapping, Scalar, Sequence, find
 
     for name, written in _entries(recipe, context, "params").items():
@@ -115,7 +115,7 @@ def _elements(recipe: Path, context: Context) -> Iterator[str]:
 
 
 def _named(tag: str) -> Callable[[Path, Context], Iterator[str]]:
-    """The names of all elements of a tag."""
+    """Return a function for the names of all elements with a tag."""
 
     def offered(recipe: Path, context: Context) -> Iterator[str]:
         yield from (
@@ -134,7 +134,7 @@ def _model(recipe: Path, context: Context) -> Iterator[Element]:
 
 
 def attributes(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """The attributes of the element that `explain` is asked about: `'geom left/pad'`, or its name alone."""
+    """Complete the attributes of the element in an `explain` query: `'geom left/pad'`, or its name alone."""
 
     def offered(recipe: Path, context: Context) -> Iterator[str]:
         from composer.tree.kinds import kind_of
@@ -148,12 +148,12 @@ def attributes(ctx: click.Context, parameter: click.Parameter, incomplete: str) 
 
 
 def files(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """Files, which the shell finds."""
+    """Let the shell complete files."""
     return [CompletionItem(incomplete, type="file")]
 
 
 def models_and_codes(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """Files, and the codes of faults."""
+    """Complete files and codes of faults."""
     from composer.diagnostics.codes import CODES
 
     codes = [CompletionItem(code) for code in CODES if code.startswith(incomplete)]
@@ -161,14 +161,14 @@ def models_and_codes(ctx: click.Context, parameter: click.Parameter, incomplete:
 
 
 def commands(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """The commands, for `help`."""
+    """Complete the commands, for `help`."""
     group = ctx.find_root().command
     assert isinstance(group, click.Group)
     return [CompletionItem(name) for name in group.list_commands(ctx) if name.startswith(incomplete)]
 
 
 def limits(ctx: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """The limits, each to be followed by its value."""
+    """Complete the limits, each to be followed by its value."""
     from composer.limits import NAMES
 
     return [CompletionItem(f"{name}=") for name in NAMES if name.startswith(incomplete)]
@@ -181,7 +181,7 @@ samples, parameters, variants, elements, keys, cameras = map(
 
 
 class Bash(BashComplete):
-    """Completion for a bash that takes `=` for the end of a word, so that `NAME=VALUE` is seen whole."""
+    """Completion for a bash that ends words at `=`, so that `NAME=VALUE` is completed as a whole."""
 
     source_template = BashComplete.source_template.replace(
         "COMP_CWORD=$COMP_CWORD", 'COMP_CWORD=$COMP_CWORD COMP_LINE="$COMP_LINE" COMP_POINT=$COMP_POINT'
@@ -204,5 +204,5 @@ class Bash(BashComplete):
 
 
 def install() -> None:
-    """Have click use these for the shells that need them."""
+    """Register these classes with click for the shells that need them."""
     add_completion_class(Bash)

@@ -1,4 +1,4 @@
-"""`mjcompose completion SHELL`: the line that turns completion on."""
+"""`mjcompose completion SHELL`: print the line that enables completion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far a long run of many things is: a bar that stays on a terminal, a line every ten seconds elsewhere."""
+"""Progress of a long run: a bar on a terminal, a line every ten seconds elsewhere."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _WIDTH = 20
 
 
 def counting(items: Iterable[Item], total: int, name: Callable[[Item], str]) -> Iterator[Item]:
-    """The items as they come; a bar, their count, the rate and the name of the last one on standard error."""
+    """Yield the items; show a bar, their count, the rate and the name of the last one on standard error."""
     if is_quiet():
         yield from items
         return
@@ -36,7 +36,7 @@ def counting(items: Iterable[Item], total: int, name: Callable[[Item], str]) -> 
 
 
 def _bar(done: int, total: int) -> str:
-    """How much of it is done, as a picture. No I/O.
+    """Return a progress bar as text. No I/O.
 
     >>> _bar(1, 4)
     '[#####               ]'

@@ -1,4 +1,4 @@
-"""`mjcompose diff`: what is different between two models, in physics terms."""
+"""`mjcompose diff`: the differences between two models, in physics terms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a process that is `mjcompose` begins."""
+"""The entry point of the `mjcompose` process."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ NO_MEMORY = "not enough memory; `--limit memory=16G` allows more than 8 GiB, whe
 
 
 def main() -> None:
-    """The command, with the words of this process."""
+    """Run the command with the arguments of this process."""
     end_in_order()
     rarely_collecting()
     try:
@@ -26,5 +26,5 @@ def main() -> None:
         command()
     except MemoryError:
         sys.exit(NO_MEMORY)
-    except KeyboardInterrupt:  # before the command itself could take care of it
+    except KeyboardInterrupt:  # before the command itself could handle it
         sys.exit(INTERRUPTED)

@@ -93,7 +93,7 @@ def command(
             sys.exit(code)
         given, sample = {**given, **cell.given}, cell.sample
     explained = explain(model, asked, context, sample or 0, given)
-    if explained is None or context.sink.has_errors:  # warnings are for those who check or build
+    if explained is None or context.sink.has_errors:  # `check` and `build` report warnings
         report(context, form)
     if explained is None:
         sys.exit(exit_code(context.folder, [model]))

@@ -1,4 +1,4 @@
-"""`mjcompose explain CODE`: the page of a fault, and which codes there are."""
+"""`mjcompose explain CODE`: the page of a code, and the list of codes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _WIDEST = 100
 
 
 def say_page(asked: Path, form: str) -> None:
-    """Print the page of the code that is asked for; raises UsageError where it is not a code."""
+    """Print the page of a code. Raises UsageError if it is not a code."""
     code = code_of(str(asked))
     if code is None:
         raise click.UsageError(_no_code(asked))
@@ -42,7 +42,7 @@ def say_codes(form: str) -> None:
 
 
 def check_model(model: Path) -> None:
-    """Raise UsageError where a code stands in the place of a model: nothing else can be asked of a code."""
+    """Raise UsageError for a code in place of a model: no other arguments apply to a code."""
     if code_of(str(model)) is not None and not model.exists():
         raise click.UsageError(
             f"`{model}` is a code, not a model. Write `mjcompose explain {code_of(str(model))}` alone."

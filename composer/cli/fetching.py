@@ -1,4 +1,4 @@
-"""The options that say what a command may fetch, and how its progress is reported."""
+"""The options that limit what a command may fetch, and its progress messages."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _LOCKED, _OFFLINE = "composer.locked", "composer.offline"
 
 
 def fetching_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`--locked`, `--offline`, and `--frozen` for both. They are not arguments of the command: see `fetching`."""
+    """Add `--locked`, `--offline`, and `--frozen` for both. They are not arguments of the command: see `fetching`."""
     for flag, said, *asked in (
         ("--frozen", "The same as --locked --offline.", _LOCKED, _OFFLINE),
         ("--offline", "Fetch nothing: take what is locked, or was fetched last, from the store.", _OFFLINE),
@@ -37,7 +37,7 @@ def _noting(asked: list[str]) -> Callable[[click.Context, click.Parameter, bool]
 
 
 def fetching() -> Fetching:
-    """How the command that runs may fetch; progress goes to standard error where a person reads that."""
+    """Return how the current command may fetch; progress goes to standard error on a terminal."""
     from composer.sources.fetching import Fetching
 
     known = click.get_current_context().meta
@@ -45,7 +45,7 @@ def fetching() -> Fetching:
 
 
 def _of_this_command() -> Callable[[str], None]:
-    """Progress that a thread may report as well, to which click's context is none."""
+    """Return a progress function for this command that other threads can call, which lack click's context."""
     context = click.get_current_context()
 
     def report(message: str) -> None:

@@ -1,4 +1,4 @@
-"""`mjcompose fix`: carry out what messages say to write, where that is exact."""
+"""`mjcompose fix`: apply the exact fixes of messages."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def command(recipe: Path, write: bool | None, yes: bool, choices: Choices, form:
 
 
 def is_asked() -> bool:
-    """Whether there is a person who can answer."""
+    """Return whether there is a person who can answer."""
     return sys.stdin is not None and sys.stdin.isatty() and on_terminal()
 
 
@@ -94,7 +94,7 @@ def _show(found: Fixed, context: Context) -> None:
 
 
 def _written(found: Fixed, context: Context) -> bool:
-    """Write all files; whether that went well."""
+    """Write all files; return whether that succeeded."""
     done = [rewrite(path, after, context) for path, (_, after) in found.files.items()]
     return all(done)
 

@@ -1,4 +1,4 @@
-"""`mjcompose fmt`: recipes in their canonical layout."""
+"""`mjcompose fmt`: format recipes in their canonical layout."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def command(recipes: tuple[str, ...], check: bool, form: str) -> None:
 
 
 def _report(file: str, difference: str | None, form: str) -> None:
-    """A file that was formatted, or would be: then by what it differs."""
+    """Report a file that was formatted, or would be, with its difference."""
     if form == "json":
         what = {"formatted": file} if difference is None else {"would_format": file, "diff": difference}
         click.echo(json.dumps(what))
@@ -94,7 +94,7 @@ def _read(recipe: str, context: Context) -> bytes | None:
 
 
 def rewrite(recipe: Path, result: bytes, context: Context) -> bool:
-    """Put the file in its place in one step, its permissions kept; whether that went well."""
+    """Replace the file in one step and keep its permissions; return whether that succeeded."""
     from composer.bundle.output_error import OutputError
     from composer.bundle.staging import staged_file
 
@@ -110,7 +110,7 @@ def rewrite(recipe: Path, result: bytes, context: Context) -> bool:
 
 
 def difference(source: bytes, result: bytes, shown: str, done: str) -> str:
-    """A unified diff of two texts of a file; `done` says of the second what was done to it."""
+    """Return a unified diff of two texts of a file; `done` describes the second one."""
     before, after = (each.decode("utf-8").splitlines(keepends=True) for each in (source, result))
     lines = difflib.unified_diff(before, after, shown, f"{shown} ({done})")
     return "".join(

@@ -1,4 +1,4 @@
-"""A process that is interrupted or ended from outside ends in order: what was begun is removed again."""
+"""End in order when the process is interrupted or terminated, so that unfinished output is removed."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _LATER = 0.02
 def end_in_order() -> None:
     """Let SIGTERM raise SystemExit, and Ctrl-C KeyboardInterrupt, at a moment when neither is lost."""
     signal.signal(signal.SIGTERM, _in_time(_terminate))
-    # In the background of a shell Ctrl-C is ignored, and stays so.
+    # A shell's background jobs ignore Ctrl-C, and must continue to.
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _in_time(_interrupt))
 
@@ -28,7 +28,7 @@ _asked: list[int] = []
 
 
 def exit_code_asked() -> int | None:
-    """The exit code, if a signal asked this process to end and other code made another exception of it."""
+    """Return the exit code if a signal asked this process to end and other code replaced the exception."""
     return _asked[-1] if _asked else None
 
 
@@ -43,8 +43,8 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def _in_time(handler: Callable[[int, FrameType | None], Any]) -> Callable[[int, FrameType | None], None]:
-    """A handler that waits while a module is imported: compiled ones, such as those of lxml 6.1, drop what is raised,
-    and Python 3.11 makes a RuntimeError of it where it makes a class.
+    """Return a handler that waits during the import of a module: compiled modules, such as those of lxml 6.1, drop
+    exceptions, and Python 3.11 turns them into a RuntimeError while it creates a class.
     """
     ready = with_deferring(handler)
 
@@ -60,7 +60,7 @@ def _in_time(handler: Callable[[int, FrameType | None], Any]) -> Callable[[int, 
 
 
 def _send_again(number: int) -> None:
-    """To the main thread, which may be waiting for something by now."""
+    """Send a signal to the main thread, which may be waiting by now."""
     if sys.platform == "win32":
         interrupt_main(number)
     else:
@@ -68,7 +68,7 @@ def _send_again(number: int) -> None:
 
 
 def _imports(frame: FrameType | None) -> bool:
-    """Whether a module is being imported around a frame."""
+    """Return whether a frame is inside the import of a module."""
     while frame is not None:
         if frame.f_code.co_filename == "<frozen importlib._bootstrap>":
             return True

@@ -1,4 +1,4 @@
-"""`--junit FILE`: what `check` found, for the table of tests of a CI system."""
+"""`--junit FILE`: the results of `check` for the test table of a CI system."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MODEL = "model"
 
 
 def junit_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The option; the command gets the file as `junit`."""
+    """Add the option; the command gets the file as `junit`."""
     return click.option("--junit", metavar="FILE", help="Write the result of each check as JUnit's XML ('-' is"
                         " standard output).")(command)  # fmt: skip
 
@@ -33,7 +33,7 @@ def suite_of(
     context: Context,
     cell: CellName | None = None,
 ) -> Suite:
-    """What was found of a recipe, or of one cell: that there is a model is the first case, then come its checks."""
+    """Return the results of a recipe, or of one cell: the first case is the model itself, followed by its checks."""
     of_checks = {each for outcome in outcomes for each in outcome.diagnostics}
     others = [each for each in found if each.severity is Severity.ERROR and each not in of_checks]
     shown = context.shown(recipe)
@@ -45,7 +45,7 @@ def suite_of(
 
 
 def write_junit(suites: Sequence[Suite], out: str, context: Context) -> None:
-    """Write the file, whole; a fault goes to the context's sink."""
+    """Write the file completely; an error goes to the context's sink."""
     text = report(suites, source_reader(context.folder))
     if out == "-":
         click.echo(text, nl=False)

@@ -1,4 +1,4 @@
-"""`--limit` and `--timeout`: what a command may cost."""
+"""`--limit` and `--timeout`: limits of a command."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ _EXAMPLES = {"bytes": "2G", "seconds": "600", "": "50000"}
 
 
 def limit_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`--limit NAME=VALUE`; no argument of the command: `composer.limits.in_force` knows."""
+    """Add `--limit NAME=VALUE`, which is no argument of the command: see `composer.limits.in_force`."""
     return click.option("--limit", multiple=True, metavar="NAME=VALUE", expose_value=False, callback=_limits,
                         shell_complete=completing.limits,
                         help="Raise or lower a limit, as in expansion=50000.")(command)  # fmt: skip
 
 
 def timeout_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`--timeout`, which is short for `--limit time=`, and `--limit` itself."""
+    """Add `--timeout`, which is short for `--limit time=`, and `--limit` itself."""
     return limit_option(
         click.option("--timeout", type=Amount(min=0, min_open=True), default=None, expose_value=False,
                      callback=_time, metavar="SECONDS",

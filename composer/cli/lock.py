@@ -1,4 +1,4 @@
-"""`mjcompose lock`: write down what every source of a recipe is, beside it."""
+"""`mjcompose lock`: record the sources of a recipe in a file next to it."""
 
 from __future__ import annotations
 

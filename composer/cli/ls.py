@@ -1,4 +1,4 @@
-"""`mjcompose ls`: the models that `build --all` wrote to a folder, with what sets them apart."""
+"""`mjcompose ls`: list the models that `build --all` wrote to a folder, with their values."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def command(folder: str, where: str | None, form: str) -> None:
 
 
 def _code(folder: str, no_condition: bool) -> int:
-    """The exit code of a run with errors."""
+    """Return the exit code of a run with errors."""
     is_there = is_address(folder) or Path(folder).exists()
     return USAGE if no_condition or not is_there else FINDINGS
 

@@ -1,4 +1,4 @@
-"""`mjcompose new`: a starter recipe that builds as it stands, or a repository around one."""
+"""`mjcompose new`: write a starter recipe that builds as it is, or a repository around one."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def command(path: Path | None, project: bool, form: str) -> None:
 
 @dataclass(frozen=True, slots=True)
 class _Outcome:
-    """What is said, and the paths of what was written and of what was there already."""
+    """The message, and the paths of written files and of existing ones."""
 
     words: str
     wrote: tuple[str, ...]
@@ -109,7 +109,7 @@ def _project(folder: Path | None, context: Context) -> _Outcome:
 
 
 def _kept(path: str, folder: Path, files: Mapping[str, str]) -> str:
-    """What is reported of a file that was there before."""
+    """Return the message about an existing file."""
     from composer.starting.project import lacking
 
     kept = f"kept {folder / path}"

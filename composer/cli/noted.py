@@ -1,4 +1,4 @@
-"""The files that a command has read, for one that watches them."""
+"""Record the files that a command has read, for `--watch`."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ _READ = "composer.read"
 
 
 def note_files(files: Iterable[str | Path]) -> None:
-    """Remember files of the command that runs."""
+    """Record files of the current command."""
     if (context := click.get_current_context(silent=True)) is not None:
         context.meta.setdefault(_READ, set()).update(map(Path, files))
 
 
 def note_reported(context: Context) -> None:
-    """Remember for `--watch` what may mend a fault."""
+    """Record for `--watch` the files that may fix a fault."""
     current = click.get_current_context(silent=True)
     if current is not None and current.params.get("watch"):
         from composer.view.watching import hopes

@@ -1,4 +1,4 @@
-"""`-o/--output`: where a command writes."""
+"""`-o/--output`: the place of a command's output."""
 
 from __future__ import annotations
 
@@ -9,5 +9,5 @@ import click
 
 
 def output_option(help: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """The option; the command gets it as `out`, None where it was not given."""
+    """Return the option; the command gets it as `out`, None if it is not given."""
     return click.option("-o", "--output", "out", metavar="OUT", help=help)

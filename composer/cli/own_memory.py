@@ -1,4 +1,4 @@
-"""The memory of the command itself: bounded, and looked at before a library fails in its own way."""
+"""Limit the memory of the command itself, and check it before a library fails in an obscure way."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ import sys
 from functools import cache
 
 LEAST = 160 << 20
-"""Bytes of data that a build needs at least: OpenBLAS, which numpy brings, ends the process where it gets less."""
+"""The least bytes of data for a build: OpenBLAS, a part of numpy, ends the process with less."""
 
 
 def bound(memory: int) -> None:
-    """Let this process have so many bytes of data, or as many as the user allows if that is less (POSIX)."""
+    """Limit the data of this process to so many bytes, or to the user's limit if that is lower (POSIX)."""
     try:
         import resource
     except ImportError:
         return
-    with contextlib.suppress(OSError, ValueError):  # a system that does not know this limit
+    with contextlib.suppress(OSError, ValueError):  # a system without this limit
         allowed = [each for each in _given() if each != resource.RLIM_INFINITY]
         resource.setrlimit(resource.RLIMIT_DATA, (min([memory, *allowed]), _given()[1]))
 
 
 def ran_out() -> bool:
-    """Whether the process came near to its limit: some C code that gets no memory raises SystemError (`re`, 3.11)."""
+    """Return whether the process came near its limit: without memory, some C code raises SystemError (`re`, 3.11)."""
     try:
         import resource
     except ImportError:
@@ -35,15 +35,15 @@ def ran_out() -> bool:
 
 @cache
 def _given() -> tuple[int, int]:
-    """What the user allows: the limits that this process was started with."""
+    """Return the user's limits, with which this process was started."""
     import resource
 
     return resource.getrlimit(resource.RLIMIT_DATA)
 
 
 def too_little() -> str | None:
-    """What to say where the user allows less memory than any build needs; also prepares numpy to need less."""
-    # One thread for each core would cost more memory than all else, and numpy has little to do here.
+    """Return a message if the user allows less memory than any build needs; also make numpy need less."""
+    # One thread for each core would take more memory than everything else, and numpy has little to do here.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         import resource

@@ -95,7 +95,7 @@ def command(
 
 
 def _data(plan: Plan, foreseen: Foreseen | None, like: LikeCell, cells: Sequence[Cell]) -> dict[str, Any]:
-    """The plan as data, with the cells that are built by themselves."""
+    """Return the plan as data, with the cells that are built separately."""
     from composer.plan.describe import as_data
 
     data = as_data(plan, foreseen)
@@ -107,7 +107,7 @@ def _data(plan: Plan, foreseen: Foreseen | None, like: LikeCell, cells: Sequence
 
 
 def _say_cells(plan: Plan, like: LikeCell, cells: Sequence[Cell]) -> None:
-    """Which cells there are, those that only draw other numbers in one line."""
+    """Print the cells; those that differ only in draws share a line."""
     from composer.expr.value import shown
 
     if like.cell is not None:

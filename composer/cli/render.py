@@ -134,7 +134,7 @@ def _one(
     _samples: tuple[int, ...],
     session: Session,
 ) -> str | None:
-    """Write one picture or film; what is said of it, None where there is none."""
+    """Write one picture or film; return the report, or None if there is none."""
     from composer.bundle.output_error import OutputError
     from composer.diff.side import load
     from composer.render.given import check_given
@@ -143,7 +143,7 @@ def _one(
 
     context, kept = operand.context, "render"
     try:
-        format_of(out, wish)  # before a model is built for nothing
+        format_of(out, wish)  # before a model is built in vain
     except OutputError as error:
         context.sink.add(error.diagnostic)
         return None
@@ -165,7 +165,7 @@ def _sheet(
     session: Session,
     jobs: int | None,
 ) -> str | None:
-    """Write a contact sheet; what is said of it, None where there is none."""
+    """Write a contact sheet; return the report, or None if there is none."""
     from composer.bundle.output_error import OutputError
     from composer.diff.operand import Kind
     from composer.render.contact_sheet import render_sheet

@@ -1,4 +1,4 @@
-"""What a command says: diagnostics and results, to the terminal, a JSON reader or GitHub; and its exit codes."""
+"""The output of a command: diagnostics and results for a terminal, a JSON reader or GitHub; and its exit codes."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ _FORMATS = ("text", "json", "github")
 
 
 def reporting_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`--format`, `--json` and `--quiet`; the command gets the first as `form`, for the last see `say`."""
+    """Add `--format`, `--json` and `--quiet`; the command gets the first as `form`; for the last see `say`."""
     return format_options(_FORMATS)(quiet_option(command))
 
 
 def format_options(formats: Iterable[str]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """`--format` with these values, and `--json`, which is short for `--format json`; the command gets `form`."""
+    """Add `--format` with these values, and `--json`, which is short for `--format json`; the command gets `form`."""
 
     def note(ctx: click.Context, parameter: click.Parameter, given: bool) -> None:
         ctx.meta[_JSON] = given
@@ -49,12 +49,12 @@ def format_options(formats: Iterable[str]) -> Callable[[Callable[..., Any]], Cal
 
 
 def quiet_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`--quiet`, which is not an argument of the command: `say` and `progress` know."""
+    """Add `--quiet`, which is not an argument of the command: `say` and `progress` use it."""
     return _noted("-q", _QUIET, "Print only what is wrong.", "--quiet")(command)
 
 
 def strict_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`--strict`, which is not an argument of the command: `is_strict` knows."""
+    """Add `--strict`, which is not an argument of the command: see `is_strict`."""
     return _noted("--strict", _STRICT, "Warnings are errors, but for those that the recipe allows.")(command)
 
 
@@ -63,13 +63,13 @@ def is_strict() -> bool:
 
 
 def verbose_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`--verbose`, which is not an argument of the command: `say_details` knows."""
+    """Add `--verbose`, which is not an argument of the command: `say_details` uses it."""
     help = "Say also how long each stage took, and which files were read."
     return _noted("-v", _VERBOSE, help, "--verbose")(command)
 
 
 def _noted(flag: str, key: str, help: str, *more: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """A flag that the command remembers under a key."""
+    """Return a flag that is stored under a key of the command."""
 
     def note(ctx: click.Context, parameter: click.Parameter, given: bool) -> None:
         ctx.meta[key] = given
@@ -78,7 +78,7 @@ def _noted(flag: str, key: str, help: str, *more: str) -> Callable[[Callable[...
 
 
 def say_details(context: Context, files: Iterable[str] = ()) -> None:
-    """For `--verbose`, to standard error: how long each stage took, and the files that were read."""
+    """Print for `--verbose`, to standard error, how long each stage took, and the files that were read."""
     if not _meta().get(_VERBOSE):
         return
     clear_progress()
@@ -94,12 +94,12 @@ def say_details(context: Context, files: Iterable[str] = ()) -> None:
 
 
 def exit_code(folder: Path, named: Iterable[Path]) -> int:
-    """The code of a command that failed: of its usage where a file that it was given does not exist."""
+    """Return the exit code of a failed command: a usage error if one of its files does not exist."""
     return FINDINGS if all((folder / each).exists() for each in named) else USAGE
 
 
 def say(words: str, *, err: bool = False, form: str = "text") -> None:
-    """Print a result. A quiet command says nothing to people of what went well; programs still get their JSON."""
+    """Print a result. With `--quiet`, text about success is omitted, but not JSON for programs."""
     if form != "json" and is_quiet():
         return
     clear_progress()
@@ -115,8 +115,8 @@ def report(
 ) -> None:
     """Print all diagnostics: text to standard error, JSON and GitHub commands to standard output.
 
-    With `err` these go to standard error too, for a command that has a model to print. `texts` are files as they would
-    be, by the names that messages have.
+    With `err` these go to standard error too, for a command that prints a model. `texts` are new contents of files,
+    by their names in messages.
     """
     clear_progress()
     note_reported(context)
@@ -125,12 +125,12 @@ def report(
 
 
 def report_as_chosen(context: Context) -> None:
-    """The same in the format that was chosen, for who does not know the command."""
+    """Print all diagnostics in the chosen format, for code that does not know the command."""
     report(context, str(_meta().get(_FORM, "text")))
 
 
 def words_of(context: Context) -> str:
-    """All diagnostics as the terminal shows them, without colours."""
+    """Return all diagnostics as on a terminal, without colours."""
     found, read = context.sink.sorted(), source_reader(context.folder)
     return "".join(f"{text.render(each, read, False)}\n\n" for each in found) + text.summary(found)
 
@@ -151,7 +151,7 @@ def _report_text(context: Context, form: str, texts: Mapping[str, bytes]) -> str
 
 
 def _exact(diagnostic: Diagnostic, read: text.ReadSource) -> Diagnostic:
-    """The diagnostic with the very text that its fix writes."""
+    """Return the diagnostic with the verbatim text of its fix."""
     if diagnostic.fix is None:
         return diagnostic
     from composer.fixing.edit import exact, place_of
@@ -169,16 +169,16 @@ def _more_about(found: Sequence[Diagnostic]) -> str:
 
 
 def use_color(*, out: bool = False) -> bool:
-    """Colours only on a terminal that has them, and never where NO_COLOR is set.
+    """Return whether to use colours: only on a terminal that has them, and never if NO_COLOR is set.
 
-    `out` asks for standard output, where answers go; messages go to standard error.
+    `out` is for standard output, where answers go; messages go to standard error.
     """
     terminal = sys.stdout is not None and sys.stdout.isatty() if out else on_terminal()
     return terminal and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
 
 
 def progress(message: str) -> None:
-    """A line on standard error while something takes long; only on a terminal, where the next output replaces it."""
+    """Show a line on standard error during long work; only on a terminal, where the next output replaces it."""
     if not on_terminal() or is_quiet():
         return
     if os.environ.get("TERM") == "dumb":
@@ -191,30 +191,30 @@ def progress(message: str) -> None:
 
 
 def clear_progress() -> None:
-    """Remove the line of `progress`, if one stands."""
+    """Remove the line of `progress`, if there is one."""
     if _meta().pop(_STANDING, False):
         click.echo("\r\x1b[K", err=True, nl=False)
 
 
 def _meta() -> dict[str, Any]:
-    """What the command that runs remembers; nothing outside of one."""
+    """Return the current command's data; empty outside of a command."""
     context = click.get_current_context(silent=True)
     return {} if context is None else context.meta
 
 
 def arguments() -> list[str]:
-    """What the command that runs was given, its verb first."""
+    """Return the arguments of the current command, its verb first."""
     given = click.get_current_context().meta.get(ARGUMENTS, [])
     return [str(each) for each in given]
 
 
 def on_terminal() -> bool:
-    """Whether a person reads standard error; it may be closed altogether."""
+    """Return whether standard error is a terminal; it may be closed."""
     return sys.stderr is not None and sys.stderr.isatty()
 
 
 def source_reader(folder: Path, texts: Mapping[str, bytes] | None = None) -> text.ReadSource:
-    """The text of a file that messages name, read once; None where it cannot be read."""
+    """Return a function for the text of a file that messages name, read once; None if it is unreadable."""
 
     @lru_cache(maxsize=32)
     def read(file: str) -> str | None:

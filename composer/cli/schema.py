@@ -1,4 +1,4 @@
-"""`mjcompose schema`: the JSON Schema of recipes, and the reference page that is made of it."""
+"""`mjcompose schema`: the JSON Schema of recipes, and the reference page made from it."""
 
 from __future__ import annotations
 

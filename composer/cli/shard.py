@@ -12,13 +12,13 @@ Item = TypeVar("Item")
 
 @dataclass(frozen=True, slots=True)
 class Shard:
-    """The part of this `number`, from 1, of so many, `count`."""
+    """The shard with this `number`, from 1, of `count` shards."""
 
     number: int
     count: int
 
     def of(self, items: Sequence[Item]) -> list[Item]:
-        """Every `count`-th item: neighbours, which often take as long, go to different parts.
+        """Return every `count`-th item, because neighbours often take equally long.
 
         >>> Shard(1, 3).of("abcdefg"), Shard(3, 3).of("abcdefg"), Shard(3, 3).of("a")
         (['a', 'd', 'g'], ['c', 'f'], [])
@@ -26,7 +26,7 @@ class Shard:
         return list(items[self.number - 1 :: self.count])
 
     def file(self, name: str) -> str:
-        """What a file is called that each part has for itself.
+        """Return the name of a file that each shard has separately.
 
         >>> Shard(1, 3).file("samples.csv")
         'samples-1-of-3.csv'

@@ -1,4 +1,4 @@
-"""How many of a recipe's cells were looked at, and which of them failed, in every format."""
+"""Count the checked cells of a recipe and the failed ones, for every format."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from composer.diagnostics.sink import Sink
 
 @dataclass(slots=True)
 class Tally:
-    """`total` is how many there are to look at, `whole` how many were right."""
+    """`total` is the number of cells, `whole` the number of those without errors."""
 
     recipe: Path
     total: int
@@ -25,7 +25,7 @@ class Tally:
     failed: list[CellName] = field(default_factory=list)
 
     def take(self, cell: CellName, found: Iterable[Diagnostic], sink: Sink, *, failed: bool) -> None:
-        """Count a cell, and hand on what was found of it."""
+        """Count a cell, and add its diagnostics."""
         for diagnostic in found:
             sink.add_of_cell(cell, diagnostic)
         if failed:
@@ -34,7 +34,7 @@ class Tally:
             self.whole += 1
 
     def say(self, form: str, *, err: bool = False) -> None:
-        """Print it: in JSON always, else where a cell failed."""
+        """Print the tally: always in JSON, else only if a cell failed."""
         words = self._said(form)
         if words is not None:
             click.echo(words, err=err or form == "text")

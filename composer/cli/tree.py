@@ -1,4 +1,4 @@
-"""`mjcompose tree`: the parts, bodies and joints of a model, and what a part may be attached to."""
+"""`mjcompose tree`: the parts, bodies and joints of a model, and the places for attaching parts."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def command(
             sys.exit(code)
         given, sample = {**given, **cell.given}, cell.sample
     found = outline(model, context, given, sample or 0)
-    if found is None or not is_recipe:  # warnings of a recipe are for those who check or build
+    if found is None or not is_recipe:  # `check` and `build` report warnings of a recipe
         report(context, form)
     if found is None:
         sys.exit(exit_code(context.folder, [Path(model)]))

@@ -1,4 +1,4 @@
-"""`mjcompose update`: lock sources as they are now."""
+"""`mjcompose update`: lock the current state of sources."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`mjcompose verify`: whether a bundle is what its manifest says, and its parts what they are alone."""
+"""`mjcompose verify`: compare a bundle with its manifest, and its parts with their sources."""
 
 from __future__ import annotations
 

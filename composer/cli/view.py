@@ -100,7 +100,7 @@ def command(
 
 
 def _opener() -> Callable[[], Context]:
-    """Makes the context of each build: what one has read is not remembered in the next."""
+    """Return a function that makes the context of each build, so that files are read again."""
     from composer.context import Context
 
     how = fetching()
@@ -108,7 +108,7 @@ def _opener() -> Callable[[], Context]:
 
 
 def _live(workshop: Workshop, service: Service, context: Context, form: str) -> int:
-    """Serve until interrupted; gives the exit code."""
+    """Serve until interrupted; return the exit code."""
     from threading import Event
 
     from composer.view.live import serve, started
@@ -142,7 +142,7 @@ def _page(
     session: Session,
     physics: bool,
 ) -> str | None:
-    """Write the page; what is said of it, None where there is none."""
+    """Write the page; return the report, or None if there is none."""
     from composer.diff.side import load
     from composer.render.given import check_given
     from composer.view.write import write_page

@@ -1,4 +1,4 @@
-"""What is built, where it goes, and in which form."""
+"""The requested outputs: what is built, where it goes, and in which form."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """What is built of a recipe, where it goes, and how it is reported; `picturing` puts a picture beside it."""
+    """What is built of a recipe, where it goes, and how it is reported; `picturing` draws a picture next to it."""
 
     out: str
     kind: Form
@@ -30,7 +30,7 @@ class Wanted:
     picturing: Picturing | None = None
 
     def target(self, name: str, mujoco: str | None) -> str:
-        """Where a model goes, by its name and the version of MuJoCo that compiled it."""
+        """Return the output of a model, by its name and the version of MuJoCo that compiled it."""
         target = self.out.replace("{name}", file_name(name)).replace("{hash}", hash_of(name))
         if self.kind != "mjb":
             return target
@@ -39,28 +39,28 @@ class Wanted:
         return with_version(target, mujoco)
 
     def place(self, folder: Path, name: str, mujoco: str | None) -> Place | None:
-        """The same as a place; None for standard output."""
+        """Return the output of a model as a place, or None for standard output."""
         return None if self.out == "-" else place(folder, self.target(name, mujoco))
 
     def elsewhere(self, folder: Path) -> Wanted:
-        """The same for a process that runs in another folder, and makes no pictures."""
+        """Return the same for a process that runs in another folder, without pictures."""
         slash = "/" if self.out.endswith("/") and not is_address(self.out) else ""
         return replace(self, picturing=None, out=f"{place(folder, self.out)}{slash}")
 
     @property
     def assets_above(self) -> int:
-        """How many folders above that of a model the one stands that has the shared assets."""
+        """How many folders above a model's folder the folder of shared assets is."""
         return 2 if os.path.basename(os.path.dirname(self.out.rstrip("/"))) == "{hash}" else 1
 
     def text_beside(self, folder: Path) -> Path | None:
-        """The folder from which text alone names its files, where that is wanted."""
+        """Return the folder from which text refers to its files, if only text is wanted."""
         if self.kind != "text":
             return None
         return folder if self.out == "-" else Path(os.path.abspath(folder / self.out)).parent
 
 
 def kind_of_output(out: str | None, models: int = 1) -> Form:
-    """What OUT asks for; raises OutputError where that is not clear, or several models would go to one place."""
+    """Return the form for OUT. Raises OutputError if it is unclear, or if several models would go to one place."""
     from composer.bundle.form import Form, form_of
     from composer.bundle.output_error import OutputError
 
@@ -95,7 +95,7 @@ _NO_SHARING = {
 
 
 def for_shared_assets(out: str | None, one: bool) -> tuple[str, Form]:
-    """The output of models that share their assets, and its form; raises OutputError for what cannot be."""
+    """Return the output of models that share their assets, and its form. Raises OutputError if they cannot."""
     from composer.bundle.form import Form
     from composer.bundle.output_error import OutputError
 

@@ -1,4 +1,4 @@
-"""What `mjcompose build` does with a model: it is written where the user wants it, and what there is to say is said."""
+"""Write a model that `mjcompose build` made, and report it."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def build_one(
     session: Session,
     why: tuple[str, ...],
 ) -> int:
-    """Build the one model that the recipe is; gives the exit code."""
+    """Build the single model of the recipe. Return the exit code."""
     progress(f"building {maker.recipe}")
     made = maker.make(context, session, given, key=maker.key(), why=why)
     return finish(made, maker, wanted, context, session)
@@ -46,7 +46,7 @@ def finish(
     context: Context,
     session: Session | None,
 ) -> int:
-    """Write the model, and report what there is to report; gives the exit code."""
+    """Write the model and report it. Return the exit code."""
     from composer.cache.result import files_of
 
     files = files_of(made, context)
@@ -67,7 +67,7 @@ def finish(
 
 
 def put(made: Made, maker: Maker, context: Context, session: Session | None, wanted: Wanted) -> Made | None:
-    """Write a model where it is wanted; gives it as it was written, or None where that cannot be, which is reported."""
+    """Write a model to its output; return it as written, or None after an error, which is reported."""
     from composer.bundle.licence_table import report_unlicensed
     from composer.bundle.output_error import OutputError
 
@@ -101,14 +101,14 @@ def put(made: Made, maker: Maker, context: Context, session: Session | None, wan
 
 
 def add_picture(made: Made, wanted: Wanted, context: Context) -> None:
-    """Put a picture beside a model that was written, if one is wanted; faults go to the context's sink."""
+    """Draw a picture next to a written model, if one is wanted; errors go to the context's sink."""
     if wanted.picturing is not None:
         target = wanted.target(made.name, made.mujoco)
         wanted.picturing.put(target, made.name, is_known=made.is_written, context=context)
 
 
 def _judge_warnings(made: Made, context: Context) -> None:
-    """Leave out what the recipe allows; with `--strict` the rest are errors."""
+    """Drop warnings that the recipe allows; with `--strict` the rest become errors."""
     for diagnostic in context.sink.diagnostics:
         if diagnostic.severity is not Severity.ERROR and diagnostic.code in made.allowed:
             context.sink.drop(diagnostic)
@@ -119,7 +119,7 @@ def _judge_warnings(made: Made, context: Context) -> None:
 def _write(
     made: Made, out: str, maker: Maker, wanted: Wanted, context: Context, session: Session | None
 ) -> tuple[Path, ...]:
-    """Gives what was written elsewhere than to `out`."""
+    """Write the model, and return what was written elsewhere than to `out`."""
     from composer.bundle.overwriting import check_is_no_source, files_read
 
     built = made.built
@@ -195,7 +195,7 @@ def _deliver(
 
 
 def _check_holds_all(bundle: Bundle, out: str) -> None:
-    """Refuse an output that has no room for a table of draws."""
+    """Refuse an output form that cannot hold a table of draws."""
     from composer.bundle.bundle import DRAWS
     from composer.bundle.output_error import OutputError
 

@@ -1,1 +1,1 @@
-"""Cells made by the workers of a Dask cluster; `crew.py` is what asks them, `station.py` what runs at theirs."""
+"""Make cells on the workers of a Dask cluster: `crew.py` is the client's side, `station.py` the workers' side."""

@@ -1,4 +1,4 @@
-"""From what `--cluster` says to a client of Dask: `local`, the file of a scheduler, or its address."""
+"""Connect a client of Dask to the argument of `--cluster`: `local`, the file of a scheduler, or its address."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ _IDLE = {
     "distributed.admin.tick.interval": "500ms",
     "distributed.admin.system-monitor.interval": "10s",
 }
-"""Without these, processes of Dask that do nothing take a tenth of a core."""
+"""Without these settings, idle processes of Dask use a tenth of a core."""
 
 
 @contextmanager
 def client_of(text: str, workers: int) -> Iterator[Client]:
-    """A client of the cluster that a text names; `local` is started here with so many workers. Raises ClusterError."""
+    """Yield a client of the cluster that a text names; `local` starts this many workers here. Raises ClusterError."""
     try:
         import distributed
     except ImportError:
@@ -53,7 +53,9 @@ def client_of(text: str, workers: int) -> Iterator[Client]:
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """What goes wrong is said once, by mjcompose; Dask says it too, from several threads."""
+    """Silence Dask's messages, because mjcompose reports errors itself, and Dask would repeat them from several
+    threads.
+    """
     before = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
     try:
@@ -65,7 +67,7 @@ def _silence() -> Iterator[None]:
 
 
 def connected(text: str) -> Client:
-    """A client of a cluster that runs. Raises ClusterError."""
+    """Return a client of a running cluster. Raises ClusterError."""
     import distributed
 
     known: dict[str, str] = {}
@@ -81,15 +83,13 @@ def connected(text: str) -> Client:
             " --scheduler-file FILE` writes",
         )
 
-    class Connection(distributed.Client):  # type: ignore[misc]  # its types are not looked at
+    class Connection(distributed.Client):  # type: ignore[misc]  # its types are not checked
         def __del__(self) -> None:
-            """Dask's waits for half a minute where there was never a connection; others are closed."""
+            """Do nothing: Dask's method waits for half a minute if there was never a connection; others are closed."""
 
     try:
         return Connection(**known, timeout=_SECONDS_TO_CONNECT, set_as_default=False)
-    except (
-        Exception
-    ) as error:  # Dask does not look whether a file is that of a scheduler, and fails somewhere
+    except Exception as error:  # Dask does not check whether a file is that of a scheduler, and fails later
         raise ClusterError(
             "cluster-unreachable",
             f"no scheduler of Dask answers at `{text}`",
@@ -101,7 +101,7 @@ def connected(text: str) -> Client:
 
 @contextmanager
 def _local(distributed: Any, workers: int) -> Iterator[Any]:
-    """Processes of this machine. Only this process has the key to them, for whoever talks to them runs programs."""
+    """Start workers on this machine. Only this process has their key, because anyone who connects can run programs."""
     from dask import config
     from distributed.security import Security
 

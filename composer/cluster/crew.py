@@ -1,4 +1,4 @@
-"""The cells of a run, made by the workers of a cluster: what comes of them, in the order of the cells."""
+"""Make the cells of a run on the workers of a cluster, with the results in the order of the cells."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ from composer.expand.matrix import Cell
 from composer.processes.helper import Died
 
 _MOST_CELLS = 32
-"""In a part: Dask takes some milliseconds for each."""
+"""Cells in a part: Dask takes some milliseconds for each part."""
 _AHEAD = 2
-"""Parts for each thread that are begun before the result of the first is taken."""
+"""Parts for each thread that are started before the first result is taken."""
 _TRIES = 2
 _MOST_LOST = 10
-"""Times that a connection is made again."""
+"""How many times a connection is re-established."""
 _LOOK_AGAIN = 5.0
 
 
 class Crew:
-    """The workers of the cluster that `address` names (`--cluster`), of which `local` has so many.
+    """The workers of the cluster at `address` (`--cluster`); `local` starts this many.
 
-    They are asked for with the first cell. `out` is the folder or address in which all models go, None for a run that
-    writes none; `away` finishes a model on a machine whose folders are others. `tell` hears what is waited for. Use it
+    They are connected with the first cell. `out` is the folder or address for all models, None for a run that
+    writes none; `away` finishes a model on a machine with other folders. `tell` receives progress messages. Use it
     as a context manager. Every method raises ClusterError.
     """
 
@@ -60,7 +60,9 @@ class Crew:
         self._held.close()
 
     def results(self, making: CellMaker, cells: Sequence[Cell]) -> Iterator[MadeCell | Died]:
-        """What comes of each cell. One that no worker can do is done here, so that exceptions are raised here."""
+        """Yield the result of each cell. If no worker can make one, it is made here, so that exceptions are raised
+        here.
+        """
         self._client = self._held.enter_context(client_of(self._address, self._count))
         self._stations = stations = Stations(making, cells, self._out, self._away, self._held)
         self._count_threads()
@@ -72,9 +74,9 @@ class Crew:
             yield stations.home(self._ready.pop(taken), self._tell)
 
     def finished(self) -> Iterator[MadeCell]:
-        """For a run that is interrupted: end the work; gives the results that nobody has taken."""
+        """End the work of an interrupted run, and yield the results that were not taken."""
         running, self._running = self._running, {}
-        with contextlib.suppress(Exception):  # a cluster that is lost has nothing more to say
+        with contextlib.suppress(Exception):  # a lost cluster cannot answer
             for future in running:
                 if future.status != "finished":
                     future.cancel()
@@ -91,7 +93,7 @@ class Crew:
                 yield found
 
     def _parts(self, making: CellMaker, cells: Sequence[Cell]) -> Iterator[Part]:
-        """Large ones, but so that all threads have something to do to the end; without what the cache knows."""
+        """Yield parts that are large, but keep all threads busy to the end, without cells that the cache has."""
         at = 0
         while at < len(cells):
             size = max(1, min(_MOST_CELLS, (len(cells) - at) // (2 * self._threads)))
@@ -106,7 +108,7 @@ class Crew:
             at += size
 
     def _go_on(self, parts: Iterator[Part]) -> None:
-        """Give threads something to do, wait for a part to end, and take what came of it."""
+        """Submit work to free threads, wait for a part to end, and take its results."""
         try:
             if not self._threads or time.monotonic() - self._counted > _LOOK_AGAIN:
                 self._count_threads()
@@ -120,11 +122,11 @@ class Crew:
             self._take()
         except ClusterError:
             raise
-        except Exception as error:  # Dask has many, and one that is lost raises any of them
+        except Exception as error:  # a lost connection raises any of Dask's many exceptions
             self._connect_again(error)
 
     def _count_threads(self) -> None:
-        """See how many there are now; wait until there is one."""
+        """Count the threads of the cluster; wait until there is one."""
         said = False
         while not (threads := sum(self._client.nthreads().values())):
             if not said:
@@ -163,7 +165,7 @@ class Crew:
         self._ready.update(zip(part.numbers, answer, strict=True))
 
     def _failed(self, part: Part, error: BaseException) -> None:
-        """Its workers have died, one after the other: try each cell alone, once."""
+        """Try each cell of a part alone, once, after its workers have died one after the other."""
         if len(part.cells) > 1 or part.tries + 1 < _TRIES:
             pairs = zip(part.numbers, part.cells, strict=True)
             self._again.extend(Part((number,), (cell,), part.tries + 1) for number, cell in pairs)
@@ -175,7 +177,7 @@ class Crew:
             self._stations.close(self._client)
 
     def _connect_again(self, error: Exception) -> None:
-        """Connect anew; what is not done is given once more. Raises ClusterError."""
+        """Reconnect, and submit unfinished parts again. Raises ClusterError."""
         lost = ClusterError(
             "cluster-unreachable",
             f"the cluster `{self._address}` was lost: {' '.join(str(error).split()) or type(error).__name__}",

@@ -1,4 +1,4 @@
-"""A cluster that cannot do the work."""
+"""The error for a cluster that cannot do the work."""
 
 from __future__ import annotations
 
@@ -6,4 +6,4 @@ from composer.diagnostics.error import DiagnosticError
 
 
 class ClusterError(DiagnosticError):
-    """There is no cluster, it was lost, or a worker of it would make other models."""
+    """There is no cluster, it was lost, or one of its workers would make other models."""

@@ -1,4 +1,4 @@
-"""What a run needs of this machine's files, and how it gets to a worker that does not have them."""
+"""The files of this machine that a run needs, and how to send them to a worker that lacks them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from composer.sources.fetching import Fetching
 from composer.sources.store import ENTRY, KINDS
 
 _AT_ONCE = 16 << 20
-"""Bytes that are sent in one message."""
+"""Maximum bytes in one message."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,9 +37,9 @@ class Freight:
 
 
 def freight_of(making: CellMaker, cells: Sequence[Cell]) -> Freight:
-    """Plan as many cells as it takes to see every text that a cell gives to a parameter or variant.
+    """Plan enough cells to see every value that a cell gives to a parameter or variant.
 
-    What another cell needs besides is found when its worker fails.
+    Files that only another cell needs are found when its worker fails.
     """
     maker, inputs = making.maker, Inputs()
     paths: dict[str, None] = {}
@@ -61,9 +61,10 @@ def freight_of(making: CellMaker, cells: Sequence[Cell]) -> Freight:
 
 
 def away_job(making: CellMaker, finish: Finish | None) -> bytes | None:
-    """The work of a machine whose files are a mirror: it knows what was fetched, and nothing that was read.
+    """Return the job for a machine with a mirror of the files, which knows what was fetched and nothing that was
+    read.
 
-    None where there is no way to write there what is made.
+    Return None if models cannot be written there.
     """
     if making.finish is not None and finish is None:
         return None
@@ -78,7 +79,7 @@ def away_job(making: CellMaker, finish: Finish | None) -> bytes | None:
 
 
 def batches(paths: Mapping[str, str]) -> Iterator[dict[str, bytes]]:
-    """The contents of files, which are given by their sha256, not too many bytes at a time. Raises ClusterError."""
+    """Yield the contents of files in batches of limited size, by their sha256. Raises ClusterError."""
     batch: dict[str, bytes] = {}
     size = 0
     for digest, path in paths.items():

@@ -1,4 +1,4 @@
-"""In the process that a worker keeps for models: what the work is opened with."""
+"""The openings for the processes that a worker keeps for models."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from composer.sources.store import Store
 
 @contextmanager
 def opened(memory: int, job: bytes) -> Iterator[Callable[[Any], Any]]:
-    """The work of a pickled Job, in a process that may take so many bytes: a child of Dask's, which nobody bounds."""
+    """Open the work of a pickled Job, in a process limited to this many bytes: Dask does not limit its children."""
     limit(memory, 0)
     with pickle.loads(job).opened() as make:
         yield make
@@ -28,7 +28,7 @@ def opened(memory: int, job: bytes) -> Iterator[Callable[[Any], Any]]:
 
 @contextmanager
 def opened_away(memory: int, job: bytes, root: str, store: str) -> Iterator[Callable[[Any], Any]]:
-    """The same where the files of the run are a mirror below `root`; what is kept goes to a store of this worker."""
+    """Open a job whose files are a mirror below `root`; cached results go to a store of this worker."""
     limit(memory, 0)
     here = loaded(job, root)
     context = here.context

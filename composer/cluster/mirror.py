@@ -1,4 +1,4 @@
-"""The files of a run as another machine has them: below a folder of its own, under the paths that they have here."""
+"""A mirror of a run's files on another machine: below a folder of its own, under the paths that they have here."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MOST_LINKS = 40
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """What a mirror consists of: real paths of files with their sha256, links with where they lead, and folders."""
+    """The contents of a mirror: real paths of files with their sha256, links with their targets, and folders."""
 
     files: Mapping[str, str]
     links: Mapping[str, str]
@@ -28,9 +28,10 @@ class Layout:
 
 
 def layout_of(paths: Iterable[str]) -> Layout:
-    """All that has to be there for these paths, those that exist, to lead where they lead here.
+    """Return everything that makes the existing ones of these paths lead to the same files in a mirror.
 
-    Of the folders above them it has what makes one the top of a project, for that decides what a model may read.
+    It includes the marker files that make a folder above them the top of a project, which limits what a model may
+    read.
     """
     files: dict[str, str] = {}
     links: dict[str, str] = {}
@@ -39,7 +40,7 @@ def layout_of(paths: Iterable[str]) -> Layout:
 
     def add_file(real: str) -> None:
         if os.path.isfile(real) and real not in files:
-            with contextlib.suppress(OSError):  # what cannot be read is found by who needs it
+            with contextlib.suppress(OSError):  # unreadable files are reported where they are needed
                 files[real] = sha256_of(Path(real))
 
     def add(path: str) -> None:
@@ -66,7 +67,7 @@ def layout_of(paths: Iterable[str]) -> Layout:
 
 
 def lay_out(layout: Layout, root: Path, content: Callable[[str], Path]) -> None:
-    """Make the mirror below an empty folder; `content` gives the file with a sha256. Raises OSError."""
+    """Create the mirror below an empty folder; `content` returns the file with a sha256. Raises OSError."""
     for folder in layout.folders:
         _inside(root, folder).mkdir(parents=True, exist_ok=True)
     for path, digest in layout.files.items():
@@ -74,7 +75,7 @@ def lay_out(layout: Layout, root: Path, content: Callable[[str], Path]) -> None:
         target.parent.mkdir(parents=True, exist_ok=True)
         try:
             os.link(content(digest), target)
-        except OSError:  # another file system, or one that has no links
+        except OSError:  # another file system, or one without links
             shutil.copyfile(content(digest), target)
     for path, leads in layout.links.items():
         link = _inside(root, path)
@@ -85,7 +86,7 @@ def lay_out(layout: Layout, root: Path, content: Callable[[str], Path]) -> None:
 
 
 def loaded(content: bytes, root: str) -> Any:
-    """What was pickled here or elsewhere, with its absolute paths below `root`."""
+    """Unpickle data with its absolute paths moved below `root`."""
 
     class Loader(pickle.Unpickler):
         def find_class(self, module: str, name: str) -> Any:
@@ -98,7 +99,7 @@ def loaded(content: bytes, root: str) -> Any:
 
 
 def rooted(path: Path, root: str) -> Path:
-    """A path below `root`; one that is not absolute stays.
+    """Return an absolute path moved below `root`, or a relative path as it is.
 
     >>> rooted(Path("a.xml"), "/r").as_posix(), rooted(Path("/home/a.xml"), "/r").as_posix()
     ('a.xml', '/r/home/a.xml')
@@ -107,7 +108,7 @@ def rooted(path: Path, root: str) -> Path:
 
 
 def without_root(value: Any, root: str) -> Any:
-    """Data with each path and text as it would be if the mirror were the machine itself.
+    """Return data with paths and texts as if the mirror were at the root of the machine.
 
     >>> without_root(("at /r/x/a.xml:3", Path("/r/x/b")), "/r/x")
     ('at /a.xml:3', PosixPath('/b'))
@@ -135,7 +136,7 @@ def _inside(root: Path, path: str) -> Path:
 
 
 def _followed(path: str, links: dict[str, str]) -> str:
-    """The real path; each link on the way is added."""
+    """Return the real path, and add each link on the way."""
     rest, at, followed = path.split(os.sep)[1:], os.sep, 0
     while rest:
         candidate = os.path.join(at, rest.pop(0))

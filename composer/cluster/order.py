@@ -1,4 +1,4 @@
-"""What passes between who asks and who works: small, and picklable."""
+"""The messages between client and workers: small, and picklable."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from composer.expand.matrix import Cell
 
 @dataclass(frozen=True, slots=True)
 class Canary:
-    """A cell that is made to see whether it becomes the same model, and that is not written."""
+    """A cell that is made to check that a worker gives the same model; it is not written."""
 
     cell: Cell
     sha256: str
@@ -23,11 +23,12 @@ class Canary:
 class Order:
     """What a worker needs to know before it makes cells of a run.
 
-    `job` is a pickled `Job`, `folder` where it works. `files` are the paths of what the models are made of, with what
-    is there (`cache/files.py`). `seen` are files of this run alone that a worker sees if it has the same disk: in the
-    store, and where the models go, which may be an `address`. A worker that has it works like a process of this
-    machine. One that has not gets what is in `layout`, and `away`, another Job; `canary` shows whether that gives the
-    same, where `is_tried` says that one was looked for. `memory` bounds each process that makes models, in bytes.
+    `job` is a pickled `Job`, `folder` its working folder. `files` are the input files with their state
+    (`cache/files.py`). `seen` are files of this run that a worker sees only if it shares the disk: in the store,
+    and where the models go, which may be an `address`. A worker that sees them works like a process of this
+    machine. Others get the files in `layout`, and `away`, another Job; `canary` checks that this gives the same
+    model, and `is_tried` says that a canary was looked for. `memory` limits each process that makes models, in
+    bytes.
     """
 
     run: str
@@ -46,7 +47,7 @@ class Order:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """Some cells that one worker makes, one after another; `numbers` are theirs, `tries` counts."""
+    """Some cells that one worker makes, one after another; `numbers` are their numbers, `tries` counts attempts."""
 
     numbers: tuple[int, ...]
     cells: tuple[Cell, ...]
@@ -55,7 +56,7 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Away:
-    """What a worker made without the disk of this machine, and what is to be remembered of it here."""
+    """A result from a worker that does not share the disk of this machine, and the data for the cache here."""
 
     cell: MadeCell
     record: Record | None
@@ -71,7 +72,7 @@ class NotOpen:
 
 @dataclass(frozen=True, slots=True)
 class Lacks:
-    """The answer of a worker that has to be sent these contents first, by their sha256, and the canary."""
+    """The answer of a worker that first needs these contents, by their sha256, and the canary."""
 
     contents: tuple[str, ...]
 

@@ -1,12 +1,13 @@
-"""What a worker is asked first. It need not have mjcompose: this module itself is sent, and imports nothing of it."""
+"""The first function sent to a worker. It may lack mjcompose, so this module is sent and imports nothing of it."""
 
 from __future__ import annotations
 
 
 def versions(packages: tuple[str, ...]) -> dict[str, str]:
-    """What the bytes of a model depend on besides its sources: the code of mjcompose, versions of packages, zlib.
+    """Return what the bytes of a model depend on besides its sources: the code of mjcompose, versions of packages,
+    zlib.
 
-    What is not installed is not in it.
+    Packages that are not installed are left out.
     """
     import hashlib
     import importlib.util

@@ -1,8 +1,8 @@
-"""The worker's side: a run has a station in each worker, whose own processes make the models.
+"""The worker's side: each worker has a station for a run, whose own processes make the models.
 
-Dask's process itself reads no model and unpickles no job. It hands cells to processes of mjcompose, one for each of its
-threads, which are replaced when they die, and which have the limits of the run. Functions without a leading underscore
-are called by `crew.py` through Dask.
+Dask's process itself reads no models and unpickles no jobs. It passes cells to processes of mjcompose, one for each
+of its threads, which are replaced when they die, and which have the limits of the run. `crew.py` calls functions
+without a leading underscore through Dask.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ MODULES = (
     "composer.verify.compile_report",
 )
 _IDLE = 600.0
-"""Seconds without work after which a run is thought to be over: nobody closed it."""
+"""Seconds without work after which an unclosed run is considered over."""
 _CONTENTS = "mjcompose-sources"
 _SHIPPED = "MJCOMPOSE_SHIPPED"
-"""A worker with this variable reads none of its machine's files: all are sent to it."""
+"""A worker with this variable reads no files of its machine: all files are sent to it."""
 _stations: dict[str, Station] = {}
 _lock = threading.Lock()
 
@@ -57,12 +57,12 @@ class Station:
         threading.Thread(target=self._watch, args=(run,), daemon=True).start()
 
     def made(self, cells: Sequence[Any]) -> list[Any]:
-        """What comes of each cell: a MadeCell, Died or Undone."""
+        """Return the result of each cell: a MadeCell, Died or Undone."""
         with self._helper() as helper:
             return [helper.result(self._opening, cell) for cell in cells]
 
     def end(self) -> None:
-        """End the processes; what they have begun they remove again."""
+        """End the processes, which remove unfinished work."""
         self._over.set()
         with self._lock:
             self._ended, helpers = True, self._helpers
@@ -97,20 +97,21 @@ class Station:
 
 
 async def begin(order: Order, dask_worker: Any) -> Refused | Lacks | None:
-    """Be ready for a run, or say what lacks, or why that cannot be. Dask's own work goes on meanwhile.
+    """Get ready for a run, or return what is missing or why that is impossible. Dask's own work continues
+    meanwhile.
 
-    Dask gives the worker to a parameter of that name.
+    Dask passes the worker to a parameter of that name.
     """
     return await asyncio.to_thread(_begin, order, Path(dask_worker.local_directory) / _CONTENTS)
 
 
 async def receive(contents: Mapping[str, bytes], dask_worker: Any) -> None:
-    """Keep contents of files, by their sha256."""
+    """Store contents of files by their sha256."""
     await asyncio.to_thread(_keep, contents, Path(dask_worker.local_directory) / _CONTENTS)
 
 
 def make(run: str, cells: Sequence[Any]) -> list[Any] | NotOpen:
-    """Make cells of a run: the task of the scheduler."""
+    """Make cells of a run: the scheduler's task."""
     from distributed import get_worker
 
     with _lock:
@@ -119,7 +120,7 @@ def make(run: str, cells: Sequence[Any]) -> list[Any] | NotOpen:
 
 
 async def close(run: str) -> None:
-    """Forget a run."""
+    """Close a run."""
     await asyncio.to_thread(_close, run)
 
 
@@ -157,7 +158,7 @@ def _begin(order: Order, contents: Path) -> Refused | Lacks | None:
 
 
 def _sees_all(order: Order) -> bool:
-    """Whether this worker has the disk of the machine that asks."""
+    """Return whether this worker shares the client's disk."""
     if os.environ.get(_SHIPPED) or (order.store is not None and not os.path.exists(order.store)):
         return False
     files = Files()
@@ -165,7 +166,7 @@ def _sees_all(order: Order) -> bool:
 
 
 def _away(order: Order, contents: Path) -> Station | Refused:
-    """A station whose files are a mirror of those of the machine that asks."""
+    """Return a station whose files are a mirror of the client's files."""
     if order.away is None:
         return Refused("does not have the files of the models, which text alone only names",
                        "write bundles, such as `-o 'build/{name}.zip'`")  # fmt: skip

@@ -1,4 +1,4 @@
-"""The stations of a run, seen from the machine that asks: opened before a worker gets a cell, closed at the end."""
+"""The stations of a run from the client's side: opened before a worker gets a cell, closed at the end."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ Tell = Callable[[str], None]
 
 
 class Stations:
-    """What the workers are told of a run of cells, and what comes home of it; raises ClusterError and OutputError.
+    """Sends a run of cells to the workers and takes their results. Raises ClusterError and OutputError.
 
-    `out` is the folder or address in which all models go, None for a run that writes none; `away` finishes a model on a
-    machine that has other folders. What is held for the run ends with `held`.
+    `out` is the folder or address for all models, None for a run that writes none; `away` finishes a model on a
+    machine with other folders. Resources of the run are released with `held`.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class Stations:
         freight = freight_of(making, cells)
         self._packages = freight.packages
         seen = None
-        with contextlib.suppress(OSError):  # one that cannot be written, which is reported where it is needed
+        with contextlib.suppress(OSError):  # a read-only folder, which is reported where it is needed
             seen = None if store is None else _token(store, held)
         try:
             out_seen = _token(out, held) if isinstance(out, Path) else None
@@ -61,7 +61,7 @@ class Stations:
         )  # fmt: skip
 
     def begin(self, client: Client, workers: list[str]) -> None:
-        """Have workers get ready: each gets the files that it lacks, before it gets a cell."""
+        """Prepare workers: each gets its missing files before it gets a cell."""
         check_versions(client, workers, tuple(name for name, *_ in self._packages))
         while workers:
             answers = client.run(station.begin, self.order, workers=workers, on_error="return")
@@ -73,22 +73,22 @@ class Stations:
                 if isinstance(answer, Lacks):
                     self._send(client, worker, answer)
                     workers.append(worker)
-                elif answer is not None and not isinstance(answer, OSError):  # which says that it has gone
+                elif answer is not None and not isinstance(answer, OSError):  # an OSError: it is gone
                     raise ClusterError("cluster-worker", f"the worker `{worker}` cannot begin: {answer}")
 
     def close(self, client: Client) -> None:
-        """Have all workers end what they do for the run."""
-        with contextlib.suppress(Exception):  # who is gone has nothing left to close
+        """End all work of the run on all workers."""
+        with contextlib.suppress(Exception):  # workers that are gone have nothing to close
             client.run(station.close, self.order.run, on_error="ignore")
 
     def home(self, result: Any, tell: Tell) -> MadeCell | Died:
-        """What came of a cell, done here where no worker could; what is made elsewhere is remembered here."""
+        """Return the result of a cell, made here if no worker could; results from elsewhere go to the cache here."""
         if isinstance(result, Undone):
             return self._making.make(result.task)
         if not isinstance(result, Away):
             assert isinstance(result, MadeCell | Died)
             return result
-        if result.cell.made is None:  # which may be for the lack of a file that only this machine has
+        if result.cell.made is None:  # perhaps because a file exists only on this machine
             made = self._making.make(result.cell.cell)
             if made.made is not None:
                 tell(f"`{made.cell.name}` was made here: its worker does not have all files of this machine")
@@ -98,7 +98,7 @@ class Stations:
         return result.cell
 
     def _send(self, client: Client, worker: str, lacks: Lacks) -> None:
-        """Send contents to a worker, some at a time; and see to the canary."""
+        """Send contents to a worker in batches, and prepare the canary."""
         paths = {digest: path for path, digest in self.order.layout.files.items()}
         for contents in batches({digest: paths[digest] for digest in lacks.contents}):
             client.run(station.receive, contents, workers=[worker])
@@ -109,7 +109,7 @@ class Stations:
 
 
 def _token(folder: Path, held: ExitStack) -> str:
-    """A file in a folder that is there as long as the run: who sees it has the same disk. Raises OSError."""
+    """Create a file in a folder for the time of the run: a worker that sees it shares the disk. Raises OSError."""
     folder.mkdir(parents=True, exist_ok=True)
     token = held.enter_context(stage_beside(folder / "cluster"))
     token.touch()

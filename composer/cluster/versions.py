@@ -1,4 +1,4 @@
-"""What a worker must have as this process has it, for its models to be the same bytes."""
+"""The versions that a worker must share with this process for its models to be the same bytes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _HELP = {
 
 
 def check_versions(client: Client, workers: list[str], packages: tuple[str, ...] = ()) -> None:
-    """Raise ClusterError for the first of the workers that differs in anything that counts."""
+    """Raise ClusterError for the first worker with a relevant difference."""
     import cloudpickle
 
     pythons = client.get_versions(check=False)
@@ -34,7 +34,7 @@ def check_versions(client: Client, workers: list[str], packages: tuple[str, ...]
     mine = probe.versions(names)
     for worker, theirs in answers.items():
         if isinstance(theirs, OSError):
-            continue  # it has gone
+            continue  # it is gone
         if isinstance(theirs, BaseException):
             raise ClusterError("cluster-worker", f"the worker `{worker}` does not answer: {theirs}")
         different = {
@@ -62,7 +62,7 @@ def _differs(worker: str, different: Mapping[str, tuple[str | None, str | None]]
 
 
 def _minor(python: str) -> str:
-    """Without the last number, which changes no bytes.
+    """Return a version without its last number, which changes no bytes.
 
     >>> _minor("3.11.7.final.0")
     '3.11'

@@ -1,7 +1,7 @@
-"""Where the numbers of an element are in arrays that do not have one row for each element of its kind.
+"""Addresses of an element's numbers in arrays that do not have one row for each element of its kind.
 
-`RUNS` has them by kind and by the size that the array has rows for: `RUNS["joint"]["nv"]` serves every `dof_` array and
-`qvel`. `rows_of` goes by the name of an array, `span` by the name of a vector.
+`RUNS` has them by kind and by the size that the array has rows for: `RUNS["joint"]["nv"]` serves every `dof_` array
+and `qvel`. `rows_of` takes the name of an array, `span` the name of a vector.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ Shape = tuple[int, ...]
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """Some consecutive rows of an array for each element: its first row, and how many.
+    """Consecutive rows of an array for each element: its first row, and how many.
 
-    `first` is an array of `mjModel` that says where they begin, negative where the element has none. With
-    `as_row` a single row is the element's own, as if the array had one for each element. `shape` is that of the
-    rows of one element, where it says more than their number.
+    `first` is an array of `mjModel` with the first rows, negative if the element has none. With `as_row`, a single
+    row is the element's own, as if the array had one for each element. `shape` is that of the rows of one element,
+    if it says more than their number.
     """
 
     first: str
@@ -35,16 +35,16 @@ class Run:
     shape: Callable[[Model, int], Shape] | None = None
 
     def rows(self, model: Model, index: int) -> range:
-        """The rows of one element; of those it lacks, none."""
+        """Return the rows of one element, or an empty range."""
         firsts = getattr(model, self.first, None)
-        if firsts is None:  # MuJoCo 3 counts no controls and outputs: an actuator has one of each
+        if firsts is None:  # MuJoCo 3 does not count controls and outputs: an actuator has one of each
             return range(index, index + 1)
         first = int(firsts[index])
         return range(first, first + self.number(model, index)) if first >= 0 else range(0)
 
 
 def counted(array: str) -> Callable[[Model, int], int]:
-    """How many rows an array of counts gives to each element."""
+    """Return a function for the number of rows that an array of counts gives to each element."""
     return lambda model, index: int(getattr(model, array)[index])
 
 
@@ -67,7 +67,9 @@ def _cells(*arrays: str) -> Callable[[Model, int], int]:
 
 
 def _up_to_the_next(own: str, size: str, *addresses: str) -> Callable[[Model, int], int]:
-    """What stands packed without a count: up to the next address of any of these arrays, or the end."""
+    """Return a function for the size of packed data without a count: up to the next address in these arrays, or the
+    end.
+    """
 
     def number(model: Model, index: int) -> int:
         first = int(getattr(model, own)[index])
@@ -153,22 +155,23 @@ VECTORS: Mapping[str, tuple[str, str]] = {
     "sensordata": ("sensor", "nsensordata"),
     "mocap_pos": ("body", "nmocap"),
 }
-"""The vectors of `mjData` that users address: the kind whose elements are in each, and its length in `mjModel`."""
+"""The vectors of `mjData` that users address: the kind of their elements, and their length in `mjModel`."""
 
 _OUTPUTS = frozenset({"actuator_gear", "actuator_lengthrange", "actuator_length0", "actuator_acc0"})
 
 
 def span(model: Model, vector: str, index: int) -> range:
-    """Where an element of the vector's kind is in it; empty where it has nothing there."""
+    """Return the addresses of an element in a vector of its kind; empty if it has none."""
     kind, size = VECTORS[vector]
     return RUNS[kind][size].rows(model, index)
 
 
 def rows_of(model: Model, kind: str, array: str, index: int) -> range:
-    """The rows that an element has in an array of `mjModel` that is called after its kind, or after its state.
+    """Return the rows of an element in an array of `mjModel` named after its kind or state.
 
-    Most arrays have one row an element. Joints have several rows in `qpos0`, `qpos_spring` and the `dof_` arrays; since
-    MuJoCo 4 actuators may have several in those about controls (`actuator_ctrlrange`) and outputs (`actuator_gear`).
+    Most arrays have one row for each element. Joints have several rows in `qpos0`, `qpos_spring` and the `dof_`
+    arrays; since MuJoCo 4 actuators may have several in those about controls (`actuator_ctrlrange`) and outputs
+    (`actuator_gear`).
     """
     size = None
     if kind == "joint":

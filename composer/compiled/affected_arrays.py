@@ -1,4 +1,4 @@
-"""From an attribute of MJCF to the arrays of `mjModel` that may differ where it was changed on purpose."""
+"""The arrays of `mjModel` that may differ if an MJCF attribute is changed on purpose."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ DERIVED = {
     *(array for array, rule in RULES.items() if rule.treatment in (Treatment.DERIVED, Treatment.GAIN)),
     *"actuator_acc0 actuator_length0 tendon_length0 tendon_lengthspring".split(),
 }
-"""Arrays that follow from nearly everything: they differ where anything else does."""
+"""Arrays that follow from nearly everything: they differ if anything else does."""
 
 _INERTIA = "mass inertia ipos iquat subtreemass sameframe pos quat rbound aabb"
 _GAINS = "gainprm gaintype biasprm biastype dynprm dyntype actnum ctrlrange ctrllimited"
 _SHAPE = f"size type dataid {_INERTIA}"
 _MESH = f"{_SHAPE} scale vert normal face facenormal extrema graph polynormal polyvert polyvertnum polymap polymapnum"
-# What attributes become that are not called as their arrays are: the ends of the arrays' names.
+# Attributes with another name than their arrays: the suffixes of the arrays' names.
 _BECOMES = {
     **dict.fromkeys("mass density diaginertia fullinertia shellinertia".split(), _INERTIA),
     **dict.fromkeys("pos quat euler axisangle xyaxes zaxis".split(), _INERTIA),
@@ -50,7 +50,7 @@ _BECOMES = {
     "target": "targetbodyid mode",
     "texture": "texid",
 }
-# The kind of the elements of a tag, where it is another word.
+# The kind of a tag's elements, if it is another word.
 _KINDS = {
     "freejoint": "joint",
     **dict.fromkeys(("fixed", "spatial"), "tendon"),
@@ -63,15 +63,16 @@ _KINDS = {
         "actuator",
     ),
 }  # fmt: skip
-# Whose arrays follow as well: a mesh shapes geoms, geoms give a body its inertia.
+# Kinds that are affected too: a mesh shapes geoms, geoms give a body its inertia.
 _BEYOND = {"joint": ["dof"], "geom": ["body"], "mesh": ["geom", "body"], "inertial": ["body"]}
 
 
 def arrays_of(attribute: str, tag: str | None = None) -> AbstractSet[str]:
-    """The arrays, or ends of their names without `tag`, that follow from an attribute of its elements.
+    """Return the arrays, or without `tag` the suffixes of their names, that follow from an attribute of its
+    elements.
 
-    What is computed from the inertia of everything, or from a gain, is among them: it follows from all. The array that
-    keeps the attribute itself is always among them.
+    Arrays computed from the inertia of the whole model, or from a gain, are included, because they follow from
+    everything. The array with the attribute itself is always included.
 
     >>> sorted(arrays_of("friction", "geom") - arrays_of("friction"))
     ['body_friction', 'geom_friction']
@@ -86,5 +87,5 @@ def arrays_of(attribute: str, tag: str | None = None) -> AbstractSet[str]:
 
 
 def _own(attribute: str, kinds: Iterable[str]) -> set[str]:
-    """The arrays that keep the value itself; some kinds call theirs otherwise: `tendon_solref_lim`."""
+    """Return the arrays with the value itself; for some kinds they have special names: `tendon_solref_lim`."""
     return {array_of(kind, attribute) for kind in kinds if kind in TAGS and attribute in attributes(kind)}

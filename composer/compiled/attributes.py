@@ -1,4 +1,4 @@
-"""Which array of `mjModel` keeps which attribute of MJCF: numbers, and words."""
+"""The array of `mjModel` for each attribute of MJCF, for numbers and words."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _RANGES = "ctrlrange forcerange actrange ctrllimited forcelimited actlimited len
 _LAMP = "ambient diffuse specular attenuation intensity"
 _SHAPE = "pos quat size rgba group user"
 
-# By tag: the attributes that are called as their arrays are, and those that are not.
+# By tag: the attributes with the name of their array, and the others.
 _TABLE: Mapping[str, tuple[str, Mapping[str, str]]] = {
     "body": ("pos quat mass gravcomp user", {"diaginertia": "body_inertia"}),
     "joint": (
@@ -68,14 +68,14 @@ ANGLES: Mapping[str, frozenset[str]] = {
 
 
 def attributes(tag: str) -> Iterator[str]:
-    """The attributes of a tag's elements that can be asked for."""
+    """Yield the attributes of a tag's elements that have an array."""
     plain, other = _TABLE[tag]
     yield from plain.split()
     yield from other
 
 
 def array_of(tag: str, attribute: str) -> str:
-    """The array of mjModel that has the attribute.
+    """Return the array of mjModel for an attribute.
 
     >>> array_of("joint", "range"), array_of("joint", "damping")
     ('jnt_range', 'dof_damping')
@@ -93,4 +93,4 @@ ENUMERATED: Mapping[str, frozenset[str]] = {
     )
     for tag, kind in KINDS.items()
 }
-"""By tag the attributes whose values are words (`type`, `mode`); `enums.words` has these for `array_of` each."""
+"""By tag, the attributes whose values are words (`type`, `mode`); `enums.words` has these for each `array_of`."""

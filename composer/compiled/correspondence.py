@@ -1,9 +1,8 @@
-"""Which element of a composition is which element of a part.
+"""Find the element of a composition for each element of a part.
 
-Named elements are found by their name behind the part's prefix. Unnamed ones are found by order: on a body
-among the unnamed of that body, elsewhere among those that refer to nothing but the part. Where the
-composition has more of them than the part, the ones that look most alike are taken first, so that a change
-shows as a change of a field.
+Named elements are found by their name with the part's prefix. Unnamed ones are found by order: on a body among the
+unnamed elements of that body, elsewhere among those that refer only to the part. If the composition has more of
+them than the part, the most similar ones are taken first, so that a change shows as a change of a field.
 """
 
 from __future__ import annotations
@@ -35,14 +34,14 @@ _GLOBAL = (
 ABSENT = -1
 
 _SAME_PLACE = 1e-6
-"""Metres; nearer things are reported apart by their order."""
+"""Metres; elements that are closer are distinguished by their order."""
 
 
 class Correspondence:
     """For every element of the part alone, the id of its counterpart, or ``ABSENT``.
 
-    With ``by_order=False`` elements without a name are paired by likeness even where both models have as many.
-    Keys are not matched here: they may be merged, kept apart or left out.
+    With ``by_order=False`` unnamed elements are paired by similarity even if both models have the same number. Keys
+    are not matched here, because they may be merged, kept apart or left out.
     """
 
     def __init__(
@@ -74,19 +73,19 @@ class Correspondence:
         self._match_plugins()
 
     def name(self, kind: str, name: str) -> str:
-        """What the part's ``name`` is called in the composition."""
+        """Return the name in the composition of the part's ``name``."""
         given = self.renamed.get(kind, {}).get(name)
         return self.prefix + name if given is None else given
 
     def pairs(self, kind: str) -> list[tuple[int, int]]:
-        """The ids, alone and composed, of every element that has a counterpart; the world has none."""
+        """Return the ids, alone and composed, of every element with a counterpart, except the world."""
         first = 1 if kind == "body" else 0
         return [(i, j) for i, j in enumerate(self.ids[kind]) if j != ABSENT and i >= first]
 
     def targets(self, link: Link) -> set[int]:
-        """The ids a reference of the part may have in the composition; none if its target is missing."""
+        """Return the possible ids in the composition of a reference's target; none if its target is missing."""
         if link.index < 0:
-            return {link.index}  # there is none; -2 says that there are several
+            return {link.index}  # no target; -2 means several
         if link.kind == "body" and link.index == 0:
             if link.world is World.WORLD:
                 return {0}
@@ -109,7 +108,7 @@ class Correspondence:
         self.taken[kind].add(target)
 
     def _frame_bodies(self) -> set[int]:
-        """The mount, and bodies without joints that a composition may have put between it and the part."""
+        """Return the mount, and bodies without joints that a composition may have put between it and the part."""
         worlds = {self.mount}
         if not self.prefix:
             return worlds
@@ -155,7 +154,7 @@ class Correspondence:
             self._assign("body", children, candidates)
 
     def _match_by_load(self, mine: list[int], theirs: list[int]) -> tuple[list[int], list[int]]:
-        """Match unnamed bodies by the named elements on them; returns the others."""
+        """Match unnamed bodies by the named elements on them; return the others."""
         for index in mine:
             owners = {
                 int(self._owners[kind][1][self.ids[kind][i]])
@@ -199,7 +198,7 @@ class Correspondence:
         self._assign(kind, children, owned, ordered=kind not in UNORDERED)
 
     def _match_plugins(self) -> None:
-        """Unnamed plugin instances belong to the element that uses them."""
+        """Match unnamed plugin instances, which belong to the element that uses them."""
         found, names = self.ids["plugin"], self.composed.names["plugin"]
         for kind in ("body", "geom", "actuator", "sensor"):
             for index, target in enumerate(self.ids[kind]):
@@ -223,7 +222,7 @@ class Correspondence:
         self._match_global("plugin")
 
     def _assign(self, kind: str, mine: list[int], theirs: list[int], *, ordered: bool = True) -> None:
-        """Pair ``mine`` with ``theirs``: by order where they are as many, else by likeness."""
+        """Pair ``mine`` with ``theirs``: by order if there are as many, else by similarity."""
         found = self.ids[kind]
         if ordered and self.by_order and len(mine) == len(theirs):
             for i, j in zip(mine, theirs, strict=True):
@@ -249,7 +248,7 @@ class Correspondence:
             for i in mine:
                 alike = waiting.get(of_mine(i), [])
                 if alike and number == 0 and all(self._apart(kind, i, j) for j in alike):
-                    continue  # the same thing elsewhere is another's
+                    continue  # an equal element elsewhere belongs to another part
                 if alike:
                     nearest = (
                         min(alike, key=lambda j: self._apart(kind, i, j)) if len(alike) > 1 else alike[0]
@@ -260,7 +259,7 @@ class Correspondence:
             theirs = [j for j in theirs if j not in self.taken[kind]]
 
     def _apart(self, kind: str, index: int, target: int) -> float:
-        """How far ``target`` is from where ``index`` is to be expected, in metres; 0 if unknown."""
+        """Return the distance of ``target`` from the expected position of ``index`` in metres; 0 if unknown."""
         positions = f"{KINDS[kind].arrays}_pos"
         if kind not in HOLDERS or kind == "joint":
             return 0.0

@@ -1,4 +1,4 @@
-"""Where a part and the rest of a composition act on each other through the bodies they share."""
+"""Where a part and the rest of a composition affect each other through shared bodies."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from composer.compiled.mount import Mount
 
 
 class Coupling:
-    """Bodies of a part, by their ids in the part alone, that the rest of the composition acts on.
+    """Bodies of a part, by their ids in the part alone, that the rest of the composition affects.
 
-    ``hosts`` carry geoms of others, which count into their mass and inertia. ``carriers`` have something of
-    others on them or below them. ``trees`` are the root bodies of kinematic trees that something of others is
-    fixed to, or that hang on a moving body: the inertia seen by their joints is not their own. Where the part is
-    ``cut`` out of the other model, that is so of all: a tendon may have been left that has an armature.
+    ``hosts`` carry geoms of other parts, which contribute to their mass and inertia. ``carriers`` have elements of
+    other parts on them or below them. ``trees`` are the root bodies of kinematic trees with fixed elements of other
+    parts, or on a moving body: the inertia at their joints is not only their own. If the part is ``cut`` out of the
+    other model, this holds for all trees, because a removed tendon may have had an armature.
     """
 
     def __init__(self, matching: Correspondence, mount: Mount, *, cut: bool = False) -> None:
@@ -42,7 +42,7 @@ class Coupling:
         self._roots = roots
 
     def acts_on(self, body: int) -> bool:
-        """Whether the kinematic tree of this body of the part is not its own."""
+        """Return whether the kinematic tree of this body of the part is shared."""
         return self._roots[body] in self.trees
 
     @property

@@ -1,4 +1,4 @@
-"""One thing that a part is in a composition and is not alone, or the other way round."""
+"""One difference between a part in a composition and the part alone."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ EXTRA = "extra"
 class Difference:
     """A field of an element that differs.
 
-    ``kind`` is MJCF's word for the element, ``name`` its name in the composition; an unnamed one is reported by
-    its place. ``field`` is the array of `mjModel`, with an index where only one entry is shown, or
-    ``missing`` for an element the composition lacks, ``extra`` for one the part lacks. ``expected`` is the
-    value in the part alone, ``actual`` the one in the composition; references are names.
+    ``kind`` is MJCF's word for the element, ``name`` its name in the composition; an unnamed one is reported by its
+    place. ``field`` is the array of `mjModel`, with an index if only one entry is shown, or ``missing`` for an
+    element that the composition lacks, ``extra`` for one that the part lacks. ``expected`` is the value in the part
+    alone, ``actual`` the one in the composition; references are names.
     """
 
     kind: str
@@ -30,7 +30,7 @@ class Difference:
 
     @property
     def array(self) -> str:
-        """The array of `mjModel` alone, without index or the element a key's entry is for."""
+        """The array of `mjModel`, without the index or the element of a key's entry."""
         return re.split(r"[\[, ]", self.field, maxsplit=1)[0]
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""The arrays of `mjModel` whose numbers stand for words, and these words as MJCF writes them."""
+"""The arrays of `mjModel` whose numbers stand for words, and these words in MJCF."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ ENUMS: Mapping[str, tuple[str, str]] = {
     "actuator_biastype": ("mjtBias", "mjBIAS_"),
     "actuator_trntype": ("mjtTrn", "mjTRN_"),
 }
-"""By array: the enumeration of MuJoCo, and how its members begin."""
+"""By array: MuJoCo's enumeration, and the prefix of its members."""
 
 SWITCHES = frozenset(
     "limited actgravcomp actlimited ctrllimited forcelimited actfrclimited active0 actearly castshadow active"
     " texuniform mocapid".split()
 )
-"""The ends of the names of arrays that say yes or no; `body_mocapid` is -1 for no."""
+"""The suffixes of arrays that are booleans; `body_mocapid` is -1 for no."""
 
-# Sensors whose tag is not what MuJoCo calls them.
+# Sensors whose tag differs from the name in MuJoCo's enumeration.
 _TAGS = {
     "geomdist": "distance",
     "geomnormal": "normal",
@@ -41,7 +41,7 @@ _TAGS = {
 
 @cache
 def words(mujoco: Any, array: str) -> Mapping[int, str]:
-    """The words of an array by their numbers; of `sensor_type` they are the tags of sensors."""
+    """Return the words of an array by their numbers; for `sensor_type` these are the tags of sensors."""
     enumeration, prefix = ENUMS[array]
     members: Mapping[str, Any] = getattr(mujoco, enumeration).__members__
     found = {

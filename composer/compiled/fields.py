@@ -1,7 +1,7 @@
-"""What each array of `mjModel` says about one element of a part, and how far it can be held to it.
+"""The rules for comparing each array of `mjModel` between a part and its composition.
 
-An array that stands in no table here is *plain*: one row an element, the same alone and composed, bit for
-bit. Everything else has its treatment and the reason for it in ``RULES``.
+An array that is in no table here is *plain*: one row for each element, the same alone and composed, bit for bit.
+Everything else has its treatment and the reason for it in ``RULES``.
 """
 
 from __future__ import annotations
@@ -16,29 +16,29 @@ class Treatment(StrEnum):
     SKIPPED = "skipped"
     """Not compared."""
     PRESENT = "present"
-    """Only whether there is one (not negative)."""
+    """Only whether it exists (is not negative)."""
     LINKED = "linked"
-    """An id: compared as the element it stands for."""
+    """An id, compared as its element."""
     DATA = "data"
-    """Not one row an element: the run of data that belongs to the element is compared."""
+    """Not one row for each element: the element's run of data is compared."""
     USER = "user"
-    """Exactly, but for zeros at the end of a row."""
+    """Exactly, except for zeros at the end of a row."""
     ROOT_POSE = "root pose"
     """Exactly, but at the part's root compared through the mount."""
     ROUNDED = "rounded"
-    """Exactly where the part stands in place, else up to rounding."""
+    """Exactly if the part is in place, else up to rounding."""
     HOST = "host"
-    """Exactly, but not on a body (or for what stands on a body) that carries geoms of others."""
+    """Exactly, but not on bodies that carry geoms of others, nor for elements on such bodies."""
     SUBTREE = "subtree"
-    """Exactly, but not where something of others hangs below."""
+    """Exactly, but not if elements of others are below."""
     LENS = "lens"
-    """Exactly, but not of a camera without a sensor: nobody reads it there."""
+    """Exactly, but not for a camera without a sensor, where it is not used."""
     DERIVED = "derived"
-    """Up to rounding where nothing of others hangs on the same kinematic tree and the part stands still,
-    else not at all; what it is computed from is compared."""
+    """Up to rounding if no element of others is on the same kinematic tree and the part is not moved, else not at
+    all; the values it is computed from are compared.
+    """
     GAIN = "gain"
-    """Exactly (up to rounding where the part is moved), or as MuJoCo computes it from the inertia of the
-    whole model."""
+    """Exactly (up to rounding if the part is moved), or as MuJoCo computes it from the inertia of the whole model."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,13 +48,15 @@ class Rule:
 
 
 ROUNDING = 1e-9
-"""Relative and absolute (SI units): a pose through a frame is multiplied out in doubles, 1e-16 a step."""
+"""Relative and absolute (SI units): poses through a frame are multiplied in double precision, with 1e-16 for each
+step.
+"""
 
 DERIVED_ROUNDING = 1e-7
-"""Relative: the mass matrix of a larger model is factored in another order; inverse inertias amplify that."""
+"""Relative: the mass matrix of a larger model is factored in another order, which inverse inertias amplify."""
 
 AUTHORED_SLEEP = 3
-"""The first value of `mjtSleepPolicy` that an author wrote; those below follow from the whole tree."""
+"""The first value of `mjtSleepPolicy` that an author writes; lower ones follow from the whole tree."""
 
 _TABLE: dict[Treatment, dict[str, str]] = {
     Treatment.SKIPPED: {
@@ -203,14 +205,14 @@ NOT_OF_AN_ELEMENT: dict[str, str] = {
     "mapM2D mapD2M mapM2M": "sparsity of the whole model",
     "names_map": "a hash table of names",
 }
-"""Arrays that belong to no single element, and what stands for them here."""
+"""Arrays that belong to no single element, and what is compared in their place."""
 
 
 HULL = frozenset(
     "mesh_extrema mesh_graphadr mesh_graph mesh_polynum mesh_polynormal mesh_polyvertnum mesh_polyvert"
     " mesh_polymapnum mesh_polymap".split()
 )
-"""What MuJoCo computes of a mesh with which something collides, and which others of the model may ask for."""
+"""What MuJoCo computes for meshes that can collide, which another part's elements may cause."""
 
 
 BEFORE_CONTROLS: dict[str, Treatment] = {
@@ -221,9 +223,9 @@ BEFORE_CONTROLS: dict[str, Treatment] = {
     "actuator_lengthrange": Treatment.ROUNDED,
     "actuator_acc0": Treatment.DERIVED,
 }
-"""Arrays that have one row an actuator in MuJoCo 3, where an actuator has one control and one output."""
+"""Arrays with one row for each actuator in MuJoCo 3, where an actuator has one control and one output."""
 
 
 def rule(array: str) -> Rule | None:
-    """How ``array`` is treated; None for a plain one."""
+    """Return the rule for ``array``; None for a plain one."""
     return RULES.get(array)

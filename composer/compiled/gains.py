@@ -1,8 +1,8 @@
 """Stiffness and damping that MuJoCo computes from the inertia of the whole model.
 
-A part that asks for a damping ratio gets another damping when something heavy hangs on it: it is unchanged
-as long as the ratio is the one that was asked for. The compiled model does not keep the ratio, but it
-follows from the gain and from the inertia in the same model.
+A part with a damping ratio gets another damping if something heavy is attached to it; it is unchanged as long as
+the ratio is. The compiled model does not store the ratio, but it follows from the gain and the inertia in the same
+model.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ _CLOSE = 1e-6
 
 
 def same_stiffness(alone: Model, composed: Model, joint: int, target: int) -> bool:
-    """Whether stiffness times inverse inertia, in 1/s², is the same: by it `springdamper` sets the stiffness."""
+    """Return whether stiffness times inverse inertia, in 1/s², is the same; `springdamper` sets the stiffness by it."""
     mine = float(alone.jnt_stiffness[joint]) * _inverse_inertia(alone, joint)
     theirs = float(composed.jnt_stiffness[target]) * _inverse_inertia(composed, target)
     return math.isclose(mine, theirs, rel_tol=_CLOSE)
 
 
 def same_damping(alone: Model, composed: Model, joint: int, target: int) -> bool:
-    """Whether damping times inverse inertia, in 1/s, is the same: `springdamper` gives the damping of a joint by it."""
+    """Return whether damping times inverse inertia, in 1/s, is the same; `springdamper` sets the damping by it."""
     mine = float(alone.dof_damping[alone.jnt_dofadr[joint]]) * _inverse_inertia(alone, joint)
     theirs = float(composed.dof_damping[composed.jnt_dofadr[target]]) * _inverse_inertia(composed, target)
     return math.isclose(mine, theirs, rel_tol=_CLOSE)
@@ -37,10 +37,10 @@ def _inverse_inertia(model: Model, joint: int) -> float:
 
 
 def same_dampratio(alone: Model, composed: Model, actuator: int, target: int) -> bool:
-    """Whether a position servo damps in the same ratio to critical in each model.
+    """Return whether a position servo has the same damping ratio in both models.
 
-    False where no ratio can be read. MuJoCo 4 takes the inertia from the inverse weight at the joint or
-    tendon, MuJoCo 3 from the diagonal of the mass matrix: either will do.
+    Return False if the ratio is unknown. MuJoCo 4 takes the inertia from the inverse weight at the joint or tendon,
+    MuJoCo 3 from the diagonal of the mass matrix; one match is enough.
     """
     if not (_is_damped_servo(alone, actuator) and _is_damped_servo(composed, target)):
         return False
@@ -60,7 +60,7 @@ def _is_damped_servo(model: Model, actuator: int) -> bool:
 
 
 def _ratios(model: Model, actuator: int) -> tuple[float | None, float | None]:
-    """The damping ratio of a servo by the inverse weight and by the mass matrix; None where there is none."""
+    """Return the damping ratio of a servo by the inverse weight and by the mass matrix, each None if unknown."""
     gains = servo(model, actuator) or {}
     stiffness, damping = gains["kp"], gains["kv"]
     output = rows_of(model, "actuator", "actuator_gear", actuator).start
@@ -83,7 +83,7 @@ def _ratios(model: Model, actuator: int) -> tuple[float | None, float | None]:
 
 
 def _inertia_along(model: Model, tendon: int) -> float:
-    """The inertia a fixed tendon has to move; 0 for a spatial one, whose moments the model does not keep."""
+    """Return the inertia that a fixed tendon moves; 0 for a spatial one, whose moments the model does not store."""
     first = int(model.tendon_adr[tendon])
     inertia = 0.0
     for at in range(first, first + int(model.tendon_num[tendon])):

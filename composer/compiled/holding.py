@@ -1,7 +1,8 @@
-"""The controls that hold a pose, in the child process that has MuJoCo.
+"""The controls that hold a pose, computed in MuJoCo's child process.
 
-The force of an actuator is `gain · control + bias`, where the bias of a servo is a spring to a position. The controls
-of servos that hold a pose make no force there; those that balance gravity and contacts come from `mj_inverse`.
+The force of an actuator is `gain · control + bias`, where the bias of a servo is a spring to a position. The
+controls of servos that hold a pose produce no force there; those that balance gravity and contacts come from
+`mj_inverse`.
 """
 
 from __future__ import annotations
@@ -15,11 +16,11 @@ _POSITION = 1  # the first bit of `actuator_ctrlspec`
 
 
 def hold(mujoco: Any, model: Any, question: dict[str, Any]) -> dict[str, Any]:
-    """For `composer.engine.call`: the controls and activations that hold the pose of the key `key`.
+    """Return the controls and activations that hold the pose of the key `key`; runs under `composer.engine.call`.
 
-    With `forces` the actuators balance what acts on the model there. Gives `ctrl` and `act`, each None where nothing
-    holds; `unlike`, the kind of the actuators that have no such control, by the address of their control; and `left`,
-    the force or torque in N or N m that they cannot balance.
+    With `forces`, the actuators balance the forces on the model there. The answer has `ctrl` and `act`, each None
+    where nothing holds; `unlike`, the kind of the actuators without such a control, by the address of their
+    control; and `left`, the force or torque in N or N m that they cannot balance.
     """
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, question["key"])
@@ -46,7 +47,7 @@ def _count(model: Any) -> int:
 
 
 class _Law:
-    """One actuator at the pose: `kind` says what it is where no control holds it, and is empty otherwise."""
+    """One actuator at the pose: `kind` names its type if no control holds the pose, and is empty otherwise."""
 
     def __init__(self, mujoco: Any, model: Any, data: Any, index: int) -> None:
         gains, biases, dynamics = mujoco.mjtGain, mujoco.mjtBias, mujoco.mjtDyn
@@ -99,7 +100,7 @@ class _Law:
 
 
 def _balance(mujoco: Any, model: Any, data: Any, laws: list[_Law], count: int) -> tuple[np.ndarray, float]:
-    """The forces of the actuators that balance `qfrc_inverse` on what they move, and what is left of it."""
+    """Return the actuator forces that balance `qfrc_inverse` on the dofs that they move, and the remaining force."""
     moments = np.zeros((len(data.moment_rownnz), model.nv))
     mujoco.mju_sparse2dense(
         moments, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind
@@ -112,7 +113,7 @@ def _balance(mujoco: Any, model: Any, data: Any, laws: list[_Law], count: int) -
     wanted = data.qfrc_inverse[moved]
     solved = np.linalg.lstsq(rows[:, moved].T, wanted, rcond=None)[0]
     for law, force in zip(laws, solved, strict=True):
-        # What is solved for differs in its last digits from machine to machine, and models do not.
+        # Solved values differ in their last digits between machines, and models must not.
         found[law.index] = 0.0 if abs(force) < _NOISE else float(f"{force:.{_DIGITS}g}")
     rest = float(np.abs(rows[:, moved].T @ solved - wanted).max(initial=0))
     return found, rest if rest > _CLOSE * max(1.0, float(np.abs(wanted).max(initial=0))) else 0.0

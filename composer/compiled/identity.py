@@ -1,4 +1,4 @@
-"""Whether two compiled models are one: every array and number of `mjModel`, bit for bit."""
+"""Compare two compiled models: every array and number of `mjModel`, bit for bit."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ _PARTS = ("opt", "vis", "stat")
 _OF_THE_PLACE = frozenset(
     {"paths", "npaths", "nbuffer", "mesh_pathadr", "hfield_pathadr", "skin_pathadr", "tex_pathadr"}
 )
-"""Where files lay when the model was compiled, and the memory for it: nothing of the model itself."""
+"""File paths at compilation, and the memory for them, which are not part of the model itself."""
 
 
 def unequal_arrays(a: Model, b: Model) -> list[str]:
-    """The attributes of `mjModel` that are not equal, `opt.timestep` and the like among them; NaN equals NaN.
+    """Return the attributes of `mjModel` that differ, including `opt.timestep` and the like; NaN equals NaN.
 
-    Both models must be of one MuJoCo: an attribute that only the first one has counts as unequal.
+    Both models must come from the same MuJoCo: an attribute that only the first one has counts as different.
     """
     found = [
         name

@@ -1,4 +1,4 @@
-"""Where the things that users address sit in the vectors of a compiled model."""
+"""The addresses in a compiled model of everything that users address."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Range: TypeAlias = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """`range` is as MuJoCo holds it (radians, metres) and means something only when `limited`."""
+    """`range` is in MuJoCo's units (radians, metres) and only valid if `limited`."""
 
     name: str
     type: str
@@ -34,7 +34,7 @@ class Joint:
 class Actuator:
     """An actuator without activation has `act_address` -1 and `act_size` 0.
 
-    `unit` is that of its only control, `ctrl_ranges` has a range or None for each control, in that unit.
+    `unit` is that of its only control; `ctrl_ranges` has a range or None for each control, in that unit.
     """
 
     name: str
@@ -50,7 +50,7 @@ class Actuator:
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """`type` is the tag MJCF has for it; `cutoff`, in its unit, is None where it cuts nothing off."""
+    """`type` is its MJCF tag; `cutoff`, in its unit, is None if there is no cutoff."""
 
     name: str
     type: str
@@ -62,7 +62,9 @@ class Sensor:
 
 @dataclass(frozen=True, slots=True)
 class Camera:
-    """`fovy` is in degrees, or metres for an orthographic camera, as `unit` says; `resolution` is width and height."""
+    """`fovy` is in degrees, or in metres for an orthographic camera, as `unit` says; `resolution` is width and
+    height.
+    """
 
     name: str
     body: str
@@ -81,7 +83,7 @@ class Keyframe:
 
 @dataclass(frozen=True, slots=True)
 class Index:
-    """Everything in the order of the compiled model; unnamed things have the name ''."""
+    """Everything in the order of the compiled model; unnamed elements have the name ''."""
 
     joints: tuple[Joint, ...]
     actuators: tuple[Actuator, ...]
@@ -92,7 +94,7 @@ class Index:
 
     @staticmethod
     def from_data(data: Mapping[str, Any]) -> Index:
-        """The index as the child process sends it, made from its JSON."""
+        """Return the index for the JSON data from the child process."""
         return Index(
             joints=tuple(
                 Joint(
@@ -153,7 +155,7 @@ def _range(bounds: list[float] | None) -> Range | None:
 
 
 def index(model: Model, mujoco: Any) -> dict[str, Any]:
-    """The index of a compiled model as JSON data; addresses are [start, count]. Runs in the child process."""
+    """Return the index of a compiled model as JSON data; addresses are [start, count]. Runs in the child process."""
     bodies = names(model, "body")
     return {
         "joints": _joints(model, bodies),
@@ -208,7 +210,7 @@ def _actuators(model: Model, mujoco: Any) -> list[dict[str, Any]]:
 
 
 def _span(rows: range) -> list[int]:
-    """The first number and how many there are; [-1, 0] for none."""
+    """Return the first address and the count; [-1, 0] for none."""
     return [rows.start, len(rows)] if rows else [-1, 0]
 
 
@@ -235,7 +237,7 @@ def _sensors(model: Model, mujoco: Any) -> list[dict[str, Any]]:
 
 
 def _coordinate(model: Model, tag: str, row: int) -> str | None:
-    """The unit of the coordinate of the joint or actuator that a sensor is on."""
+    """Return the unit of the coordinate of a sensor's joint or actuator."""
     if tag.startswith("actuator"):
         return units.of_transmission(model, row)
     if tag.startswith("joint"):
@@ -257,7 +259,7 @@ def _cameras(model: Model, mujoco: Any, bodies: list[str]) -> list[dict[str, Any
 
 
 def _is_orthographic(model: Model, mujoco: Any, row: int) -> bool:
-    """In such a camera `fovy` is a length. Older versions have a flag, newer ones a kind of projection."""
+    """Return whether `fovy` is a length. Older versions have a flag, newer ones a projection type."""
     if hasattr(model, "cam_projection"):
         return int(model.cam_projection[row]) == int(mujoco.mjtProjection.mjPROJ_ORTHOGRAPHIC)
     return bool(getattr(model, "cam_orthographic", [0] * (row + 1))[row])

@@ -1,6 +1,6 @@
-"""The types of joint: how many numbers each has, and their units.
+"""The types of joint: the sizes of their state, and units.
 
-MuJoCo holds angles in radians and lengths in metres. A quaternion has no unit; its numbers have the word for one.
+MuJoCo uses radians and metres. A quaternion has no unit; its numbers have the word for one.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ FREE, BALL, SLIDE, HINGE = range(4)
 
 @dataclass(frozen=True, slots=True)
 class JointType:
-    """`position_units` has the unit of each of its numbers in `qpos`, `velocity_units` of those in `qvel`.
+    """`position_units` has the unit of each number in `qpos`, `velocity_units` those in `qvel`.
 
-    `range_unit` is that of `jnt_range`, which MuJoCo does not read for a free joint. The linear numbers of a free
-    joint come before the angular ones; its linear velocity is in the world's frame, its angular velocity in the
-    body's own.
+    `range_unit` is that of `jnt_range`, which MuJoCo does not use for a free joint. The linear numbers of a free
+    joint precede the angular ones; its linear velocity is in the world's frame, its angular velocity in the body's
+    own.
     """
 
     word: str
@@ -29,27 +29,27 @@ class JointType:
 
     @property
     def positions(self) -> int:
-        """How many numbers of `qpos` it has."""
+        """The number of its entries in `qpos`."""
         return len(self.position_units)
 
     @property
     def velocities(self) -> int:
-        """How many degrees of freedom it has: numbers of `qvel`, rows of the `dof_` arrays."""
+        """The number of its degrees of freedom: entries of `qvel`, rows of the `dof_` arrays."""
         return len(self.velocity_units)
 
     @property
     def unit(self) -> str | None:
-        """The unit that all its positions have in common."""
+        """The common unit of all its positions."""
         return _common(self.position_units)
 
     @property
     def velocity_unit(self) -> str | None:
-        """The unit that all its velocities have in common."""
+        """The common unit of all its velocities."""
         return _common(self.velocity_units)
 
     @property
     def coordinate(self) -> str | None:
-        """The unit of its position where that is a single number."""
+        """The unit of its position, if that is a single number."""
         return self.unit if self.positions == 1 else None
 
 
@@ -67,4 +67,4 @@ JOINT_TYPES = (
 
 BY_WORD = {each.word: each for each in JOINT_TYPES}
 ANGULAR = tuple(each.word for each in JOINT_TYPES if each.range_unit == ANGLE)
-"""The joints that turn about an axis, and whose ranges are angles."""
+"""Rotational joints, whose ranges are angles."""

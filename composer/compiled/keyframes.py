@@ -1,4 +1,4 @@
-"""The part's keyframes in the composition: by joint, actuator and mocap body, never by position."""
+"""Compare the part's keyframes with the composition by joint, actuator and mocap body, never by position."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from composer.numerics.pose import Pose, rotate
 
 
 class Keys(StrEnum):
-    """How a part's keys come along (`keyframes:` of a recipe)."""
+    """How a part's keys are composed (`keyframes:` of a recipe)."""
 
     MERGE = "merge"
-    """Keys of the same name of several parts are one key, which keeps the name."""
+    """Keys of the same name in several parts become one key of that name."""
     PREFIX = "prefix"
-    """Each is a key of its own behind the part's prefix."""
+    """Each is a key of its own with the part's prefix."""
     NONE = "none"
 
 
 class Roots(StrEnum):
-    """What a key says of free joints and mocap bodies at the part's root, where the part is moved."""
+    """What happens in keys to free joints and mocap bodies at the root of a part that is moved."""
 
     MOVED = "moved"
     """They move with the part."""
@@ -44,10 +44,10 @@ def key_differences(
     tolerance: float = 0.0,
     replaced: Collection[str] = (),
 ) -> list[Difference]:
-    """Where a key of the part says something else of the part's own joints, actuators and mocap bodies.
+    """Return where a key of the part differs for the part's own joints, actuators and mocap bodies.
 
-    ``transform`` is where the part's world stands in the composition's; None or the identity moves nothing.
-    Keys of the composition that are ``replaced`` are not compared: something else was written in their place.
+    ``transform`` is the pose of the part's world in the composition's; None or the identity moves nothing. Keys of
+    the composition that are ``replaced`` are not compared, because their values were written on purpose.
     """
     found: list[Difference] = []
     if keys is Keys.NONE:
@@ -78,7 +78,7 @@ def key_differences(
 
 
 def _match(matching: Correspondence, keys: Keys, moved: Pose | None) -> Iterator[tuple[int, int]]:
-    """Keys of the part and of the composition; unnamed ones by order among those no named key takes."""
+    """Yield keys of the part and of the composition; unnamed ones by order among those that no named key takes."""
     alone, composed = matching.alone, matching.composed
     given = matching.renamed.get("key", {})
     unnamed: list[int] = []
@@ -88,7 +88,7 @@ def _match(matching: Correspondence, keys: Keys, moved: Pose | None) -> Iterator
             unnamed.append(index)
             continue
         there = given.get(name, name if keys is Keys.MERGE else matching.prefix + name)
-        # That of a model which MuJoCo itself attaches to the part has the prefix, whatever becomes of the others.
+        # A key of a model that MuJoCo itself attaches to the part has the prefix, whatever happens to the others.
         found = [
             composed.ids["key"][each]
             for each in (there, matching.prefix + name)
@@ -168,7 +168,7 @@ def _joint_state(model: Model, key: int, joint: int) -> tuple[Array, Array]:
 
 
 def _entry(model: Model, vector: str, key: int, index: int) -> Array:
-    """What a key says of one element in a vector."""
+    """Return a key's numbers for one element in a vector."""
     rows = span(model, vector, index)
     entry: Array = getattr(model, f"key_{vector}")[key, rows.start : rows.stop]
     return entry
@@ -188,7 +188,7 @@ def _plastic(
     mine = _plastic_state(matching.alone.model, kind, key, index)
     theirs = _plastic_state(matching.composed.model, kind, target, there)
     if mine.size or theirs.size:
-        # Where nothing is written it is the length in the reference configuration, measured in the world.
+        # By default it is the length in the reference configuration, measured in the world.
         bound = ROUNDING if kind == "tendon" else 0.0
         yield f"key_plastic of `{matching.composed.describe(kind, there)}`", mine, theirs, bound
 
@@ -206,11 +206,13 @@ def _moved(state: Array, transform: Pose) -> Array:
 
 
 def _turned(velocity: Array, transform: Pose) -> Array:
-    """A free joint's linear velocity is in the world's frame, its angular velocity in the body's own."""
+    """Rotate a free joint's linear velocity, which is in the world's frame; its angular velocity is in the body's
+    own.
+    """
     return np.array([*rotate(transform.quat, velocity[:3].tolist()), *velocity[3:].tolist()])
 
 
 def _aligned(state: Array, like: Array) -> Array:
-    """``state`` with its quaternion on the side of the sphere where that of ``like`` is."""
+    """Return ``state`` with its quaternion in the same hemisphere as that of ``like``."""
     quat, other = np.asarray(state[3:], dtype=np.float64), np.asarray(like[3:], dtype=np.float64)
     return np.concatenate([np.asarray(state[:3]), quat if float(quat @ other) >= 0 else -quat])

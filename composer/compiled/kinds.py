@@ -1,4 +1,4 @@
-"""Who is in a compiled model: the kinds of element `mjModel` holds, and the names of each kind's elements.
+"""The kinds of element in `mjModel`, and the names of each kind's elements.
 
 Everything is read from the arrays of the model object, so MuJoCo itself is never imported here.
 """
@@ -14,7 +14,7 @@ Model: TypeAlias = Any
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """One kind of element: its word in messages, the start of its arrays' names, and its value of `mjtObj`."""
+    """One kind of element: its word in messages, the prefix of its arrays, and its value of `mjtObj`."""
 
     word: str
     arrays: str
@@ -27,7 +27,7 @@ class Kind:
 
     @property
     def size(self) -> str:
-        """The size of `mjModel` that counts the elements; MuJoCo 3 has no `nactuator`, where it would equal `nu`."""
+        """The size of `mjModel` for the number of elements; MuJoCo 3 has no `nactuator`, which would equal `nu`."""
         return f"n{self.arrays}"
 
 
@@ -63,31 +63,31 @@ KINDS: dict[str, Kind] = {
 
 _XBODY = 2
 OF_OBJECT_TYPE: dict[int, str] = {_XBODY: "body", **{kind.object_type: word for word, kind in KINDS.items()}}
-"""The kind that each value of `mjtObj` stands for; body and xbody are one kind."""
+"""The kind for each value of `mjtObj`; body and xbody are one kind."""
 
 ON_BODIES: dict[str, str] = {
     kind: f"{KINDS[kind].arrays}_bodyid" for kind in ("joint", "geom", "site", "camera", "light")
 }
-"""The kinds that stand on a body, and the array that says on which."""
+"""The kinds of elements on bodies, and the arrays with their bodies."""
 
 HOLDERS: dict[str, str] = {"body": "body_parentid", **ON_BODIES}
-"""The same, and bodies themselves, which stand on their parents."""
+"""The same with bodies themselves, which are on their parents."""
 
 
 def holder(model: Model, kind: str, index: int) -> int:
-    """The body that an element of one of the `HOLDERS` stands on; of the world it is the world."""
+    """Return the body of an element of one of the `HOLDERS`; for the world it is the world."""
     return int(getattr(model, HOLDERS[kind])[index])
 
 
 def names(model: Model, kind: str) -> list[str]:
-    """The names of a kind's elements by their ids, `""` for unnamed ones; bytes that are not UTF-8 are replaced."""
+    """Return the names of a kind's elements by id, `""` for unnamed ones; bytes that are not UTF-8 are replaced."""
     text: bytes = model.names
     starts = [int(start) for start in getattr(model, KINDS[kind].addresses)]
     return [text[start : text.index(b"\0", start)].decode("utf-8", "replace") for start in starts]
 
 
 class NameTable:
-    """The names of one model's elements, by kind and in the order of their ids; unnamed ones are ``""``."""
+    """The names of a model's elements, by kind and in the order of their ids; unnamed ones are ``""``."""
 
     def __init__(self, model: Model) -> None:
         self.model = model
@@ -101,7 +101,7 @@ class NameTable:
         return len(self.names[kind])
 
     def describe(self, kind: str, index: int) -> str:
-        """The element's name; for an unnamed one, where it stands: ``#2 of body `arm```, or ``#5``."""
+        """Return the element's name, or the place of an unnamed one: ``#2 of body `arm```, or ``#5``."""
         name = self.names[kind][index]
         if name:
             return name

@@ -1,4 +1,4 @@
-"""The references an element of a compiled model holds, as (kind, id) instead of bare numbers."""
+"""The references of an element of a compiled model, as (kind, id) instead of bare numbers."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from composer.compiled.kinds import OF_OBJECT_TYPE, Model
 
 
 class World(StrEnum):
-    """What body 0 of the part stands for in the composition, where it is referred to."""
+    """What a reference to body 0 of the part means in the composition."""
 
     MOUNT = "mount"
-    """Where the part hangs: the parent of its roots."""
+    """The parent of the part's roots."""
     WORLD = "world"
     """The world: `world` is never prefixed."""
     EITHER = "either"
@@ -22,7 +22,7 @@ class World(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A reference. ``index`` is -1 where the field is empty."""
+    """A reference. ``index`` is -1 for an empty field."""
 
     field: str
     kind: str
@@ -31,10 +31,10 @@ class Link:
 
 
 def links(model: Model, kind: str, index: int) -> list[Link]:
-    """The references of one element, always the same fields in the same order.
+    """Return the references of one element, always the same fields in the same order.
 
-    A material has one for each role of a texture, an actuator one for each of the ids in `actuator_trnid` that its
-    transmission reads. A geom that was fitted to a mesh has none to it, although MuJoCo 3 leaves the id there.
+    A material has one for each role of a texture, an actuator one for each id in `actuator_trnid` that its
+    transmission uses. A geom that was fitted to a mesh has none to it, although MuJoCo 3 leaves the id there.
     """
     reader = _READERS.get(kind)
     return list(reader(model, index)) if reader else []
@@ -61,7 +61,7 @@ _HFIELD, _MESH, _SDF = 1, 7, 8
 
 def _geom(model: Model, index: int) -> Iterator[Link]:
     yield from _one(model, "geom_bodyid", "body", index, World.MOUNT)
-    # MuJoCo 3 leaves the mesh in primitives that were fitted to it, where it has no meaning.
+    # MuJoCo 3 leaves the mesh id in primitives that were fitted to it, where it has no meaning.
     shape = int(model.geom_type[index])
     data = int(model.geom_dataid[index]) if shape in (_HFIELD, _MESH, _SDF) else -1
     yield Link("geom_dataid", "hfield" if shape == _HFIELD else "mesh", data)
@@ -112,7 +112,7 @@ def _flex(model: Model, index: int) -> Iterator[Link]:
 
 
 def _flex_materials(model: Model, index: int) -> Iterator[Link]:
-    """Since MuJoCo 4 an element of a flex has a material, before that the flex."""
+    """Yield materials: since MuJoCo 4 those of a flex's elements, before that the flex's."""
     if len(model.flex_matid) != model.nflexelem:
         yield from _one(model, "flex_matid", "material", index)
         return
@@ -123,7 +123,7 @@ def _flex_materials(model: Model, index: int) -> Iterator[Link]:
 
 
 WRAP_JOINT, _WRAP_SITE = 1, 3
-"""Values of `wrap_type`, by what `wrap_objid` then is."""
+"""Values of `wrap_type` for which `wrap_objid` is the id of a joint or a site."""
 WRAPS_A_GEOM = (4, 5)
 """The values of `wrap_type` whose `wrap_prm` is the id of a side site."""
 
@@ -177,7 +177,7 @@ _TARGETS = {
     5: ("body", None),
 }
 _ROTATION = 6
-"""The value of `actuator_trntype` for a ball joint or, with a second id, for a site seen from another."""
+"""The value of `actuator_trntype` for a ball joint or, with a second id, for a site relative to another."""
 
 
 def _actuator(model: Model, index: int) -> Iterator[Link]:

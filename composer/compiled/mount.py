@@ -1,4 +1,4 @@
-"""Where a part's own world stands in a composition."""
+"""The pose of a part's own world in a composition."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ AT_ORIGIN = Pose()
 
 @dataclass(frozen=True, slots=True)
 class Mount:
-    """The body that stands for the part's world in a composition, and the pose of the part in it.
+    """The body that replaces the part's world in a composition, and the pose of the part in it.
 
-    ``body`` is a name in the composition, the id of a body without one, or None for the world. ``pose=None``
-    means that the pose is not known: it is then taken from the first element at the part's root, and all
-    others must have moved with it.
+    ``body`` is a name in the composition, the id of an unnamed body, or None for the world. ``pose=None`` means
+    that the pose is unknown: it is then taken from the first element at the part's root, and all others must have
+    moved with it.
     """
 
     body: str | int | None = None
@@ -24,7 +24,7 @@ class Mount:
 
     @property
     def is_in_place(self) -> bool:
-        """Whether the part stands in the composition exactly where it stands alone."""
+        """Whether the part has the same pose in the composition as alone."""
         return self.body is None and self.pose is not None and self.pose.is_identity
 
     @classmethod
@@ -37,9 +37,9 @@ class Mount:
         pos: Vec3 = ORIGIN,
         quat: Quat = IDENTITY_QUAT,
     ) -> Mount:
-        """The mount that a place in a recipe gives: a site, a body or the world, with an offset.
+        """Return the mount for a place in a recipe: a site, a body or the world, with an offset.
 
-        ``pos`` is in metres, in the frame of the place. Raises KeyError for a site the model has not got.
+        ``pos`` is in metres, in the frame of the place. Raises KeyError for an unknown site.
         """
         offset = Pose(pos, normalise(quat))
         if site is None:
@@ -51,7 +51,7 @@ class Mount:
         return cls(owner or None, place @ offset)
 
     def index(self, roster: NameTable) -> int:
-        """The id of the body in the composition. Raises KeyError for a body the model has not got."""
+        """Return the id of the body in the composition. Raises KeyError for an unknown body."""
         if self.body is None:
             return 0
         return self.body if isinstance(self.body, int) else roster.ids["body"][self.body]

@@ -1,7 +1,7 @@
-"""Settings that a composition has once, for all its parts: `option` and `visual`.
+"""Compare the settings that a composition has once for all its parts: `option` and `visual`.
 
-A part is not changed when these differ, but its author wrote them for a reason. Statistics are apart: the
-compiled model does not distinguish a written `extent` from a computed one.
+A part is not changed if these differ, but its author wrote them for a reason. Statistics are separate: the compiled
+model does not distinguish a written `extent` from a computed one.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _VISUAL = ("global_", "quality", "headlight", "map", "scale", "rgba")
 
 
 def option_differences(alone: Model, composed: Model) -> list[Difference]:
-    """The settings of `opt` and `vis` in which a composition differs from a part alone, bit for bit."""
+    """Return the settings of `opt` and `vis` in which a composition differs from a part alone, bit for bit."""
     found = _differing("option", alone.opt, composed.opt)
     for group in _VISUAL:
         found += _differing(
@@ -28,7 +28,7 @@ def option_differences(alone: Model, composed: Model) -> list[Difference]:
 
 
 def statistic_differences(alone: Model, composed: Model) -> list[Difference]:
-    """The numbers of `stat` that differ, written or computed."""
+    """Return the numbers of `stat` that differ, written or computed."""
     return _differing("statistic", alone.stat, composed.stat)
 
 

@@ -1,4 +1,4 @@
-"""The order in which MuJoCo compiles the elements of a flat model, and which compiled element is which."""
+"""The order in which MuJoCo compiles the elements of a flat model, and the compiled element for each of them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _STANDING = {**{kind: kind for kind in ON_BODIES}, "freejoint": "joint"}
 _REFERRING = ("pair", "exclude", "equality", "tendon", "actuator", "sensor")
-# What MuJoCo makes any number of elements of, and of which kinds.
+# Elements that MuJoCo expands to any number of elements, with the kinds of these.
 _BLOCKS: Mapping[str, tuple[str, ...]] = {
     "attach": tuple(KINDS),
     "composite": ("body", "joint", "geom", "site", "exclude", "equality", "tendon", "skin", "plugin"),
@@ -35,15 +35,15 @@ _SECTIONS = (
     "custom",
     "keyframe",
 )
-# MuJoCo sorts these by what they refer to: two of a kind, by these attributes.
+# MuJoCo sorts these by their two references: their kind and attributes.
 _SORTED = {"pair": ("geom", "geom1", "geom2"), "exclude": ("body", "body1", "body2")}
 
 Order: TypeAlias = "Mapping[str, Sequence[Node | None]]"
-"""By kind the elements in order; None stands for any number of others."""
+"""By kind, the elements in order; None stands for any number of others."""
 
 
 def compiled_kind(node: Node) -> str | None:
-    """The kind of object that an element becomes, or None if it becomes none: `mesh`, `plugin`."""
+    """Return the kind of object that an element becomes, such as `mesh` or `plugin`, or None if it becomes none."""
     if node.tag == WORLD_SECTION:
         return "body"
     family = kind_of(node).family
@@ -52,7 +52,7 @@ def compiled_kind(node: Node) -> str | None:
 
 
 def compiled_name(node: Node) -> str:
-    """The name that MuJoCo gives it, empty where it has none."""
+    """Return the name that MuJoCo gives it, empty if it has none."""
     if node.tag == WORLD_SECTION:
         return WORLD
     attribute = naming_attribute(kind_of(node))
@@ -60,7 +60,7 @@ def compiled_name(node: Node) -> str:
 
 
 def compiled_order(root: Node) -> Order:
-    """Bodies depth first, what stands on them body by body, everything else as it is written.
+    """Return bodies depth first, elements on bodies body by body, and everything else in document order.
 
     >>> from lxml import etree
     >>> order = compiled_order(etree.fromstring(
@@ -102,10 +102,10 @@ def compiled_order(root: Node) -> Order:
 
 
 def rows(order: Order, roster: NameTable) -> dict[Node, int]:
-    """The number of every element among those of its kind, as far as that is certain.
+    """Return the number of every element among those of its kind, as far as that is certain.
 
-    A stretch of elements counts where the names fit one by one; where they do not, as MuJoCo has left
-    something out or put in, only those with names are found.
+    A stretch of elements counts if all names match; if they do not, because MuJoCo has removed or added elements,
+    only named ones are found.
     """
     found: dict[Node, int] = {}
     whole = _same_bodies(order["body"], roster.names["body"])
@@ -115,7 +115,7 @@ def rows(order: Order, roster: NameTable) -> dict[Node, int]:
             found.update(_sorted(kind, expected, roster))
             continue
         stretches = _stretches(expected)
-        if sum(map(len, stretches)) == len(names):  # nothing was made
+        if sum(map(len, stretches)) == len(names):  # nothing was added
             stretches = [[node for stretch in stretches for node in stretch]]
         for at, stretch in enumerate(stretches):
             start = None
@@ -129,7 +129,7 @@ def rows(order: Order, roster: NameTable) -> dict[Node, int]:
 
 
 def _sorted(kind: str, expected: Sequence[Node | None], roster: NameTable) -> Iterator[tuple[Node, int]]:
-    """Pairs and excludes, by name or by the two that they are of."""
+    """Yield pairs and excludes, matched by name or by their two references."""
     referred, *attributes = _SORTED[kind]
     places: dict[frozenset[int], list[int]] = {}
     for row in range(roster.count(kind)):
@@ -159,7 +159,7 @@ def _start(
 
 
 def _same_bodies(expected: Sequence[Node | None], names: Sequence[str]) -> bool:
-    """Whether no body is missing: MuJoCo gives what stands on those that it takes out to others."""
+    """Return whether no body is missing: MuJoCo moves elements of removed bodies to others."""
     return None in expected or len(expected) == len(names)
 
 
@@ -174,7 +174,7 @@ def _stretches(expected: Sequence[Node | None]) -> list[list[Node]]:
 
 
 def _made(block: Node) -> tuple[set[str], set[str]]:
-    """The kinds of what a block makes on its own body, and below that one."""
+    """Return the kinds of elements that a block makes on its own body, and below that body."""
     if block.tag != "replicate":
         kinds = {kind for kind in _BLOCKS[str(block.tag)] if kind == "body" or kind in ON_BODIES}
         return (set() if block.tag == "flexcomp" else kinds - {"body"}), kinds
@@ -193,7 +193,7 @@ def _made(block: Node) -> tuple[set[str], set[str]]:
 
 
 def _elsewhere(root: Node) -> Iterator[Node]:
-    """The elements outside of the body tree that may become objects."""
+    """Yield the elements outside of the body tree that may become objects."""
     for section in root.iterchildren("extension"):
         yield from section.iterdescendants("instance")
     for section in root.iterchildren(*_SECTIONS):

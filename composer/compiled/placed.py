@@ -1,4 +1,4 @@
-"""Where everything is at a configuration, of models too that MuJoCo has no room to simulate."""
+"""Compute all positions at a configuration, even for models that MuJoCo has no memory to simulate."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ _PLACES = ("qpos", "mocap_pos", "mocap_quat")
 def place(mujoco: Any, model: Any, data: Any) -> None:
     """Compute all positions; contacts too, unless MuJoCo runs out of memory for them.
 
-    10,000 bodies in the world need 200 MB to look for contacts, and `mj_forward` has 16 MB unless `size/memory` says
-    otherwise (MuJoCo 4.0).
+    Looking for contacts of 10,000 bodies in the world needs 200 MB, and `mj_forward` has 16 MB unless `size/memory`
+    says otherwise (MuJoCo 4.0).
     """
     try:
         mujoco.mj_forward(model, data)

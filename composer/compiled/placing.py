@@ -1,4 +1,4 @@
-"""What stands at a part's root: moved by the mount, all of it in the same way."""
+"""Compare the elements at a part's root, which the mount moves all in the same way."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ _POSED = {"body": "body", "geom": "geom", "site": "site", "camera": "cam"}
 
 
 class Placing:
-    """The rigid transform from the part's world to the frame of the body it is mounted on: metres, and w x y z.
+    """The rigid transform from the part's world to the frame of the mount's body: metres, and w x y z.
 
-    ``transform`` is the mount's pose or, where that is not known, what became of the first root; None for a
-    part with nothing at its root.
+    ``transform`` is the mount's pose or, if that is unknown, the movement of the first root; None for a part with
+    nothing at its root.
     """
 
     def __init__(self, matching: Correspondence, mount: Mount) -> None:
@@ -41,7 +41,7 @@ class Placing:
         return None
 
     def _there(self, kind: str, index: int) -> Pose:
-        """The pose of a root's counterpart in the frame of the mount, through bodies in between."""
+        """Return the pose of a root's counterpart in the frame of the mount, through bodies in between."""
         model, target = self.matching.composed.model, self.matching.ids[kind][index]
         pose = _pose(model, kind, target)
         return self._frame(holder(model, kind, target)) @ pose
@@ -54,7 +54,7 @@ class Placing:
         return pose
 
     def differences(self, tolerance: float = 0.0) -> list[Difference]:
-        """The roots that did not move with the rest, for a part that is not where it stands alone."""
+        """Return the roots that did not move with the others, for a part that is moved."""
         found: list[Difference] = []
         if self.transform is None:
             return found

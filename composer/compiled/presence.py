@@ -1,4 +1,4 @@
-"""Elements that a composition lacks, and elements that pass for a part's without being of it."""
+"""Elements that a composition lacks, and foreign elements with a part's prefix."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from composer.compiled.kinds import KINDS, ON_BODIES, Model, NameTable
 def presence_differences(
     matching: Correspondence, others: Sequence[tuple[str, Model]] | None
 ) -> list[Difference]:
-    """Missing elements; with ``others``, extra ones as well. Keys are left to ``keyframes``."""
+    """Return missing elements; with ``others``, extra ones as well. ``keyframes`` handles keys."""
     rosters = None if others is None else [(prefix, NameTable(model)) for prefix, model in others]
     found: list[Difference] = []
     for kind in KINDS:
@@ -25,7 +25,7 @@ def presence_differences(
 
 
 def _missing(matching: Correspondence, kind: str) -> list[Difference]:
-    """What an unnamed element is on a missing body is not reported again."""
+    """Return missing elements; an unnamed element on a missing body is not reported again."""
     roster, bodies = matching.alone, matching.ids["body"]
     owners = getattr(roster.model, ON_BODIES[kind]).tolist() if kind in ON_BODIES else None
     found: list[Difference] = []

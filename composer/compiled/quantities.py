@@ -1,4 +1,4 @@
-"""The words, units and MJCF attributes of the arrays of `mjModel`, for people who read a comparison."""
+"""The words, units and MJCF attributes of the arrays of `mjModel`, for the readers of a comparison."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from composer.compiled.joints import ANGULAR
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """`unit` is that of slides and of everything but joints; `angular` that of hinges if it is another one."""
+    """`unit` is that of slides and of everything except joints; `angular` that of hinges if it differs."""
 
     words: str
     unit: str = ""
@@ -181,11 +181,11 @@ _FOLLOWING = frozenset(
     meaninertia meanmass meansize extent center
     """.split()
 )
-"""Arrays that MuJoCo computes from others, beside those that ``composer.compiled.fields`` calls derived."""
+"""Arrays that MuJoCo computes from others, besides those that ``composer.compiled.fields`` marks as derived."""
 
 
 def quantity(field: str) -> Quantity:
-    """How people say it; an array that has no words here by its own name without the first word.
+    """Return the words for an array; the default is its name without the first word.
 
     >>> quantity("geom_condim").words, unit("jnt_range", "hinge")
     ('condim', 'rad')
@@ -199,17 +199,17 @@ def quantity(field: str) -> Quantity:
 
 
 def rank(field: str) -> int:
-    """The order in which quantities are reported: as in the table above, the others after that."""
+    """Return the position of a quantity in reports: its row in the table above, others after that."""
     return _RANKS.get(field.partition("[")[0], len(_RANKS))
 
 
 def is_place(field: str) -> bool:
-    """Whether it is a position or a state, of which a share means nothing."""
+    """Return whether it is a position or a state, for which a relative change has no meaning."""
     return field.endswith(("pos", "qpos0", "quat")) or field.startswith("key_")
 
 
 def unit(field: str, form: str) -> str:
-    """The unit of a quantity; none for free joints, whose numbers are of several units."""
+    """Return the unit of a quantity; none for free joints, whose numbers have several units."""
     known = quantity(field)
     if form == "free" or (form == "ball" and field != "jnt_range"):
         return ""
@@ -217,7 +217,7 @@ def unit(field: str, form: str) -> str:
 
 
 def follows(field: str) -> bool:
-    """Whether MuJoCo computes the array from what is compared too."""
+    """Return whether MuJoCo computes the array from others that are compared too."""
     field = field.partition("[")[0]
     rule = RULES.get(field)
     return field in _FOLLOWING or (

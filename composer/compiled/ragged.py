@@ -1,4 +1,4 @@
-"""The data an element points to: vertices, pixels, paths, positions; without the addresses."""
+"""The data that an element points to: vertices, pixels, paths, positions; without the addresses."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ _VERTEX_PAIRS = Rows("flex_evpairadr", counted("flex_evpairnum"))
 
 
 def runs(model: Model, kind: str, index: int) -> Iterator[Run]:
-    """The data of one element, array by array, in a fixed order; shape (n,) or (n, width) as in `mjModel`.
+    """Yield the data of one element, array by array, in a fixed order; shape (n,) or (n, width) as in `mjModel`.
 
-    Arrays that the MuJoCo at hand does not have are left out. References are left to ``links``.
+    Arrays that this MuJoCo does not have are left out. ``links`` has the references.
     """
     reader = _READERS.get(kind)
     if reader:
@@ -60,7 +60,7 @@ def _mesh(model: Model, index: int) -> Iterator[Run]:
 
 
 def _nested(model: Model, rows: range, first: str, number: str, *arrays: str) -> Iterator[Run]:
-    """The data that consecutive rows of an element point to in turn."""
+    """Yield the data that consecutive rows of an element point to in turn."""
     if rows:
         start = int(getattr(model, first)[rows.start])
         count = int(getattr(model, number)[rows.start : rows.stop].sum())
@@ -102,7 +102,7 @@ _FLEX_RUNS_TO_THE_NEXT = (
     ("flex_texcoordadr", "flex_texcoord"),
 )
 FROM_THE_WORLD = frozenset("flex_vertmetric flex_node flexedge_length0 flex_stiffness flex_bending".split())
-"""Flex data that MuJoCo computes from positions in the world, so that a moved part has it up to rounding."""
+"""Flex data that MuJoCo computes from world positions, so that a moved part has it up to rounding."""
 
 IN_THE_WORLD = frozenset({"flex_node0", "flex_vert0"})
 """Flex data that is a position in the world, or in the flex's box along the axes of the world."""
@@ -130,7 +130,7 @@ def _tendon(model: Model, index: int) -> Iterator[Run]:
 
 def _actuator(model: Model, index: int) -> Iterator[Run]:
     if not hasattr(model, "actuator_ctrladr"):
-        return  # MuJoCo 3: these arrays have one row an actuator
+        return  # MuJoCo 3: these arrays have one row for each actuator
     own = RUNS["actuator"]
     yield from _slices(model, own["nu"].rows(model, index), "actuator_ctrllimited", "actuator_ctrlrange")
     outputs = own["nout"].rows(model, index)

@@ -1,4 +1,4 @@
-"""References that stand for another element in a composition than in the part alone."""
+"""References with another target in a composition than in the part alone."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from composer.compiled.links import UNORDERED, Link, links
 
 
 def reference_differences(matching: Correspondence) -> list[Difference]:
-    """A reference whose target is missing altogether is not reported again."""
+    """Return changed references; one whose target is missing is not reported again."""
     found: list[Difference] = []
     for kind in KINDS:
         if kind != "key":

@@ -1,4 +1,4 @@
-"""The arrays of `mjModel` that hold one row an element."""
+"""The arrays of `mjModel` with one row for each element."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from composer.compiled.kinds import KINDS, Model
 Array = NDArray[np.generic]
 
 DOF = "dof"
-"""Not a kind of element of its own: the rows belong to joints."""
+"""Not a kind of element: the rows belong to joints."""
 
 
 @cache
 def _arrays_of(model_type: Hashable) -> dict[str, tuple[str, ...]]:
-    """The attributes of a class of models by the word they begin with: that of a kind, or ``dof``."""
+    """Return the attributes of a class of models by the word they begin with: that of a kind, or ``dof``."""
     words = {kind.arrays: word for word, kind in KINDS.items()} | {DOF: DOF}
     found: dict[str, list[str]] = {}
     for attribute in sorted(dir(model_type)):
@@ -31,9 +31,10 @@ def _arrays_of(model_type: Hashable) -> dict[str, tuple[str, ...]]:
 
 
 def arrays(model: Model, kind: str) -> Iterator[tuple[str, Array, Rule | None]]:
-    """The arrays of one kind with one row an element (or a dof), shape (n,) or (n, width), in order of their names.
+    """Yield the arrays of one kind with one row for each element (or dof), shape (n,) or (n, width), sorted by
+    name.
 
-    An array that happens to be as long as there are elements is one of them, too: `fields` says how it is compared.
+    An array that happens to be as long as the number of elements is included: `fields` says how it is compared.
     """
     count = len(model.dof_bodyid) if kind == DOF else len(getattr(model, KINDS[kind].addresses))
     for name in _arrays_of(cast("Hashable", type(model))).get(kind, ()):
@@ -43,7 +44,7 @@ def arrays(model: Model, kind: str) -> Iterator[tuple[str, Array, Rule | None]]:
 
 
 def row_key(model: Model, kind: str, index: int) -> bytes:
-    """The plain values of one element as bytes: neither where it stands nor what it refers to."""
+    """Return the plain values of one element as bytes, without its place and references."""
     return b"".join(
         array[index].tobytes()
         for _, array, how in arrays(model, kind)
@@ -52,7 +53,7 @@ def row_key(model: Model, kind: str, index: int) -> bytes:
 
 
 def unequal(expected: Array, actual: Array, tolerance: float = 0.0) -> NDArray[np.bool_]:
-    """Where two arrays of one shape differ: bit for bit, but zeros and NaNs are equal whatever their sign.
+    """Return where two arrays of one shape differ, bit for bit; zeros and NaNs are equal whatever their sign.
 
     ``tolerance`` is relative to the larger of 1 and the expected value.
     """
@@ -67,7 +68,7 @@ def unequal(expected: Array, actual: Array, tolerance: float = 0.0) -> NDArray[n
 
 
 def same_width(a: Array, b: Array) -> tuple[Array, Array]:
-    """Two tables, shape (n, width), the narrower filled up with columns of zeros."""
+    """Return two tables, shape (n, width), with the narrower one padded with columns of zeros."""
     width = max(a.shape[1], b.shape[1])
     return _widened(a, width), _widened(b, width)
 

@@ -1,7 +1,7 @@
-"""The gains of motors and servos: where `mjModel` keeps them, and what they are.
+"""The gains of motors and servos, and their place in `mjModel`.
 
-MuJoCo computes force = gainprm[0] * input + biasprm[0] + biasprm[1] * length + biasprm[2] * velocity where the gain is
-fixed and the bias affine. The tags `motor`, `position` and `velocity` are words for special cases of that.
+MuJoCo computes force = gainprm[0] * input + biasprm[0] + biasprm[1] * length + biasprm[2] * velocity if the gain is
+fixed and the bias affine. The tags `motor`, `position` and `velocity` are special cases of that.
 """
 
 from __future__ import annotations
@@ -11,20 +11,20 @@ from collections.abc import Mapping
 from composer.compiled.kinds import Model
 
 FIXED, NO_BIAS, AFFINE = 0, 0, 1
-"""Of `actuator_gaintype` the first, of `actuator_biastype` the others."""
+"""The first is a value of `actuator_gaintype`, the others are values of `actuator_biastype`."""
 
 GAINS: Mapping[tuple[str, str], tuple[tuple[str, int, int], ...]] = {
     ("position", "kp"): (("actuator_gainprm", 0, 1), ("actuator_biasprm", 1, -1)),
     ("position", "kv"): (("actuator_biasprm", 2, -1),),
     ("velocity", "kv"): (("actuator_gainprm", 0, 1), ("actuator_biasprm", 2, -1)),
 }
-"""By tag and attribute: the arrays that keep it, with the column and the sign."""
+"""By tag and attribute: the arrays that store it, with column and sign."""
 
 
 def servo(model: Model, actuator: int) -> dict[str, float] | None:
-    """The gains by their names: `gain` of a motor, `kp` and `kv` of a position servo, `kv` of a velocity servo.
+    """Return the gains by name: `gain` of a motor, `kp` and `kv` of a position servo, `kv` of a velocity servo.
 
-    None for any other actuator. `kp` is in N/m or N·m/rad, `kv` in N·s/m or N·m·s/rad if the gear is 1.
+    Return None for any other actuator. `kp` is in N/m or N·m/rad, `kv` in N·s/m or N·m·s/rad if the gear is 1.
     """
     gain, bias = float(model.actuator_gainprm[actuator, 0]), model.actuator_biasprm[actuator, :3].tolist()
     kinds = int(model.actuator_gaintype[actuator]), int(model.actuator_biastype[actuator])

@@ -1,4 +1,4 @@
-"""What an unnamed element is recognised by, where order alone does not say which is which."""
+"""Features that identify an unnamed element if its order does not."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from composer.compiled.rows import row_key
 
 
 def distinguishes(link: Link) -> bool:
-    """Whether a reference serves to recognise an element: not where it stands, nor what is matched later."""
+    """Return whether a reference helps to identify an element: not its place, nor elements that are matched later."""
     return link.kind != "plugin" and link.world is World.WORLD and link.field != "jnt_actuatorid"
 
 
 def raw(model: Model, kind: str, index: int) -> Hashable:
-    """The references of an element of the composition, comparable with the translated ones of the part."""
+    """Return the references of an element of the composition, comparable with the translated ones of the part."""
     targets = [(link.kind, link.index) for link in links(model, kind, index) if distinguishes(link)]
     return tuple(sorted(targets)) if kind in UNORDERED else tuple(targets)
 
 
 def values(model: Model, kind: str, index: int) -> Hashable:
-    """Everything an element says of itself, wherever it stands and whatever it refers to."""
+    """Return all values of an element, without its place and references."""
     data = tuple((name, array.tobytes()) for name, array in runs(model, kind, index) if kind != "flex")
     return row_key(model, kind, index), data
 
 
 def shape(model: Model, kind: str, index: int) -> Hashable:
-    """What rarely changes of an element: its type; of a body, its joints and how much stands on it."""
+    """Return what rarely changes of an element: its type; for a body, its joints and the number of its geoms."""
     if kind == "body":
         first, number = int(model.body_jntadr[index]), int(model.body_jntnum[index])
         types = tuple(model.jnt_type[first : first + number].tolist()) if number else ()

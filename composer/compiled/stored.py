@@ -1,4 +1,4 @@
-"""Numbers that differ between worlds as they are kept in a file."""
+"""The file format for numbers that differ between worlds."""
 
 from __future__ import annotations
 
@@ -12,9 +12,11 @@ from composer.compiled.whose import whose
 
 
 def stored(model: Model, found: Iterable[tuple[str, Numbers, Numbers]]) -> dict[str, Numbers]:
-    """By key of an `.npz`, of every array NAME: `NAME/index`, where the numbers are in it flattened, `(numbers,)`;
-    `NAME/values`, `(worlds, numbers)`; and for those who read the table `NAME/kind`, `NAME/element` and
-    `NAME/attribute`, `(numbers,)`: whose each of them is.
+    """Return the entries of an `.npz` file by key.
+
+    For every array NAME there are `NAME/index`, the numbers' places in the flattened array, `(numbers,)`;
+    `NAME/values`, `(worlds, numbers)`; and for readers `NAME/kind`, `NAME/element` and `NAME/attribute`,
+    `(numbers,)`, with the owner of each number.
     """
     arrays: dict[str, Numbers] = {}
     for name, index, values in found:

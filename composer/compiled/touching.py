@@ -1,4 +1,4 @@
-"""The bodies that touch, in the child process that has MuJoCo."""
+"""Find touching bodies, in MuJoCo's child process."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ _CLOSE = 1e-9
 
 
 def touching(mujoco: Any, model: Any, prefixes: list[str]) -> list[dict[str, Any]]:
-    """For `composer.engine.call`: the pairs of bodies of different parts that touch or overlap.
+    """Return the pairs of bodies of different parts that touch or overlap; runs under `composer.engine.call`.
 
-    Looked at are the reference configuration and all keys. `prefixes` are those of the parts. What floats freely is
-    left out: it may lie on the other. Gives for each pair the names of its `bodies` (empty for those without), what to
-    call them and where they touch.
+    This checks the reference configuration and all keys. `prefixes` are those of the parts. Freely floating bodies
+    are left out, because they may lie on the other one. Each pair has the names of its `bodies` (empty for unnamed
+    ones), their names for messages, and where they touch.
     """
     off = int(mujoco.mjtDisableBit.mjDSBL_CONTACT) | int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     model.opt.disableflags &= ~off
@@ -56,7 +56,7 @@ def _part(model: Any, body: int, prefixes: list[str]) -> str:
 
 
 def _floats(mujoco: Any, model: Any, one: int, other: int) -> bool:
-    """Whether the two are apart from one another but for a free joint."""
+    """Return whether only a free joint connects the two."""
     roots = [int(model.body_rootid[body]) for body in (one, other)]
     if roots[0] == roots[1]:
         return False

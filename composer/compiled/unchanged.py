@@ -1,4 +1,4 @@
-"""Whether a part inside a composed model is numerically what it is alone."""
+"""Compare a part inside a composed model numerically with the part alone."""
 
 from __future__ import annotations
 
@@ -33,22 +33,22 @@ def compare(
     tolerance: float = 0.0,
     cut: bool = False,
 ) -> list[Difference]:
-    """What differs between a part compiled alone and the same part in a composition; nothing if it is
+    """Return the differences between a part compiled alone and the same part in a composition; empty if it is
     unchanged.
 
-    ``prefix`` includes its separator; the base's is empty. ``hung_on`` is where the part's world stands:
-    the world, unmoved, if not given. ``renamed`` maps names of the part to names of the composition, by
-    kind, where they are not simply prefixed. ``ignore`` are arrays (`geom_friction`), or attributes of
-    every kind (`friction`), that were changed on purpose; ``replaced_keys`` are keys of the composition that
-    were written in place of the part's own. With ``others``, the prefixes and models of all
-    other parts, elements that bear this part's prefix but are of no part count as differences too.
+    ``prefix`` includes its separator; the base's is empty. ``hung_on`` is the place of the part's world: the
+    unmoved world by default. ``renamed`` maps names of the part to names in the composition, by kind, if they are
+    not simply prefixed. ``ignore`` are arrays (`geom_friction`), or attributes of every kind (`friction`), that
+    were changed on purpose; ``replaced_keys`` are keys of the composition that were written in place of the part's
+    own. With ``others``, the prefixes and models of all other parts, elements with this part's prefix that belong
+    to no part count as differences too.
 
-    ``tolerance`` is relative to the larger of 1 and the value. 0 asks for equality bit for bit wherever
-    composition can give it; ``fields.RULES`` says where it cannot, and why. ``cut`` says that ``composed`` is
-    the whole that the part was cut out of.
+    ``tolerance`` is relative to the larger of 1 and the value. 0 requires equality bit for bit wherever composition
+    can preserve it; ``fields.RULES`` says where it cannot, and why. ``cut`` says that ``composed`` is the whole
+    that the part was cut out of.
 
-    Options, statistics and visual settings belong to the whole model and are not compared here. No I/O.
-    Raises KeyError if ``hung_on`` names a body the composition has not got.
+    Options, statistics and visual settings belong to the whole model and are not compared here. No I/O. Raises
+    KeyError if ``hung_on`` names an unknown body.
     """
     mount = hung_on or Mount()
     matching = Correspondence(
@@ -67,6 +67,6 @@ def compare(
 
 
 def _ignored(difference: Difference, ignore: Collection[str]) -> bool:
-    """Whether ``ignore`` holds the array of the difference, or what follows the array's first word."""
+    """Return whether ``ignore`` holds the array of the difference, or its name without the first word."""
     array = difference.array
     return array in ignore or array.partition("_")[2] in ignore

@@ -1,7 +1,7 @@
 """The units of the controls and sensors of a compiled model. Runs in the child process; imports no MuJoCo.
 
-Angles are radians, lengths metres, as MuJoCo holds them. A quaternion has no unit and is called one; `1` is a plain
-number; None where the unit depends on what the model means by it.
+As in MuJoCo, angles are in radians and lengths in metres. The unit of a quaternion is the word itself; `1` is a
+plain number; None means that the unit depends on the model's author.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from composer.compiled.links import ON_JOINTS, ON_TENDON
 from composer.compiled.servos import servo
 
 FORCES = {ANGLE: "N m", LENGTH: "N"}
-"""What acts along a coordinate of that unit."""
+"""The unit of the force along a coordinate with that unit."""
 
 _SENSORS = {
     "touch": "N",
@@ -54,13 +54,13 @@ _SENSORS = {
     "clock": "s",
 }
 _OF_JOINTS = {"pos": "{}", "vel": "{}/s", "frc": None}
-"""What sensors of joints and actuators measure, by the end of their tag."""
+"""The quantities that sensors of joints and actuators measure, by the suffix of their tag."""
 
 
 def of_sensor(tag: str, dimension: int, about: str | None) -> str | None:
-    """The unit of a sensor; `about` is that of the coordinate of the joint or actuator that it is on."""
+    """Return the unit of a sensor; `about` is the unit of the coordinate of its joint or actuator."""
     if tag == "rangefinder":
-        return LENGTH if dimension == 1 else None  # with more fields it says more than a distance
+        return LENGTH if dimension == 1 else None  # with more fields it is more than a distance
     if not tag.startswith(("joint", "actuator")):
         return _SENSORS.get(tag)
     if about is None:
@@ -70,7 +70,7 @@ def of_sensor(tag: str, dimension: int, about: str | None) -> str | None:
 
 
 def of_transmission(model: Model, row: int) -> str | None:
-    """The unit of an actuator's length: that of the coordinate it acts on, unless a gear scales it."""
+    """Return the unit of an actuator's length: that of its coordinate, unless a gear scales it."""
     kind, target = int(model.actuator_trntype[row]), int(model.actuator_trnid[row, 0])
     scale, *others = model.actuator_gear[rows_of(model, "actuator", "actuator_gear", row).start]
     if abs(scale) != 1 or any(others):
@@ -83,9 +83,9 @@ def of_transmission(model: Model, row: int) -> str | None:
 
 
 def of_control(model: Model, mujoco: Any, row: int) -> str | None:
-    """The unit of an actuator's only control, known from what MuJoCo computes with it.
+    """Return the unit of an actuator's only control, derived from MuJoCo's computations with it.
 
-    A servo wants a position or a velocity, a motor a force or torque, a muscle an activation.
+    A servo takes a position or a velocity, a motor a force or torque, a muscle an activation.
     """
     dynamics = int(model.actuator_dyntype[row])
     if dynamics == int(mujoco.mjtDyn.mjDYN_MUSCLE):

@@ -1,4 +1,4 @@
-"""The numbers of a part's elements: rows of arrays, and the data that elements point to."""
+"""Compare the numbers of a part's elements: rows of arrays, and the data that elements point to."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from composer.compiled.ragged import FROM_THE_WORLD, IN_THE_WORLD, runs
 from composer.compiled.rows import DOF, Array, arrays, same_width, unequal
 
 _SHOWN = 12
-"""Longer rows are shown by their first entry that differs."""
+"""Longer rows are shown by their first differing entry."""
 
 
 class Values:
@@ -46,7 +46,7 @@ class Values:
         return found
 
     def _dofs(self) -> list[Difference]:
-        """The arrays with one row a degree of freedom, listed by joint."""
+        """Compare the arrays with one row for each degree of freedom, by joint."""
         pairs: list[tuple[int, int]] = []
         mine: list[int] = []
         theirs: list[int] = []
@@ -60,7 +60,7 @@ class Values:
     def _rows(
         self, kind: str, group: str, pairs: list[tuple[int, int]], mine: list[int], theirs: list[int]
     ) -> list[Difference]:
-        """The arrays of a group at ``mine`` alone and ``theirs`` composed: the rows of ``pairs``."""
+        """Compare the arrays of a group at ``mine`` alone and ``theirs`` composed: the rows of ``pairs``."""
         found: list[Difference] = []
         if not pairs:
             return found
@@ -106,7 +106,7 @@ class Values:
         return self.tolerance
 
     def _excused(self, treatment: Treatment, kind: str, name: str, index: int, target: int) -> bool:
-        """Whether a difference in this row is what its place in the composition makes of it."""
+        """Return whether a difference in this row only follows from the part's place in the composition."""
         coupling, moved = self.coupling, not self.coupling.in_place
         if name in HULL and self._hull_for_others(kind, index):
             return True
@@ -138,7 +138,9 @@ class Values:
                 return False
 
     def _hull_for_others(self, kind: str, index: int) -> bool:
-        """Whether nothing of the part collides with this mesh: only then MuJoCo computes no convex hull of it."""
+        """Return whether nothing of the part collides with this mesh: only then MuJoCo computes no convex hull of
+        it.
+        """
         return kind == "mesh" and int(self.alone.mesh_graphadr[index]) < 0
 
     def _at_root(self, kind: str, index: int) -> bool:
@@ -153,9 +155,9 @@ class Values:
         return self.coupling.anywhere
 
     def _less_simple(self, kind: str, index: int) -> bool:
-        """Whether MuJoCo takes its shortcut for bodies that slide in the world in one of the models only.
+        """Return whether only one of the models uses MuJoCo's shortcut for bodies that slide in the world.
 
-        Theirs are not the inverse weights that the whole mass matrix gives.
+        The shortcut's inverse weights differ from those of the whole mass matrix.
         """
         if kind not in ("body", "joint"):
             return False
@@ -164,7 +166,7 @@ class Values:
         return there >= 0 and int(self.alone.body_simple[body]) != int(self.composed.body_simple[there])
 
     def _runs(self, kind: str) -> list[Difference]:
-        """Data that elements point to."""
+        """Compare the data that elements point to."""
         found: list[Difference] = []
         for index, target in self.matching.pairs(kind):
             theirs = dict(runs(self.composed, kind, target))
@@ -203,7 +205,7 @@ class Values:
         return [self._difference(kind, target, name, mine, other, different)]
 
     def _sleep(self) -> list[Difference]:
-        """The sleep policy of a kinematic tree, where the part's author wrote one on its root."""
+        """Compare the sleep policy of a kinematic tree, if the part's author wrote one on its root."""
         found: list[Difference] = []
         if not hasattr(self.alone, "tree_sleep_policy"):
             return found

@@ -1,4 +1,4 @@
-"""Which numbers of models differ that are alike in everything else."""
+"""Collect the numbers that differ between models that are otherwise equal."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from composer.compiled.kinds import Model
 Numbers = NDArray[Any]
 MEAN_INERTIA = "stat.meaninertia"
 _LARGE = 1 << 16
-"""Arrays of more numbers are assets, such as the vertices of meshes: of one model with draws looked at in the first
-worlds only.
+"""Larger arrays are assets, such as the vertices of meshes. For draws from one model they are only compared in the
+first worlds.
 """
 _FIRST = 4
 
 
 class Differences:
-    """What differs from the nominal model, in so many worlds: by array, the numbers that do in any of them."""
+    """The differences from the nominal model in this many worlds: by array, the numbers that differ in any of them."""
 
     def __init__(self, model: Model, worlds: int) -> None:
         self.model, self.worlds = model, worlds
@@ -30,8 +30,8 @@ class Differences:
         self.changed: set[str] = set()
 
     def take(self, world: int, model: Model | None = None, count: int = 1) -> None:
-        """Note what the model is in this world, or in `count` worlds from it; or another model with as many numbers in
-        each array.
+        """Record the model's state for this world, or for `count` worlds from it; or the state of another model
+        with arrays of the same sizes.
         """
         for name, nominal in self.nominal.items():
             if model is None and nominal.size > _LARGE and world >= _FIRST and name not in self.values:
@@ -47,14 +47,14 @@ class Differences:
             self.values[name][:, world : world + count] = now[self.index[name], None]
 
     def take_numbers(self, world: int, name: str, index: Numbers, values: Numbers) -> None:
-        """Note what some numbers of an array are from this world on, `(worlds, numbers)`."""
+        """Record some numbers of an array from this world on, `(worlds, numbers)`."""
         self._grow(name, index)
         order = np.argsort(self.index[name])
         places = order[np.searchsorted(self.index[name], index, sorter=order)]
         self.values[name][places, world : world + len(values)] = values.T
 
     def _grow(self, name: str, other: Numbers) -> None:
-        """Numbers that are others for the first time: in the worlds before they are the nominal ones."""
+        """Add numbers that differ for the first time: in earlier worlds they are nominal."""
         index = self.index.get(name, np.empty(0, np.int64))
         new = np.setdiff1d(other, index)
         if new.size or name not in self.values:
@@ -63,7 +63,7 @@ class Differences:
             self.values[name] = np.concatenate((self.values[name], rows)) if name in self.values else rows
 
     def extend(self, worlds: int) -> None:
-        """Make room for so many worlds, which are the nominal model as long as nothing else is noted."""
+        """Make room for this many worlds, which are nominal until something else is recorded."""
         more = max(0, worlds - self.worlds)
         self.worlds += more
         for name, values in self.values.items():
@@ -71,20 +71,22 @@ class Differences:
             self.values[name] = np.concatenate((values, rows), axis=1)
 
     def restore(self) -> None:
-        """Make the model the nominal one again."""
+        """Restore the nominal model."""
         for name in self.changed:
             put(self.model, name, self.nominal[name])
         self.changed.clear()
 
     def found(self) -> Iterator[tuple[str, Numbers, Numbers]]:
-        """Of each array that differs the flat indices, `(numbers,)`, and the numbers, `(worlds, numbers)`."""
+        """Yield for each differing array the flat indices, `(numbers,)`, and the numbers, `(worlds, numbers)`."""
         for name in sorted(self.values):
             order = np.argsort(self.index[name])
             yield name, self.index[name][order], np.ascontiguousarray(self.values[name][order].T)
 
 
 def arrays(model: Model) -> Iterator[str]:
-    """All arrays of a model, its options, and the number by which solvers scale; the rest of `stat` is for viewers."""
+    """Yield all arrays of a model, its options, and the number that scales solver tolerances; the rest of `stat` is
+    for viewers.
+    """
     for name in dir(model):
         if not name.startswith("_") and isinstance(getattr(model, name), np.ndarray):
             yield name
@@ -95,13 +97,13 @@ def arrays(model: Model) -> Iterator[str]:
 
 
 def value_of(model: Model, name: str) -> Any:
-    """An array of a model, or what `opt.` or `stat.` stands before: an array or a number. Raises AttributeError."""
+    """Return an array of a model, or an array or number of its `opt.` or `stat.`. Raises AttributeError."""
     owner, _, field = name.rpartition(".")
     return getattr(getattr(model, owner) if owner else model, field)
 
 
 def flat(model: Model, name: str) -> Numbers:
-    """An array in one dimension: a view of the model's memory, but of a single number a copy."""
+    """Return a flattened array: a view of the model's memory, or a copy of a single number."""
     value = value_of(model, name)
     numbers: Numbers = value.reshape(-1) if isinstance(value, np.ndarray) else np.array([value])
     return numbers

@@ -1,4 +1,4 @@
-"""Whose a number of `mjModel` is: the element, and what MJCF calls the attribute."""
+"""The owner of a number of `mjModel`: the element, and the MJCF attribute."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ _KIND_OF = {kind.arrays: word for word, kind in KINDS.items()} | {
 
 
 Rows = dict[int, tuple[int, int, int]]
-"""By row of an array: the element it is of, its place among that element's rows, and how many these are."""
+"""By row of an array: its element, its place among that element's rows, and how many these are."""
 
 
 class Whose(NamedTuple):
-    """An element of a kind, `arm/elbow`, and its attribute or the number of it, `friction[0]`.
+    """An element by kind and name, `arm/elbow`, and its attribute or a number of it, `friction[0]`.
 
-    What MJCF has no attribute for goes by the array: `invweight0[1]`. Options are a kind without names.
+    If MJCF has no attribute for it, the array's name is used: `invweight0[1]`. Options are a kind without names.
     """
 
     kind: str
@@ -35,7 +35,7 @@ class Whose(NamedTuple):
 
 
 def whose(model: Model, array: str, index: Iterable[int]) -> list[Whose]:
-    """The owner of each number of an array, by its flat index."""
+    """Return the owner of each number of an array, by its flat index."""
     owner, _, field = array.rpartition(".")
     shape = np.shape(value_of(model, array))
     width = int(np.prod(shape[1:], dtype=int))
@@ -59,13 +59,13 @@ def whose(model: Model, array: str, index: Iterable[int]) -> list[Whose]:
 
 
 def owners(model: Model, array: str) -> tuple[str, Rows]:
-    """The kind of element that an array is about, and whose each of its rows is; none where that is not known."""
+    """Return the kind of element that an array is about, and the owner of each row; none if that is unknown."""
     kind = _KIND_OF.get(array.split("_", 1)[0], "")
     return kind, rows_of_size(model, kind, len(value_of(model, array))) if kind else {}
 
 
 def rows_of_size(model: Model, kind: str, rows: int) -> Rows:
-    """Of an array of so many rows about elements of a kind: whose each row is."""
+    """Return the owner of each row, for an array with this many rows about elements of a kind."""
     count = len(getattr(model, KINDS[kind].addresses))
     if rows == count:
         return {row: (row, 0, 1) for row in range(rows)}

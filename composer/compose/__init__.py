@@ -1,1 +1,1 @@
-"""Carrying out a plan: one file a kind of step."""
+"""Carry out a plan. Each kind of step has its own file."""

@@ -1,4 +1,4 @@
-"""What an actuator does, as MuJoCo has compiled it: its gain, bias, dynamics, controls and limits."""
+"""The behaviour of an actuator as MuJoCo compiled it: gain, bias, dynamics, controls and limits."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ INPUTS = {"pos": "position", "vel": "velocity", "ff": "force"}
 
 @dataclass(frozen=True, slots=True)
 class ActuatorModel:
-    """What an actuator does: force = gain · control + bias, by MuJoCo's own parameters."""
+    """The behaviour of an actuator: force = gain · control + bias, by MuJoCo's own parameters."""
 
     gain: str
     bias: str

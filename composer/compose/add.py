@@ -1,4 +1,4 @@
-"""Step: an element under a body, a frame or the world."""
+"""Step: add an element below a body, a frame or the world."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The settings that the model of a plan takes from its parts, found without composing it."""
+"""Find the settings that the model of a plan takes from its parts, without composing the model."""
 
 from __future__ import annotations
 

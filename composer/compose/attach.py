@@ -1,4 +1,4 @@
-"""Step: a part of the recipe becomes a part of the linker."""
+"""Step: turn a part of the recipe into a part for the linker."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Names of bodies in skin files, which follow a rename like every other reference."""
+"""Rename bodies in skin files, as in every other reference."""
 
 from __future__ import annotations
 

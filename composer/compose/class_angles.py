@@ -1,4 +1,6 @@
-"""Numbers that the recipe gives to joints by a class: where a unit is turned, one is no angle and length at once."""
+"""Numbers that the recipe gives to joints through a class: if converted, one number cannot serve both hinges and
+slides.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Carry out a plan: sources become units, parts are linked to a base, and the recipe's own elements are added."""
+"""Carry out a plan: load sources as units, link parts to a base, and add the recipe's own elements."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ check_rows("the steps that composer/compose/compose.py carries out", [*_WRITE, *
 
 @dataclass(frozen=True, slots=True)
 class Composed:
-    """One flat model, the files it names, the sources that are in it, and what was drawn for it."""
+    """One flat model, the files that it names, the sources that it contains, and the values drawn for it."""
 
     model: Unit
     files: tuple[FileUse, ...]
@@ -100,10 +100,10 @@ class Composed:
 class Composer:
     """Composes plans.
 
-    `checks_sources` says whether all of a source has to be MJCF, or only what is looked at. `subtrees` has what became
-    of the models of which only one body is taken, by recipe and path. `parts` says of an element what the recipe calls
-    the part that it came from, where `notes_parts` asks for that or the plan needs it. `edits` has what each
-    entry of `edit` did, by recipe and path.
+    `checks_sources` is set if every source must be valid MJCF as a whole, not only where the composition reads it.
+    `subtrees` holds the results of taking single bodies, by recipe and path. `parts` maps elements to the recipe's
+    name for the part that they came from; it is filled if `notes_parts` is set or the plan needs it. `edits` holds
+    the outcome of each entry of `edit`, by recipe and path.
     """
 
     def __init__(

@@ -1,9 +1,10 @@
-"""What the controls and activations of actuators are, where these move hinges: angles, angular velocities, or neither.
+"""The units of the controls and activations of actuators that move hinges: angles, angular velocities, or plain
+numbers.
 
 The control of a position servo is a position, that of a velocity servo a velocity, of whatever the servo moves;
-`compiled/units.py` answers the same of a compiled model. Only a joint says whether that is an angle: a fixed tendon
-adds up hinges by coefficients, and MJCF gives its `range` no unit either. A gear other than 1 and -1 scales the number,
-so that it is not an angle of the joint.
+`compiled/units.py` determines the same for a compiled model. Only a joint determines whether that is an angle: a
+fixed tendon adds up hinges by coefficients, and MJCF gives its `range` no unit either. A gear other than 1 and -1
+scales the number, so it is not an angle of the joint.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ _GENERAL = ("gaintype", "biastype", "dyntype", "gainprm", "biasprm")
 
 
 class Meant(NamedTuple):
-    """What each control and the activation of an actuator is, in words; None where it is a plain number."""
+    """The meaning of each control, and of the activation, of an actuator, in words; None for a plain number."""
 
     controls: tuple[str | None, ...] = ()
     activation: str | None = None
@@ -41,9 +42,10 @@ class Meant(NamedTuple):
 
 @dataclass
 class ControlUnits:
-    """Answers for the actuators of a model that is complete but for its keys. `joints` are the types by name.
+    """Determines the units for the actuators of a model that is complete except for its keys.
 
-    `in_doubt`: there were errors before, and MuJoCo may not read the model.
+    `joints` has the types of joints by name. `in_doubt` is set if there were errors before, so MuJoCo may not be
+    able to read the model.
     """
 
     linking: Linking

@@ -1,7 +1,7 @@
-"""Verb `convert`: an actuator becomes one of another kind that does the same, or it is reported what is lost.
+"""Verb `convert`: replace an actuator by one of another kind that does the same, or report what would be lost.
 
-What an actuator does is asked of MuJoCo, which knows how its attributes and classes add up: a gain, a bias and the
-dynamics of an activation. That is what the attributes of the new kind are written from.
+MuJoCo computes what the actuator does from its attributes and classes: gain, bias and the dynamics of the
+activation. The attributes of the new kind are written from these.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Step: what of a base or a part is not wanted is left out, with all that refers to it."""
+"""Step: leave out unwanted elements of a base or a part, and everything that refers to them."""
 
 from __future__ import annotations
 

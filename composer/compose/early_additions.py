@@ -1,4 +1,6 @@
-"""What a recipe adds and its parts hang on: it is made while the parts are joined, when what it stands on exists."""
+"""Elements that a recipe adds and that parts are attached to. They are added during linking, once their parent
+exists.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,7 @@ Place = tuple[str, str]
 
 @dataclass(slots=True)
 class EarlyAdditions:
-    """Carries out the `add` entries that parts wait for; `done` has those that were."""
+    """Carries out the `add` entries that parts wait for; `done` lists those carried out."""
 
     plan: Plan
     linking: Linking

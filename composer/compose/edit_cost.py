@@ -1,4 +1,4 @@
-"""What the edits and draws of a recipe cost: counted before each is carried out, so that there is an end to it."""
+"""The cost of the edits and draws of a recipe. It is counted before each one is carried out, and limited."""
 
 from __future__ import annotations
 
@@ -29,7 +29,10 @@ _DRAWS, _DRAWS_OF_A_TABLE = 100, 15
 
 @dataclass(slots=True)
 class EditCost:
-    """What all edits of one composition have cost, in values that could be written; `ended` says that it is enough."""
+    """The cost of all edits of one composition so far; `ended` is set once it exceeds the limit.
+
+    The unit is the time in which one value is written.
+    """
 
     spent: float = 0
     ended: bool = False

@@ -1,4 +1,6 @@
-"""The values of an edit for one element: `${…}` evaluated with the present values, angles in the model's unit."""
+"""The values of an edit for one element: evaluates `${…}` with the current values, and converts angles to the
+model's unit.
+"""
 
 from __future__ import annotations
 
@@ -31,12 +33,12 @@ RESERVED = ("name", "parent", "index")
 
 
 class Unusable(Exception):
-    """A value that cannot be had; it has been reported."""
+    """Raised for a value that cannot be determined; the error has been reported."""
 
 
 @dataclass(frozen=True, slots=True)
 class Values:
-    """Evaluates what is written at a place in the recipe for one element, the one at `index` of what was selected."""
+    """Evaluates the value at a place in the recipe for one element, the one at `index` among the selected ones."""
 
     editing: Editing
     node: Node

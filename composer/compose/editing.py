@@ -1,4 +1,4 @@
-"""What an edit works on: one model with its names, what a selector finds in it, and the places of what is written."""
+"""The context of an edit: one model with its names, the elements that a selector finds, and the places of values."""
 
 from __future__ import annotations
 
@@ -31,8 +31,10 @@ _LAID_OUT = (*JOINTS, "default")
 
 @dataclass(eq=False)
 class Editing:
-    """A model that is edited: one unit alone, or the flat one. `parts` has the part of each element, `scope` the
-    values of the recipe's parameters. `cost` is what the edits of the whole composition have cost.
+    """A model that is edited: a single unit, or the flat model.
+
+    `parts` has the part of each element, `scope` the values of the recipe's parameters. `cost` is the cost of all
+    edits of the composition so far.
     """
 
     linking: Linking

@@ -1,4 +1,4 @@
-"""Recipe elements to MJCF nodes: numbers in the model's units, references and files in the model's terms."""
+"""Convert the recipe's elements to MJCF nodes: numbers in the model's units, references and files as in the model."""
 
 from __future__ import annotations
 
@@ -34,16 +34,17 @@ from composer.tree.origin import Origins
 
 @dataclass(slots=True)
 class ElementBuilder:
-    """What is needed to turn a recipe's elements into nodes of one model, and what has been made so far.
+    """Turns a recipe's elements into nodes of one model, and keeps what it has made so far.
 
-    `readings` say what the recipe's bare angles are in, `model_angle` what the model's are; `folder` is the one that
-    the paths of files in messages count from, `door_of_text` gives what a recipe in a folder may name.
-    `made` has the element of every node, `fragments` the line of those that came as text, counted as if the text began
-    below its key. `pending` are the angles of joints, which wait until the node hangs in the tree and its class is
-    known; `of_keys` what refers to keys, which waits until these are laid out,
-    `of_classes` the numbers in classes that would be others for
-    an angle than for a length, and whether they are angles. `intervals` are the pairs of a lower
-    and an upper end that the recipe writes, each with its place.
+    `readings` has the units of the recipe's bare angles, `model_angle` is the unit of the model's. Paths of files
+    in messages are relative to `folder`. `door_of_text` returns the door for a recipe in a folder, which decides
+    which files it may name.
+
+    `made` has the recipe's element for every node, `fragments` the line of nodes that came as text, counted as if
+    the text began below its key. `pending` are the angles of joints, which wait until the node is in the tree and
+    its class is known. `of_keys` are references to keys, which wait until the keys are laid out. `of_classes` are
+    the numbers in classes whose value depends on whether they are angles or lengths, with a flag for angles.
+    `intervals` are the pairs of lower and upper ends that the recipe writes, each with its place.
     """
 
     document: Located

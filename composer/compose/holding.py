@@ -1,4 +1,4 @@
-"""Step: the controls by which a key holds its own pose, once all keys are laid out."""
+"""Step: write the controls with which a key holds its own pose, once all keys are laid out."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Lower and upper ends that the recipe writes: MuJoCo takes the wrong order, without a word, as no limit at all."""
+"""Check the order of the lower and upper ends that the recipe writes. MuJoCo silently takes a wrong order as no
+limit.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The finished model in MuJoCo, for steps that must ask about its poses."""
+"""Compile the finished model and keep it in a session, for steps that need its poses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Step: keys that the recipe writes, by the names of joints, actuators and mocap bodies."""
+"""Step: write the recipe's keys, from values by the names of joints, actuators and mocap bodies."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def _name(node: Node) -> str:
 
 @dataclass(slots=True)
 class _Writing:
-    """One key in the making."""
+    """One key that is being written."""
 
     step: WriteKeyframe
     linking: Linking

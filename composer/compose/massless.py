@@ -1,4 +1,4 @@
-"""A joint of the recipe that moves nothing with mass. MuJoCo refuses that, and names a body that stands in no file."""
+"""Find joints of the recipe that move nothing with mass. MuJoCo rejects them, but names a body that is in no file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The sources of a composition with what became of each: the basis for comparing them with it."""
+"""The sources of a composition and what the composition changes in each: the basis for comparing the two."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _WITHOUT_ELEMENTS = frozenset({"option", "visual", "statistic", "size", "keyfram
 
 @dataclass(frozen=True, slots=True)
 class Hung:
-    """A member whose place is still an element of the tree; None is the world."""
+    """A member whose place is still an element of the tree; `content` is None for the world."""
 
     member: PartRecord
     content: Node | None

@@ -1,4 +1,4 @@
-"""Verb `move`: an element comes to stand in another body or frame."""
+"""Verb `move`: move an element to another body or frame."""
 
 from __future__ import annotations
 

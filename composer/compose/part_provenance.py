@@ -1,4 +1,4 @@
-"""What the edits of a recipe change in the sources that are in it, on purpose."""
+"""The changes that the edits of a recipe intentionally make to its sources."""
 
 from __future__ import annotations
 

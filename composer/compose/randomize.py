@@ -1,4 +1,4 @@
-"""Step: the values of a field of `randomize` are drawn for a sample and written into a model."""
+"""Step: draw the values of a field of `randomize` for a sample and write them into a model."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Names that the recipe's own elements declare and refer to, checked against the whole model."""
+"""Check the names that the recipe's own elements declare and refer to against the whole model."""
 
 from __future__ import annotations
 

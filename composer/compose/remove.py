@@ -1,4 +1,4 @@
-"""Verb `remove`: elements are taken out, alone or with all that refers to them."""
+"""Verb `remove`: remove elements, alone or with everything that refers to them."""
 
 from __future__ import annotations
 

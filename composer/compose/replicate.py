@@ -1,4 +1,4 @@
-"""Where the copies of a part are, as MuJoCo's `<replicate>` has it."""
+"""The poses of the copies of a part, computed as by MuJoCo's `<replicate>`."""
 
 from __future__ import annotations
 

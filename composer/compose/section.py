@@ -1,4 +1,4 @@
-"""Steps: what the recipe writes in MJCF's sections."""
+"""Steps: write the recipe's entries for MJCF's sections."""
 
 from __future__ import annotations
 

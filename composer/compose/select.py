@@ -1,4 +1,4 @@
-"""What the selector of an edit finds, with what is reported when that is nothing or too much."""
+"""Find the elements that the selector of an edit means, and report when there are none or too many."""
 
 from __future__ import annotations
 

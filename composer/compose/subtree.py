@@ -1,4 +1,4 @@
-"""Step: of a base or a part only one body is taken. What it leaves behind is kept for those who ask."""
+"""Step: take only one body of a base or a part. The list of what is left behind is kept for later questions."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class PartRequest:
-    """A model of a plan, base or part, and the body of it that is wanted; None for all of it.
+    """A model of a plan, base or part, and the name of the body to take; None for the whole model.
 
-    `at` is the path to the model's mapping in the recipe, `span` where `subtree` is written. One that `stands` is fixed
-    in the world of what is made in the end.
+    `at` is the path to the model's mapping in the recipe, `span` the place of `subtree`. `stands` is set if the
+    model is fixed in the world of the final model.
     """
 
     model: Source | Plan | None

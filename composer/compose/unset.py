@@ -1,4 +1,4 @@
-"""Verb `unset`: removes attributes; what an element lacks then is reported when its entry is done."""
+"""Verb `unset`: remove attributes. Attributes that an element then lacks are reported when its entry is done."""
 
 from __future__ import annotations
 

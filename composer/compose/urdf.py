@@ -1,4 +1,4 @@
-"""A URDF file becomes a unit: MuJoCo converts it, and whatever is wrong is reported at its place in the URDF."""
+"""Convert a URDF file to a unit with MuJoCo, and report errors at their place in the URDF."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def urdf_unit(
 
 @dataclass(frozen=True, slots=True)
 class _Reading:
-    """One file on its way; `written` is the URDF's own tree."""
+    """One URDF file that is being converted; `written` is the URDF's own tree."""
 
     written: Unit
     data: bytes

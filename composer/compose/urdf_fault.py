@@ -1,4 +1,4 @@
-"""What MuJoCo says of URDF, at the element it lies in and with the advice that its author needs."""
+"""Report MuJoCo's errors about a URDF file at the element that causes them, with advice for its author."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The model for MuJoCo in the middle of an edit: without its keys, whose numbers no longer fit."""
+"""Remove the keys of a model temporarily, so that MuJoCo can compile it during an edit: their numbers no longer fit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A factor leaves a zero what it is, which is hardly meant: MuJoCo's default of many attributes is 0."""
+"""Warn about a factor applied to zero. It has no effect, which is rarely intended: many of MuJoCo's defaults are 0."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From YAML events to the located tree, without recursion and within bounds."""
+"""Build the located tree from YAML events, without recursion and within limits."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from composer.document.quote import quoted
 from composer.document.scalar import resolve
 from composer.limits import advice, in_force
 
-FREE_EXPANSION = 10_000  # nodes that aliases may add, on top of one for each character of the text
+FREE_EXPANSION = 10_000  # nodes that aliases may add, in addition to one for each character of the text
 
 _STANDARD = "tag:yaml.org,2002:"
 _SCALAR_TAGS: dict[str, tuple[type, ...]] = {
@@ -34,13 +34,13 @@ _SCALAR_TAGS: dict[str, tuple[type, ...]] = {
     _STANDARD + "int": (int,),
     _STANDARD + "float": (int, float),
 }
-# In place of a key whose value is read, for the faults in it, and then left out.
+# Replaces a key whose value is read only to report its faults, and then dropped.
 _DROPPED = Key("", Span("", 0, 0))
 
 
 @dataclass(slots=True)
 class _Frame:
-    """A collection that is being read. Lines and columns from 1."""
+    """A collection that is being read. Lines and columns count from 1."""
 
     entries: dict[str, tuple[Key, Node]] | None
     items: list[Node] | None
@@ -48,9 +48,9 @@ class _Frame:
     line: int
     column: int
     total: int
-    """How many nodes the tree had when it began."""
+    """The number of nodes in the tree when it began."""
     first_end: int
-    """Where the last thing on its first line ends."""
+    """Where the last token on its first line ends."""
     anchor: str | None = None
     tag: tuple[str, Span] | None = None
     is_key: bool = False
@@ -58,11 +58,11 @@ class _Frame:
     key_end: int | None = None
     """Where that key ends in the text, if it is written there."""
     is_quoted: bool = False
-    """Whether it has quotes."""
+    """Whether the key is quoted."""
     has_lone: bool = False
-    """Whether something stood in it without a colon, so that what follows may be no key."""
+    """Whether it contains an entry without a colon, so that the following ones may not be keys."""
     height: int = 1
-    """How many collections are within each other, itself included."""
+    """The nesting depth of collections, including this one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,10 +73,10 @@ class _Anchored:
 
 
 class Builder:
-    """Builds one tree. `text` is what the events' marks point into; faults go to `sink`.
+    """Builds one tree. `text` is the text that the events' marks refer to; faults go to `sink`.
 
-    `restore` turns a scalar's text into what is written in the file; it may raise `UnicodeDecodeError`. `empty` is the
-    help for a file that holds nothing.
+    `restore` turns a scalar's text into the original text of the file; it may raise `UnicodeDecodeError`. `empty`
+    is the help for an empty file.
     """
 
     def __init__(
@@ -103,13 +103,13 @@ class Builder:
 
     @property
     def in_flow(self) -> bool:
-        """Whether the events broke off inside `[ ]` or `{ }`."""
+        """Whether the events ended inside `[ ]` or `{ }`."""
         return bool(self._stack) and self._stack[-1].flow
 
     def build(self, events: Iterable[Any]) -> Node | None:
-        """The tree; None when a value is missing, or when reading on would exceed a bound.
+        """Return the tree, or None if a value is missing or a limit would be exceeded.
 
-        Raises what the reader of the events raises.
+        Raises the exceptions of the event reader.
         """
         stack, file, marks, restore = self._stack, self._file, self._marks, self._restore
         for event in events:
@@ -117,7 +117,7 @@ class Builder:
             if kind is ScalarEvent:
                 start, end = event.start_mark, event.end_mark
                 line = start.line + 1
-                # Nearly every event is a scalar on one line without properties: its way is kept short.
+                # Nearly every event is a scalar on one line without properties: this path is kept short.
                 simple = end.line + 1 == line and event.anchor is None and event.tag is None
                 span = (
                     Span(file, line, start.column + 1, line, end.column + 1) if simple else marks.span(event)
@@ -160,12 +160,12 @@ class Builder:
                     help=advice("yaml-values"),
                 )
                 return None
-        for lone in self._lone:  # where the reading breaks off, that is why
+        for lone in self._lone:  # if reading stops, this is the reason
             self._sink.add(lone)
         return self._whole()
 
     def _whole(self) -> Node | None:
-        """The tree of a file that was read to its end; None, with an error, where it holds nothing."""
+        """Return the tree of a file that was read to its end, or None after reporting an empty file."""
         root = self._root
         if root is None or (isinstance(root, Scalar) and root.plain and not root.text):
             self._sink.error(
@@ -179,7 +179,7 @@ class Builder:
         return root
 
     def _add(self, node: Node, height: int) -> None:
-        """Put a complete value where the innermost open collection wants it."""
+        """Add a complete value to the innermost open collection."""
         if not self._stack:
             self._root = node
             return
@@ -252,7 +252,7 @@ class Builder:
             self._add(node, frame.height)
 
     def _restored(self, text: str, span: Span) -> str:
-        """The text of a scalar as the file means it."""
+        """Return a scalar's original text."""
         try:
             return text if self._restore is None else self._restore(text)
         except UnicodeDecodeError:
@@ -284,7 +284,7 @@ class Builder:
         return node
 
     def _key(self, event: Any, name: str, span: Span, frame: _Frame) -> None:
-        """Take `name` as the key of the value that comes next, or refuse it."""
+        """Use `name` as the key of the next value, or refuse it."""
         if span.line == frame.line and span.end_column is not None:
             frame.first_end = span.end_column
         frame.key, frame.key_end = _DROPPED, None
@@ -329,7 +329,7 @@ class Builder:
 
         before = next(reversed(frame.entries or {}), None)
         frame.key, frame.has_lone = _DROPPED, True
-        text = " ".join(key.name.split())  # it may have several lines
+        text = " ".join(key.name.split())  # it may span several lines
         message = f"`{text}` stands in `{{ }}` without a colon"
         help = advice(text, frame.is_quoted, before)
         self._lone.append(Diagnostic("yaml-syntax", message, key.span, help=help))
@@ -378,12 +378,12 @@ class Builder:
                 help=advice("yaml-depth"),
             )
             return False
-        # What is inside keeps the place where it is written; the value itself stands where the alias does.
+        # The contents keep their own place; the value itself is placed at the alias.
         self._add(replace(anchored.node, span=span), anchored.height)
         return True
 
     def _tagged(self, event: Any, text: str, span: Span) -> bool | int | float | str | None:
-        """The value of a scalar with a tag: the standard ones are heeded, all others refused."""
+        """Return the value of a scalar with a tag: standard tags are applied, all others refused."""
         tag = event.tag
         if tag in ("!", _STANDARD + "str"):
             return text

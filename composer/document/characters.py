@@ -1,4 +1,4 @@
-r"""Characters that YAML has and models do not: escapes such as `"\0"` that no XML file can hold."""
+r"""Characters that YAML allows and models do not: escapes such as `"\0"` that no XML file can hold."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from composer.grammar.characters import NOT_XML, code_point
 
 
 def check_characters(node: Node, sink: Sink) -> None:
-    """Report every key and value with a character that cannot stand in a name, a path or a value of a model."""
+    """Report every key and value with a character that cannot occur in a name, a path or a value of a model."""
     waiting = [node]
     while waiting:
         node = waiting.pop()

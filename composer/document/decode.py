@@ -1,4 +1,4 @@
-"""From the bytes of a file to text that a YAML reader can take."""
+"""Decode the bytes of a file to text for a YAML reader."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ _UTF_16_OR_32 = ((b"\xff\xfe\0\0", "UTF-32"), (b"\xff\xfe", "UTF-16"), (b"\xfe\x
 
 
 def decode(source: str | bytes, file: str, sink: Sink) -> str | None:
-    """The text without its byte order mark; None, and an error in the sink, when it is not YAML text.
+    """Return the text without its byte order mark, or None after reporting that it is not YAML text.
 
-    Bytes must be UTF-8. Control characters other than tab, line feed and carriage return are errors, and so
-    is anything over the limit `recipe-size`.
+    Bytes must be UTF-8. Control characters other than tab, line feed and carriage return are errors, and so is a
+    size over the limit `recipe-size`.
     """
     limit = in_force().recipe_size
     if len(source) > limit:
@@ -50,7 +50,7 @@ def decode(source: str | bytes, file: str, sink: Sink) -> str | None:
 
 
 def position(text: str, index: int) -> tuple[int, int]:
-    r"""The line and the column, both from 1, of the character at `index`.
+    r"""Return the line and the column, both from 1, of the character at `index`.
 
     >>> position("ab\r\ncd", 5)
     (2, 2)

@@ -1,4 +1,4 @@
-"""What an error of the YAML parser means, in words that help to fix it."""
+"""Explain errors of the YAML parser in words that help to fix them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _KEY = re.compile(r"[A-Za-z_][\w-]*")
 
 
 def explain(error: Any, text: str, file: str, outer: bool) -> SyntaxFault:
-    """The error to report for a parser's `MarkedYAMLError`; `outer` as in `in_flow`."""
+    """Return the fault for a parser's `MarkedYAMLError`; `outer` is as in `in_flow`."""
     mark = error.problem_mark or error.context_mark
     at = min(mark.index, len(text)) if mark else 0
     since = min(error.context_mark.index, len(text)) if error.context_mark else at
@@ -32,7 +32,7 @@ def explain(error: Any, text: str, file: str, outer: bool) -> SyntaxFault:
 
 
 def _long_key(it: ParserStop) -> SyntaxFault | None:
-    """The readers look for the colon of a key in 1024 characters, as the specification has it."""
+    """Readers look for the colon of a key within 1024 characters, as in the specification."""
     if "simple key" in it.context:
         length = it.line_of(it.since).find(":") - (it.since - it.line_start(it.since))
         starts = [it.since] if length > MAX_KEY else []
@@ -99,7 +99,7 @@ def _reserved_start(it: ParserStop) -> SyntaxFault | None:
 def _colon_in_flow(it: ParserStop) -> SyntaxFault | None:
     if "plain scalar" not in it.context or "unexpected ':'" not in it.problem:
         return None
-    # The scalar may go on over several lines; the fault is in the line of the colon.
+    # The scalar may span several lines; the fault is on the line of the colon.
     start = max(it.since, it.line_start(it.at))
     start += len(it.text[start : it.at]) - len(it.text[start : it.at].lstrip())
     end = max(unquoted_end(it.text, start, True), it.at + 1)
@@ -115,7 +115,7 @@ def _colon_in_flow(it: ParserStop) -> SyntaxFault | None:
 
 
 def _glob_choice(it: ParserStop) -> SyntaxFault | None:
-    """`{left,right}/*_link`: text that YAML reads as a list or mapping with something behind it."""
+    """Handle `{left,right}/*_link`, which YAML reads as a list or mapping with text behind it."""
     before, after = it.text[it.at - 1 : it.at], it.text[it.at : it.at + 1]
     if before not in ("]", "}") or not before or not after or after in "[]{},:# \t\r\n":
         return None
@@ -162,7 +162,7 @@ def _mapping_not_allowed(it: ParserStop) -> SyntaxFault | None:
 
 
 def _below_value(it: ParserStop, lead: str, above_begin: int, above: str) -> SyntaxFault:
-    """A key where the value of the line above still goes on."""
+    """Report a key in the continuation of the value on the line above."""
     key = lead.strip()
     place = Note("the line above is this", _line_span(it, above_begin, above))
     begin = it.line_start(it.at)

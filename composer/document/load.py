@@ -1,4 +1,4 @@
-"""YAML 1.2 text to a located tree."""
+"""Parse YAML 1.2 text to a located tree."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from composer.document.node import Node
 _PURE: Any = yaml.SafeLoader
 _FAST: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
-# JSON writes characters outside of the basic plane as two escapes, which only the pure reader takes.
+# JSON writes characters outside of the basic plane as two escapes, which only the pure-Python reader accepts.
 _SURROGATE_ESCAPE = re.compile(r"\\u[dD][89a-fA-F]")
 _TOO_LARGE_ESCAPE = re.compile(r"\\U(?!000|0010)[0-9a-fA-F]{8}")
 _MAX_READINGS = 50
@@ -26,13 +26,11 @@ _MAX_CHARACTERS_READ = 4_000_000
 
 
 def load(text: str | bytes, file: str, sink: Sink, *, empty: str | None = None) -> Node | None:
-    """The tree of a YAML file; `file` is its path as the user may open it, `empty` the help where it holds nothing.
+    """Return the tree of a YAML file; `file` is its path for the user, `empty` the help for an empty file. No I/O.
 
-    No I/O.
-
-    Every fault that can be found in one run goes to `sink`. After a fault that leaves the meaning of the
-    rest clear (a duplicate key, a tag, text that only lacks quotes) there is still a tree, so that later
-    stages can look for faults of their own; None when there is nothing to look at. Never raises on bad input.
+    All faults that can be found in one run go to `sink`. After a fault that leaves the meaning of the rest clear (a
+    duplicate key, a tag, missing quotes) there is still a tree, so that later stages can find more faults;
+    otherwise return None. Never raises on bad input.
     """
     source = decode(text, file, sink)
     if source is None:
@@ -64,12 +62,12 @@ def load(text: str | bytes, file: str, sink: Sink, *, empty: str | None = None) 
 
 
 def reader_of(text: str) -> Any:
-    """The reader of YAML that takes this text: the fast one where it can."""
+    """Return the YAML reader that accepts this text: the fast one if possible."""
     return _PURE if _SURROGATE_ESCAPE.search(text) else _FAST
 
 
 def _restorer(mask: Mask, pure: bool) -> Callable[[str], str] | None:
-    """What undoes, in a scalar, what was done to the text and what the reader leaves undone."""
+    """Return the function that restores a scalar's original text: it undoes the masking and joins surrogates."""
     if pure:
         return lambda value: _join_surrogates(mask.restore(value))
     return mask.restore if mask.active else None
@@ -80,7 +78,7 @@ def _join_surrogates(value: str) -> str:
 
 
 def _unreadable(error: Exception, text: str, file: str) -> Diagnostic:
-    """For the few faults that a reader reports without a place."""
+    """Return a diagnostic for the few faults that a reader reports without a place."""
     escape = _TOO_LARGE_ESCAPE.search(text)
     if escape is None:
         return Diagnostic("yaml-syntax", f"this is not YAML: {error}", Span(file, 1, 1))

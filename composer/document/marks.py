@@ -1,4 +1,4 @@
-"""From the marks of YAML events to spans."""
+"""Convert the marks of YAML events to spans."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _REST_OF_LINE = re.compile(r"[^\r\n]*")
 
 
 class Marks:
-    """The places of events in `text`, whose characters the events' marks count."""
+    """Finds the places of events in `text`."""
 
     __slots__ = ("file", "text")
 
@@ -23,7 +23,7 @@ class Marks:
         self.file = file
 
     def span(self, event: Any) -> Span:
-        """The place of an event, without anchor and tag; of several lines, the first."""
+        """Return the place of an event without anchor and tag; if it has several lines, the first."""
         start, end = event.start_mark, event.end_mark
         line, column = start.line + 1, start.column + 1
         if end.line + 1 == line:
@@ -37,7 +37,7 @@ class Marks:
         return Span(self.file, line, column, line, last)
 
     def block(self, event: Any) -> tuple[int, int] | None:
-        """Where the text of a literal block begins, as line and column; None for all other scalars."""
+        """Return where the text of a literal block begins, as line and column; None for all other scalars."""
         if event.style != "|":
             return None
         written = self.text[event.start_mark.index : event.end_mark.index].splitlines()[1:]
@@ -45,12 +45,12 @@ class Marks:
         return event.start_mark.line + 2, indent + 1
 
     def properties(self, event: Any) -> int:
-        """How many characters anchor and tag take before the value, if it follows on their line."""
+        """Return the number of characters for anchor and tag before the value, if it follows on their line."""
         found = _PROPERTIES.match(self.text, event.start_mark.index)
         return len(found.group()) if found else 0
 
     def tag(self, event: Any) -> Span:
-        """The place of the tag of an event that has one."""
+        """Return the place of an event's tag."""
         found = _TAG.match(self.text, event.start_mark.index)
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
         if found is None or "\n" in found.group():

@@ -1,4 +1,4 @@
-"""Standing harmless characters in for ones that YAML 1.1 readers stumble over."""
+"""Replace characters that YAML 1.1 readers misinterpret by harmless ones."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ _HARMFUL = frozenset("{}[],:#\"'&*!|>%@`?-\t\\")
 
 
 class Mask:
-    """A text with some characters replaced one for one, so that every position stays what it is.
+    """A text with some characters replaced one for one, so that all positions stay the same.
 
-    Stand-ins are private-use characters that the text does not have, written out or as an escape. From the
-    start those characters are masked that YAML 1.1 takes for line breaks and YAML 1.2 does not.
+    The replacements are private-use characters that do not occur in the text, literally or as an escape. From the
+    start, characters are masked that are line breaks in YAML 1.1 but not in 1.2.
     """
 
     def __init__(self, text: str) -> None:
@@ -28,7 +28,7 @@ class Mask:
                     self.text = self.text.replace(character, stand_in)
 
     def hide(self, start: int, end: int) -> bool:
-        """Make the stretch readable as part of a plain scalar. False when that changes nothing."""
+        """Make a stretch readable as part of a plain scalar. Return False if that changes nothing."""
         hidden = "".join(
             (self._stand_in(character) or character) if character in _HARMFUL else character
             for character in self.text[start:end]
@@ -43,7 +43,7 @@ class Mask:
         return bool(self._originals)
 
     def restore(self, value: str) -> str:
-        """A piece of what was read from the masked text, as it is in the original."""
+        """Return the original of a text that was read from the masked text."""
         return value.translate(self._originals)
 
     def _stand_in(self, character: str) -> str | None:

@@ -1,4 +1,4 @@
-"""One located tree over another: `extends` and `variants`. Every value keeps the place where it is written."""
+"""Merge located trees for `extends` and `variants`. Every value keeps its place."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from composer.document.piece import in_own_model, is_appended
 
 Path = tuple[str, ...]
 
-# Mappings that may be written shorter as one value: as which key's.
+# Mappings that may be abbreviated to the value of this key.
 _SHORT = {("base",): "model", ("params", "*"): "default"}
-# Where another `type` makes it another element.
+# Another `type` makes these another element.
 _TYPED = frozenset({("sensor", "*"), ("actuator", "*"), ("equality", "*"), ("tendon", "*")})
-# What belongs to one model and not to the next.
+# Keys that belong to one model, and are dropped for another one.
 _OF_MODEL = ("with", "subtree", "drop", "edit", "mate")
 _ORIENTATIONS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
-# Alternatives: of the keys in these bundles, those of one bundle stand together and those of two do not.
+# Alternative keys: keys of one group may be combined, keys of different groups may not.
 _ALTERNATIVES: dict[Path, tuple[tuple[tuple[str, ...], ...], ...]] = {
     ("attach", "*"): ((("site",), ("body",), ("frame",)),),
     ("actuator", "*"): (
@@ -37,10 +37,10 @@ _ALTERNATIVES: dict[Path, tuple[tuple[tuple[str, ...], ...], ...]] = {
 
 
 def merge(lower: Mapping, upper: Mapping, sink: Sink) -> Mapping:
-    """`upper` over `lower`, by the rules of pieces of recipe; a `null` that deletes nothing goes to the sink. No I/O.
+    """Merge `upper` over `lower`; a `null` that deletes nothing is reported. No I/O.
 
-    Mappings merge by key; scalars and lists replace, but `add` and `edit` append, and there an item whose `id` is
-    known replaces that one in its place. `null` deletes.
+    Mappings merge by key. Scalars and lists are replaced, except that `add` and `edit` append, and an item with a
+    known `id` replaces the item with that `id` in its place. `null` deletes.
     """
     return _Merge(sink).mappings(lower, upper, ())
 
@@ -62,7 +62,7 @@ class _Merge:
             elif name in entries:
                 there = entries[name]
                 merged = self.values(there[1], value, below)
-                # The place of the key that stands is where the entry begins; what is inside has its own.
+                # The entry keeps the place of the existing key; its contents have their own places.
                 entries[name] = (key if merged is value else there[0], merged)
             else:
                 entries[name] = (key, value)
@@ -95,7 +95,7 @@ class _Merge:
         return Sequence(tuple(items), upper.span)
 
     def _only_once(self, written: Sequence) -> None:
-        """Report an `id` that two items of a list have, of which only one could be meant."""
+        """Report an `id` that two items of a list share."""
         seen: dict[str, Node] = {}
         for item in written.items:
             name = _id(item)
@@ -118,7 +118,7 @@ class _Merge:
 
 
 def _pattern(path: Path) -> Path:
-    """A path as the tables above have it: the piece that it stands in left out, names as `*`.
+    """Return a path in the form of the tables above: without the piece around it, and with `*` for names.
 
     >>> _pattern(("variants", "gripper", "hand", "attach", "left", "edit"))
     ('attach', '*', 'edit')
@@ -140,7 +140,7 @@ def _long(node: Node, key: str) -> Node:
 
 
 def _differ(lower: Mapping, upper: Mapping, key: str) -> bool:
-    """Whether the upper one says something else than the lower one does."""
+    """Return whether both set the key to different values."""
     if key not in lower.entries or key not in upper.entries:
         return False
     a, b = lower.entries[key][1], upper.entries[key][1]
@@ -148,7 +148,7 @@ def _differ(lower: Mapping, upper: Mapping, key: str) -> bool:
 
 
 def _replaced(lower: Mapping, upper: Mapping, path: Path) -> Collection[str]:
-    """The keys of `lower` that another choice in `upper` makes void."""
+    """Return the keys of `lower` that become void by another choice in `upper`."""
     kind = _pattern(path)
     void: set[str] = set()
     if kind in (("base",), ("attach", "*")) and _differ(lower, upper, "model"):
@@ -161,13 +161,13 @@ def _replaced(lower: Mapping, upper: Mapping, path: Path) -> Collection[str]:
 
 
 def _given(node: Mapping, name: str) -> bool:
-    """Whether a key exists and does not delete."""
+    """Return whether a key exists and does not delete."""
     found = node.entries.get(name)
     return found is not None and not (isinstance(found[1], Scalar) and found[1].value is None)
 
 
 def without_ids(document: Mapping, sink: Sink) -> Mapping:
-    """The recipe without the `id`s of items, which are for merging alone; those that are not text are reported."""
+    """Return the recipe without the `id`s of items, which only serve merging; report those that are not text."""
     return _bare(document, (), sink)
 
 

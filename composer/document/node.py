@@ -1,4 +1,4 @@
-"""The located tree: YAML values, each with the place where it is written."""
+"""The located tree: YAML values, each with its place in the file."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from composer.diagnostics import Span
 class Scalar:
     """A single value.
 
-    `text` is what is written, without quotes and with escapes resolved; `plain` says that it has neither
-    quotes nor a block style, so that `value` was found by the rules of the YAML 1.2 core schema. Of a literal block
-    (`|`), `block` is the line and column at which its text begins: each line of `text` is one of the file.
+    `text` is the written text, without quotes and with escapes resolved; `plain` says that it has neither quotes
+    nor a block style, so that `value` follows the rules of the YAML 1.2 core schema. For a literal block (`|`),
+    `block` is the line and column where its text begins: each line of `text` is a line of the file.
     """
 
     value: bool | int | float | str | None
@@ -27,7 +27,7 @@ class Scalar:
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """A key of a mapping: always text, as it is written (`1`, `no` and `12:30` are names too)."""
+    """A key of a mapping: always text, as written (`1`, `no` and `12:30` are names too)."""
 
     name: str
     span: Span
@@ -37,7 +37,7 @@ class Key:
 class Mapping:
     """Keys and values in the order of the file. Not to be changed once built.
 
-    The span of a mapping over several lines covers what stands on its first line.
+    The span of a mapping over several lines covers its first line.
     """
 
     entries: dict[str, tuple[Key, Node]]
@@ -46,7 +46,7 @@ class Mapping:
 
 @dataclass(frozen=True, slots=True)
 class Sequence:
-    """A list of values. The span of a list over several lines covers what stands on its first line."""
+    """A list of values. The span of a list over several lines covers its first line."""
 
     items: tuple[Node, ...]
     span: Span
@@ -56,7 +56,7 @@ Node = Scalar | Mapping | Sequence
 
 
 def texts(node: Node) -> Iterator[str]:
-    """Every key and value, as it is written."""
+    """Yield every key and value as written."""
     if isinstance(node, Scalar):
         yield node.text
     elif isinstance(node, Sequence):
@@ -69,7 +69,7 @@ def texts(node: Node) -> Iterator[str]:
 
 
 def spans(node: Node) -> Iterator[Span]:
-    """Where everything is written: every key and value."""
+    """Yield the place of every key and value."""
     yield node.span
     if isinstance(node, Sequence):
         for item in node.items:
@@ -81,7 +81,7 @@ def spans(node: Node) -> Iterator[Span]:
 
 
 def to_python(node: Node) -> Any:
-    """Plain dicts, lists and values, without places. Recursive: `load` keeps trees shallow."""
+    """Return plain dicts, lists and values, without places. Recursive, because `load` keeps trees shallow."""
     if isinstance(node, Scalar):
         return node.value
     if isinstance(node, Sequence):
@@ -90,7 +90,7 @@ def to_python(node: Node) -> Any:
 
 
 def find(node: Node, path: tuple[str | int, ...]) -> Node | None:
-    """What stands at `path`, every step of which must be there."""
+    """Return the node at `path`, or None if a step of it does not exist."""
     found: Node | None = node
     for step in path:
         if isinstance(found, Mapping) and isinstance(step, str):
@@ -103,12 +103,11 @@ def find(node: Node, path: tuple[str | int, ...]) -> Node | None:
 
 
 def locate(node: Node, path: tuple[str | int, ...], key: bool = False) -> Span:
-    """The place of what `path` leads to, or of the deepest part of the way that exists.
+    """Return the place of the node at `path`, or of the deepest existing node on the way.
 
-    A step is the name of a key or the index of an item; one that leads nowhere is left out and the way goes
-    on with the next, which is how a validator's path with the names of chosen alternatives in it, such as
-    `("sensor", "imu", "force", "site")`, finds its node. With `key`, or when the path ends in `"[key]"`, the
-    place of the last key on the way instead of its value's.
+    A step is a key's name or an item's index; a step that does not exist is skipped. That way a validator's path
+    with the names of chosen alternatives in it, such as `("sensor", "imu", "force", "site")`, finds its node. With
+    `key`, or if the path ends in `"[key]"`, return the place of the last key on the way instead of its value's.
     """
     if path and path[-1] == "[key]":
         path, key = path[:-1], True
@@ -117,7 +116,7 @@ def locate(node: Node, path: tuple[str | int, ...], key: bool = False) -> Span:
         if isinstance(node, Mapping) and isinstance(step, str) and step in node.entries:
             found, value = node.entries[step]
             if isinstance(value, Scalar) and following in node.entries:
-                continue  # the name of an alternative that happens to be a key as well
+                continue  # the name of an alternative that is also a key
             node = value
             span = found.span if key else value.span
         elif isinstance(node, Sequence) and isinstance(step, int) and 0 <= step < len(node.items):

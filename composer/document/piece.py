@@ -1,4 +1,4 @@
-"""Where in a recipe, or a piece of one, the things stand that more than one stage treats in a way of their own."""
+"""The paths in a recipe, or in a piece of one, that several stages treat specially."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from functools import lru_cache
 Path = tuple[str | int, ...]
 
 _EDITS: tuple[Path, ...] = (("edit",), ("base", "edit"), ("attach", "*", "edit"))
-# The verbs whose values may contain the present value.
+# The verbs whose values may refer to the current value.
 _OF_ELEMENTS = ("set", "scale", "offset", "convert", "move", "rename")
-# What may have selectors in it, beside edits.
+# Paths with selectors, besides edits.
 _SELECTING: tuple[Path, ...] = (
     ("base", "drop"),
     ("attach", "*", "drop"),
@@ -19,7 +19,7 @@ _SELECTING: tuple[Path, ...] = (
 
 
 def in_own_model(path: Path) -> Path:
-    """The path in the model that it stands in, where that is written in place.
+    """Return the path within its own model, if that is written in place.
 
     >>> in_own_model(("attach", "table", "model", "add", 0)), in_own_model(("base", "model", "edit"))
     (('add', 0), ('edit',))
@@ -34,7 +34,7 @@ def in_own_model(path: Path) -> Path:
 
 
 def is_edits(path: Path) -> bool:
-    """Whether it is a list of edits that stands there: the recipe's own, the base's or a part's.
+    """Return whether there is a list of edits at this path: the recipe's own, the base's or a part's.
 
     >>> is_edits(("base", "edit")), is_edits(("attach", "arm", "edit")), is_edits(("sensor", "edit"))
     (True, True, False)
@@ -44,13 +44,14 @@ def is_edits(path: Path) -> bool:
 
 
 def is_appended(path: Path) -> bool:
-    """Whether the list that stands there is continued by that of an upper tree, which merging does by `id`."""
+    """Return whether merging appends to the list at this path, matching items by `id`."""
     return in_own_model(path) == ("add",) or is_edits(path)
 
 
-@lru_cache(4096)  # each cell and each sample asks for the same places
+@lru_cache(4096)  # each cell and each sample needs the same paths
 def is_of_elements(path: Path) -> bool:
-    """Whether `${…}` there is evaluated for each element: in the values of edits, and in what selectors compare.
+    """Return whether `${…}` at this path is evaluated for each element: in values of edits, and in `where` of
+    selectors.
 
     >>> is_of_elements(("edit", 0, "set", "mass")), is_of_elements(("base", "drop", 1, "where"))
     (True, True)

@@ -1,4 +1,4 @@
-"""Putting quotes around text, and finding how far text that lacks them goes."""
+"""Quote text, and find the end of text that lacks its quotes."""
 
 from __future__ import annotations
 
@@ -10,14 +10,16 @@ _PLAIN = re.compile(r"[A-Za-z_./][\w./ -]*\w|\w|[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][
 
 
 def word(text: str) -> str:
-    """A text as YAML: in quotes where it would be something else without. What looks like a number stays one."""
+    """Return text as YAML, quoted if it would otherwise be something else. Text that looks like a number stays
+    unquoted.
+    """
     if _PLAIN.fullmatch(text) and text.lower() not in ("true", "false", "null"):
         return text
     return quoted(text)
 
 
 def quoted(text: str) -> str:
-    """The text as a YAML string, in the quotes that need no escapes.
+    """Return text as a YAML string, in the quotes that need no escapes.
 
     >>> print(quoted("**/x"), quoted('${a == "b"}'))
     "**/x" '${a == "b"}'
@@ -28,9 +30,9 @@ def quoted(text: str) -> str:
 
 
 def unquoted_end(text: str, start: int, flow: bool) -> int:
-    """Where the text that begins at `start` was probably meant to end: at the latest, with its line.
+    """Return where the text from `start` was probably meant to end, at the latest at the end of its line.
 
-    Brackets inside are followed to their partner. `flow` says that the text stands in `[ ]` or `{ }`.
+    Brackets are skipped to their partner. `flow` says that the text is in `[ ]` or `{ }`.
 
     >>> line = "{a: -${x[0]} * 2, b: 1}"
     >>> line[4:unquoted_end(line, 4, True)]
@@ -61,7 +63,7 @@ def unquoted_end(text: str, start: int, flow: bool) -> int:
 
 
 def unquoted_start(text: str, index: int) -> int:
-    """Where the text around `index`, which stands in `[ ]` or `{ }`, was probably meant to begin."""
+    """Return where the text around `index`, which is in `[ ]` or `{ }`, was probably meant to begin."""
     start = index
     while start > 0 and text[start - 1] not in ",[{\r\n" and text[start - 2 : start] not in (": ", "- "):
         start -= 1
@@ -71,7 +73,7 @@ def unquoted_start(text: str, index: int) -> int:
 
 
 def in_flow(text: str, index: int, outer: bool) -> bool:
-    """Whether `index` stands in `[ ]` or `{ }`; `outer` says it for the start of its line."""
+    """Return whether `index` is in `[ ]` or `{ }`; `outer` says whether the start of its line is."""
     depth, quote = int(outer), ""
     begin = max(text.rfind("\n", 0, index), text.rfind("\r", 0, index)) + 1
     for character in text[begin:index]:

@@ -1,4 +1,4 @@
-"""Where a YAML parser stopped, the error reported for it, and how reading goes on behind it."""
+"""Where a YAML parser stopped, the error to report, and how reading continues after it."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ _WORD = re.compile(r"[\w${*/.-]+|\S")
 class SyntaxFault:
     """A syntax fault as a diagnostic.
 
-    `hide` is the stretch of the text that was meant as a plain value: once it is hidden from the reader,
-    reading can go on and find what else there is. None when the reading ends here.
+    `hide` is the stretch of text that was meant as a plain value: once it is hidden from the reader, reading can
+    continue and find further faults. It is None if reading ends here.
     """
 
     diagnostic: Diagnostic
@@ -28,10 +28,10 @@ class SyntaxFault:
 
 @dataclass(frozen=True, slots=True)
 class ParserStop:
-    """Where the parser stopped, and what it said, in its words (`context`, `problem`).
+    """Where the parser stopped, and its message (`context`, `problem`).
 
-    `at` and `since` are indices into `text`: where it broke off, and the start of what it was reading then.
-    `outer` says whether the break is inside `[ ]` or `{ }` that began on an earlier line.
+    `at` and `since` are indices into `text`: where it stopped, and the start of what it was reading. `outer` says
+    whether it is inside `[ ]` or `{ }` that began on an earlier line.
     """
 
     text: str
@@ -43,7 +43,7 @@ class ParserStop:
     outer: bool
 
     def span(self, start: int, end: int | None = None) -> Span:
-        """The place of the characters up to `end`; without it, of one."""
+        """Return the place of the characters up to `end`, or of a single one."""
         line, column = position(self.text, start)
         length = 1 if end is None else max(end - start, 1)
         return Span(self.file, line, column, line, column + length)
@@ -51,23 +51,23 @@ class ParserStop:
     def fault(
         self, message: str, span: Span, help: str | None = None, code: str = "yaml-syntax", *notes: Note
     ) -> SyntaxFault:
-        """A fault after which nothing can be read."""
+        """Return a fault after which nothing can be read."""
         return SyntaxFault(Diagnostic(code, message, span, notes=notes, help=help))
 
     def unquoted(self, code: str, start: int, end: int, message: str) -> SyntaxFault:
-        """The fault of a text that only lacks its quotes."""
+        """Return the fault for a text that only lacks its quotes."""
         text = quoted(self.text[start:end])
         found = Diagnostic(code, message, self.span(start, end), help=f"quote it: {text}", fix=Fix(text))
         return SyntaxFault(found, (start, end))
 
     @property
     def flow(self) -> bool:
-        """Whether the break is inside `[ ]` or `{ }`."""
+        """Whether the parser stopped inside `[ ]` or `{ }`."""
         return in_flow(self.text, self.at, self.outer)
 
     @property
     def line(self) -> str:
-        """The line of the break."""
+        """The line where the parser stopped."""
         return self.line_of(self.at)
 
     def line_start(self, index: int) -> int:
@@ -79,12 +79,12 @@ class ParserStop:
 
     @property
     def same_line(self) -> bool:
-        """Whether what was being read began on the line of the break."""
+        """Whether the parser stopped on the line where the current token began."""
         return self.line_start(self.since) == self.line_start(self.at)
 
     @property
     def shown(self) -> str:
-        """What stands where the reading broke off."""
+        """The text where the parser stopped."""
         if self.at >= len(self.text):
             return "the end of the file"
         found = _WORD.match(self.text, self.at)

@@ -1,4 +1,4 @@
-"""What an unquoted YAML scalar means: the core schema of YAML 1.2 (its section 10.3.2)."""
+"""The value of an unquoted YAML scalar, by the core schema of YAML 1.2 (its section 10.3.2)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MAX_DIGITS = 1000
 
 
 def resolve(text: str) -> bool | int | float | str | None:
-    """The value of a plain scalar.
+    """Return the value of a plain scalar.
 
     Raises `OverflowError` for a number that is too large for a float.
 
@@ -49,5 +49,5 @@ def _bounded(digits: str, base: int) -> int:
     if len(digits) > _MAX_DIGITS:
         raise OverflowError(digits)
     number = int(digits, base)
-    float(number)  # raises where no float holds it
+    float(number)  # raises if it is too large for a float
     return number

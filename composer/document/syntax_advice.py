@@ -12,7 +12,7 @@ _WORDS = re.compile(r"([A-Za-z_][\w.-]*)\s+(?:=\s*)?(\S.*)")
 
 
 def advice(text: str, is_quoted: bool, before: str | None) -> str:
-    """What to write instead of `text`; `before` is the key of the pair before it, if there is one.
+    """Return what to write instead of `text`; `before` is the key of the preceding pair, if any.
 
     >>> advice("size 0.03", False, None)
     'put a colon between them: `size: 0.03`'

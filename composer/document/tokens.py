@@ -1,4 +1,4 @@
-"""The tokens of a YAML text, with what stands between them: blank lines and comments."""
+"""The tokens of a YAML text, with the blank lines and comments between them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _BLOCK = re.compile(r"[|>](?:([0-9])|[-+])*")
 
 @dataclass(slots=True)
 class Comment:
-    """A comment. `column` counts from 0; `own_line` says that nothing but white space stands before it."""
+    """A comment. `column` counts from 0; `own_line` says that only white space precedes it."""
 
     text: str
     column: int
@@ -29,10 +29,11 @@ class Comment:
 
 @dataclass(slots=True)
 class Token:
-    """A token of YAML's grammar: `BlockEntry`, `FlowSequenceStart`, `Scalar` and so on, and what stands before it.
+    """A token of YAML's grammar: `BlockEntry`, `FlowSequenceStart`, `Scalar` and so on, with the comments before
+    it.
 
-    `line` and `column` count from 0; `blank` says that there is an empty line before it.
-    Tokens such as `BlockEnd` have no width and stand where the next one does.
+    `line` and `column` count from 0; `blank` says that an empty line precedes it. Tokens such as `BlockEnd` have no
+    width and share the place of the next token.
     """
 
     kind: str
@@ -43,16 +44,16 @@ class Token:
     comments: list[Comment] = field(default_factory=list)
     blank: bool = False
     depth: int = 0
-    """Of a block scalar: the column from which its lines are its content."""
+    """For a block scalar, the column where its content begins."""
     ended: bool = True
-    """Of a block scalar: whether a line break follows."""
+    """For a block scalar, whether a line break follows."""
 
 
 def tokens(text: str) -> list[Token]:
-    """The tokens of a text in which `load` found no fault. No I/O."""
+    """Return the tokens of a text in which `load` found no fault. No I/O."""
     starts = [0, *(found.end() for found in _LINE_BREAK.finditer(text))]
     result: list[Token] = []
-    columns = [0]  # of the collections around
+    columns = [0]  # of the enclosing collections
     last = 0
     found: Iterator[Any] = yaml.scan(Mask(text).text, Loader=reader_of(text))
     for each in found:
@@ -76,7 +77,7 @@ def tokens(text: str) -> list[Token]:
 
 
 def comments(found: list[Token]) -> list[str]:
-    """The texts of all comments, those in the first line of a block scalar too."""
+    """Return the texts of all comments, including those in the first line of a block scalar."""
     return [text for token in found for text in (*(each.text for each in token.comments), *_in_header(token))]
 
 
@@ -88,7 +89,7 @@ def _in_header(token: Token) -> list[str]:
 
 
 def _block(token: Token, column: int) -> None:
-    """Find how deep a block scalar stands, and leave out the lines at its end that are not part of its value."""
+    """Find the indentation of a block scalar, and remove lines at its end that are not part of its value."""
     header = _BLOCK.match(token.text)
     assert header is not None
     lines = _LINE_BREAK.split(token.text)

@@ -1,9 +1,9 @@
 """MuJoCo in a child process with limits, so that a crash, a hang or a log file never reaches the user.
 
-`compile` says whether a model compiles and what is in it, `measure` brings back arrays of the compiled
-model, `convert_urdf` makes MJCF of URDF, `Session` keeps the child process for several calls. The parent never
-imports MuJoCo; a missing installation is an answer (`Compiled.crash == "missing"`), no exception. What is not
-used is not imported.
+`compile` says whether a model compiles and what is in it, `measure` returns arrays of the compiled model,
+`convert_urdf` converts URDF to MJCF, `Session` keeps the child process for several calls. The parent never imports
+MuJoCo; a missing installation is an answer (`Compiled.crash == "missing"`), not an exception. Submodules are
+imported on first use.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What MuJoCo said to a request."""
+"""MuJoCo's answers to requests."""
 
 from __future__ import annotations
 
@@ -16,14 +16,11 @@ if TYPE_CHECKING:
 class Compiled:
     """A model that compiled, or why it did not.
 
-    `error` is MuJoCo's own text, or one sentence when MuJoCo gave none; paths in it are relative to the
-    folder.
-    `crash` is set when no verdict on the model could be had: `timeout`, `memory`, `signal N`, `exit N`,
-    `missing` (no MuJoCo in this Python) or `start` (no child process).
-    `forward` is what went wrong in one mj_forward at the reference configuration; None when all is finite, or
-    when it was not asked for.
-    `sizes` are all integer sizes of mjModel (nq, nv, nu, na, nbody, ...) and `nactuator`, which counts
-    actuators where `nu` counts controls.
+    `error` is MuJoCo's own text, or one sentence if MuJoCo gave none; paths in it are relative to the folder.
+    `crash` is set if there is no verdict on the model: `timeout`, `memory`, `signal N`, `exit N`, `missing` (no
+    MuJoCo in this Python) or `start` (no child process). `forward` is the error in one mj_forward at the reference
+    configuration; None if all numbers are finite, or if it was not requested. `sizes` are all integer sizes of
+    mjModel (nq, nv, nu, na, nbody, ...) and `nactuator`, which counts actuators while `nu` counts controls.
     """
 
     ok: bool
@@ -41,9 +38,9 @@ class Compiled:
 class Measured:
     """A compiled model with some of its arrays.
 
-    `arrays` has those of the wanted attributes that this version of MuJoCo has, sizes as arrays of one; it is
-    empty when `compiled.ok` is false. `names` gives for each kind of object (body, joint, geom, site, camera,
-    light, mesh, ...) the names in the order of the arrays' rows.
+    `arrays` has the requested attributes that this version of MuJoCo has, sizes as arrays of one; it is empty if
+    `compiled.ok` is false. `names` has for each kind of object (body, joint, geom, site, camera, light, mesh, ...)
+    the names in the order of the arrays' rows.
     """
 
     compiled: Compiled
@@ -56,7 +53,7 @@ class Measured:
 
 @dataclass(frozen=True, slots=True)
 class Called:
-    """What a function that ran in the child returned; `value` is JSON data, None unless `ok`.
+    """The result of a function that ran in the child; `value` is JSON data, None unless `ok`.
 
     `error` and `crash` are as in `Compiled`; an exception of the function is an `error`.
     """

@@ -1,12 +1,12 @@
-"""The child process: MuJoCo with limits, away from the user's process and folder.
+"""The child process: MuJoCo with limits, separate from the user's process and folder.
 
-Run as a script by `session.py`. It reads one JSON object a line from standard input, the first with its
-settings, each further one a request, and answers each with one line on the standard output it was started
-with. MuJoCo's own prints cannot get between them: file descriptor 1 is turned over to the log before MuJoCo
-is imported. The working directory is a fresh folder that the parent removes.
+Run as a script by `session.py`. It reads one JSON object on each line of standard input, first its settings, then
+requests, and answers each with one line on its original standard output. MuJoCo's own prints cannot interfere: file
+descriptor 1 is redirected to the log before MuJoCo is imported. The working directory is a new folder that the
+parent removes.
 
-MuJoCo's warnings come from the log file it writes there and not from a Python callback: some are raised in
-threads of the mesh compiler while the main thread holds the interpreter lock.
+MuJoCo's warnings come from the log file that it writes there and not from a Python callback: threads of the mesh
+compiler raise some of them while the main thread holds the interpreter lock.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from typing import Any, TextIO
 
 LOG_FILE = "MUJOCO_LOG.TXT"
 _LOG_HEAD = re.compile(r"^(?:WARNING|ERROR) \w{3} \w{3} [ \d]\d \d\d:\d\d:\d\d \d{4}: ", re.MULTILINE)
-# how pybind11, C++ and MuJoCo's compiler say that an allocation failed
+# how pybind11, C++ and MuJoCo's compiler report a failed allocation
 _REMEMBERED = 256 << 20
 _NO_MEMORY = ("Caught an unknown exception", "bad_alloc", "ould not allocate")
 
@@ -40,7 +40,7 @@ def main() -> None:
     _set_limits(settings["memory"])
     try:
         import mujoco
-    except Exception as error:  # whatever a broken installation raises is the answer
+    except Exception as error:  # any exception of a broken installation becomes the answer
         _say(answers, {"missing": f"{type(error).__name__}: {error}" if str(error) else type(error).__name__})
         return
     _say(answers, {"mujoco": mujoco.__version__})
@@ -58,7 +58,7 @@ def main() -> None:
 
 
 def _end_with_parent() -> None:
-    """Before MuJoCo is imported, which starts threads."""
+    """End this process with its parent. Called before MuJoCo is imported, which starts threads."""
     if os.name == "posix":
         from composer.processes.guard import end_with
 
@@ -73,7 +73,9 @@ def _compile(request: dict[str, Any], mujoco: Any, kept: dict[str, Any]) -> dict
         if request["keep"] is not None:
             kept[request["keep"]] = model
         return answer | _described(request, mujoco, model) | {"ok": True}
-    except Exception as error:  # ValueError, RuntimeError, FatalError and what pybind11 makes of C++
+    except (
+        Exception
+    ) as error:  # ValueError, RuntimeError, FatalError and pybind11's translations of C++ exceptions
         return answer | _fault(error)
 
 
@@ -82,7 +84,7 @@ def _compiled(request: dict[str, Any], mujoco: Any) -> Any:
 
 
 def _compiled_there(request: dict[str, Any], mujoco: Any) -> Any:
-    """Compiled in the model's own folder: an MJB holds the paths of its assets, which do not concern others."""
+    """Compile in the model's own folder: an MJB contains the paths of its assets, which should be relative."""
     log = Path(LOG_FILE).absolute()
     with contextlib.chdir(request["folder"]):
         try:
@@ -130,7 +132,7 @@ def _described(request: dict[str, Any], mujoco: Any, model: Any) -> dict[str, An
 
 
 def _call(request: dict[str, Any], mujoco: Any, kept: dict[str, Any]) -> dict[str, Any]:
-    """Run a function of this project on models that were kept."""
+    """Run a function of this project on kept models."""
     missing = [name for name in request["models"] if name not in kept]
     if missing:
         return {"ok": False, "error": f"no model is kept as `{missing[0]}`", "crash": None}
@@ -147,7 +149,7 @@ def _call(request: dict[str, Any], mujoco: Any, kept: dict[str, Any]) -> dict[st
 
 @contextlib.contextmanager
 def _computing(seconds: float) -> Iterator[None]:
-    """The system ends this process when it computes for longer in the block; MuJoCo hears nothing else."""
+    """Let the system end this process if the block computes for longer; nothing else interrupts MuJoCo."""
     if not hasattr(signal, "setitimer"):
         yield
         return
@@ -159,7 +161,7 @@ def _computing(seconds: float) -> Iterator[None]:
 
 
 def _forward(model: Any, mujoco: Any, seconds: float) -> tuple[Any, str | None]:
-    """mj_forward at the reference configuration: the data, and what is wrong with it."""
+    """Run mj_forward at the reference configuration; return the data, and the error if there is one."""
     import numpy
 
     data = None
@@ -182,7 +184,7 @@ def _fault(error: Exception) -> dict[str, Any]:
 
 
 def _set_limits(memory: int) -> None:
-    """No core dumps; `memory` bytes of data, and twice that of address space where only that is counted."""
+    """Disable core dumps; limit data to `memory` bytes, and address space to twice that where only that is counted."""
     try:
         import resource
     except ImportError:
@@ -192,7 +194,7 @@ def _set_limits(memory: int) -> None:
 
 
 def _set_cpu_limit(seconds: float) -> None:
-    """A backstop for a child whose parent is gone: processor time, all cores busy for a whole request."""
+    """Limit processor time, as a backstop for a child without a parent: all cores busy for a whole request."""
     try:
         import resource
     except ImportError:
@@ -208,21 +210,22 @@ def _set_soft_limit(resource: Any, kind: int | None, value: int) -> None:
     hard = resource.getrlimit(kind)[1]
     if hard != resource.RLIM_INFINITY:
         value = min(value, hard)
-    with contextlib.suppress(OSError, ValueError):  # a system that does not know this limit
+    with contextlib.suppress(OSError, ValueError):  # a system without this limit
         resource.setrlimit(kind, (value, hard))
 
 
 def _remember_files(mujoco: Any, stands: bool) -> None:
-    """Only of a folder that stands: MuJoCo's cache trusts path and time of change, which may be those of other bytes.
+    """Let MuJoCo cache only files of a standing folder: it identifies files by path and time, which others may
+    share.
 
-    Without room the cache has nothing, so that what stood before is forgotten with the first folder that does not.
+    Without capacity the cache is empty, so the first other folder clears it.
     """
-    with contextlib.suppress(AttributeError, TypeError):  # a version that has no cache, or keeps it to itself
+    with contextlib.suppress(AttributeError, TypeError):  # a version without a cache, or without access to it
         mujoco.mj_setCacheCapacity(mujoco.mj_getCache(), _REMEMBERED if stands else 0)
 
 
 def _read_log(start: int) -> tuple[list[str], int]:
-    """The messages in the log file after byte `start`, and where it ends now."""
+    """Return the messages in the log file after byte `start`, and its current end."""
     try:
         with Path(LOG_FILE).open("rb") as file:
             file.seek(start)

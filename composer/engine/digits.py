@@ -1,4 +1,4 @@
-"""How many digits MuJoCo saves."""
+"""The number of digits that MuJoCo saves."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import Any
 
 
 def save_all_digits(mujoco: Any) -> None:
-    """Let MuJoCo save numbers that read back to the same bits.
+    """Make MuJoCo save numbers that read back to the same bits.
 
-    It saves six digits, unless its library is told otherwise. Raises ValueError for a version that cannot.
+    It saves six digits by default. Raises ValueError for a version that cannot save more.
     """
     folder = Path(mujoco.__file__).parent
     for pattern in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco*.dll"):

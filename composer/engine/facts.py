@@ -1,6 +1,6 @@
-"""What a compiled model is asked for: sizes, names, arrays. Runs in the child process; imports no MuJoCo itself.
+"""Read sizes, names and arrays of a compiled model. Runs in the child process; imports no MuJoCo itself.
 
-Every attribute is one that MuJoCo 3.12 has; what came later is asked for with a fallback.
+All attributes exist in MuJoCo 3.12; newer ones are read with a fallback.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from composer.compiled.kinds import KINDS, names
 
 
 def sizes(model: Any) -> dict[str, int]:
-    """All integer sizes of the model; `nactuator` falls back to `nu`, which is the same before it existed."""
+    """Return all integer sizes of the model; `nactuator` falls back to `nu`, which is the same in older versions."""
     found = {}
     for name in dir(model):
         if name.startswith("n"):
@@ -27,9 +27,9 @@ def all_names(model: Any) -> dict[str, list[str]]:
 
 
 def arrays(wanted: list[str], model: Any, data: Any) -> dict[str, Any]:
-    """The wanted arrays; a size comes as an array of one, text as its bytes.
+    """Return the requested arrays; a size becomes an array of one, text its bytes.
 
-    A name this version does not have is left out.
+    Names that this version does not have are left out.
     """
     import numpy
 

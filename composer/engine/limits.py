@@ -1,4 +1,4 @@
-"""What a child process that runs MuJoCo may use up."""
+"""Limits for a child process that runs MuJoCo."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from composer.limits import in_force
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Limits of one request; those in force where they are not given.
+    """Limits of one request; the defaults are those in force.
 
-    `seconds` is wall-clock time per request, without the start of Python and the import of MuJoCo.
-    `memory` is in bytes and holds on POSIX only; elsewhere a model may take what the machine has.
+    `seconds` is wall-clock time per request, without the start of Python and the import of MuJoCo. `memory` is in
+    bytes and applies on POSIX only.
     """
 
     seconds: float = field(default_factory=lambda: in_force().time)
@@ -20,7 +20,9 @@ class Limits:
 
     @property
     def step(self) -> float:
-        """Seconds that the first step of a model may compute (POSIX): one that takes longer nobody can simulate."""
+        """Seconds that the first step of a model may compute (POSIX); a slower model cannot be simulated in
+        practice.
+        """
         return self.seconds / 20
 
     def __post_init__(self) -> None:

@@ -1,4 +1,4 @@
-"""One question to MuJoCo, as plain data that goes to the child process."""
+"""One request to MuJoCo, as plain data for the child process."""
 
 from __future__ import annotations
 
@@ -13,15 +13,13 @@ WANTS = frozenset({"forward", "index", "names"})
 class Request:
     """Compile `folder/model` and report on it.
 
-    `wants` says what the answer holds beyond sizes and warnings: `index` (joints, actuators, sensors with
-    their addresses), `names` (of every kind of object), `forward` (one mj_forward at the reference
-    configuration).
-    `arrays` are attributes of mjModel, or of mjData after mj_forward when written `data.NAME`.
-    `mjb` is where the compiled model is written.
-    `keep` is a name under which a session's child keeps the compiled model for `Session.call`.
-    `text`, if given, is read in place of the file's own content; the file need not exist then, and relative
-    paths in the text still start at its folder.
-    `stands` says that no file in `folder` but the model ever changes: MuJoCo may use again what it made of them.
+    `wants` lists what the answer has besides sizes and warnings: `index` (joints, actuators, sensors with their
+    addresses), `names` (of every kind of object), `forward` (one mj_forward at the reference configuration).
+    `arrays` are attributes of mjModel, or of mjData after mj_forward if written `data.NAME`. `mjb` is the path for
+    the compiled model. `keep` is a name under which a session's child keeps the compiled model for `Session.call`.
+    `text`, if given, replaces the file's content; the file need not exist then, and relative paths in the text
+    still start at its folder. `stands` says that only the model in `folder` ever changes, so that MuJoCo may reuse
+    the other files.
     """
 
     folder: Path
@@ -39,9 +37,9 @@ class Request:
             raise ValueError(f"unknown wants {sorted(unknown)}; there are {sorted(WANTS)}")
 
     def to_json(self, arrays_file: Path, step: float = 0) -> str:
-        """One line of JSON. All paths in it are absolute: the child works in another folder.
+        """Return one line of JSON. All paths in it are absolute, because the child works in another folder.
 
-        `step` is how long the forward step may compute, in seconds; 0 is no limit.
+        `step` is the limit for the forward step in seconds; 0 is no limit.
         """
         return json.dumps(
             {

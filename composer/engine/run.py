@@ -1,4 +1,4 @@
-"""Compile and measure models with MuJoCo, safely: the calls the rest of the project makes."""
+"""Compile and measure models with MuJoCo, isolated in a child process: the functions for the rest of the project."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def compile(
 ) -> Compiled:
     """Compile `folder/model`, run one mj_forward, and write an MJB to `mjb` if that is given.
 
-    Never raises for what the model does. `limits` count only without a `session`, which has its own.
+    Never raises for faults of the model. `limits` apply only without a `session`, which has its own.
     """
     request = Request(folder, model, wants=(*wants, "forward"), mjb=mjb, text=text, keep=keep, stands=stands)
     return _run([request], limits, session)[0].compiled
@@ -46,7 +46,7 @@ def measure(
     limits: Limits | None = None,
     session: Session | None = None,
 ) -> Measured:
-    """Compile `folder/model` and bring back arrays of mjModel (or `data.NAME` of mjData) with all names.
+    """Compile `folder/model` and return arrays of mjModel (or `data.NAME` of mjData) with all names.
 
     Units and shapes are MuJoCo's own: radians, metres, one row per object.
     """
@@ -55,7 +55,7 @@ def measure(
 
 
 def run_many(requests: Iterable[Request], *, limits: Limits | None = None) -> list[Measured]:
-    """Answer several requests with one start of MuJoCo; one that crashes takes no other with it."""
+    """Answer several requests with one start of MuJoCo; a crash does not affect the others."""
     return _run(requests, limits, None)
 
 
@@ -103,14 +103,14 @@ def _compiled(answer: dict[str, Any], request: Request, version: str | None) -> 
 
 
 def without_folder(text: str, folder: Path) -> str:
-    """`text` with paths below `folder` made relative to it; who reads it never chose that folder."""
+    """Return `text` with paths below `folder` made relative to it, because the folder is not the reader's."""
     for form in (str(folder.absolute()), os.path.realpath(folder)):
         text = text.replace(form.rstrip("/\\") + "/", "").replace(form.rstrip("/\\") + "\\", "")
     return text
 
 
 def _distinct(warnings: Iterable[str]) -> tuple[str, ...]:
-    """Each warning once, in order; MuJoCo logs the first line of some that it gives in full elsewhere."""
+    """Return each warning once, in order; MuJoCo logs the first line of some that it reports in full elsewhere."""
     found = list(dict.fromkeys(text.strip() for text in warnings if text.strip()))
     return tuple(text for text in found if not any(other.startswith(text + "\n") for other in found))
 

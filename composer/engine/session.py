@@ -1,4 +1,4 @@
-"""A child process that answers several requests, so that Python and MuJoCo start only once."""
+"""A child process for several requests, so that Python and MuJoCo start only once."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ from composer.scratch import scratch
 
 STARTUP_SECONDS = 120.0
 OLDEST = "3.12.0"
-"""MuJoCo before it has not all that is asked of it here; bundles are loaded with it nevertheless."""
+"""Older versions of MuJoCo lack features that are used here; bundles can still be loaded with them."""
 _LAST_WORDS = 4096
 
 
 class Session:
-    """Asks MuJoCo in a child process; the process starts with the first request and again after a crash.
+    """Runs MuJoCo in a child process, which starts with the first request and again after a crash.
 
-    Use it as a context manager, from one thread at a time. Nothing that happens in the child reaches the
-    caller but the answer: no exception, no output, no file. `rendering` lets the child use OpenGL. One that
-    `remembers` is asked for almost the same model again and again: it has a folder that stands (`standing`).
+    Use it as a context manager, from one thread at a time. Nothing in the child reaches the caller except the
+    answer: no exception, no output, no file. `rendering` lets the child use OpenGL. A session that `remembers` gets
+    almost the same model again and again: it has a standing folder (`standing`).
     """
 
     def __init__(
@@ -65,15 +65,15 @@ class Session:
         self.close()
 
     def begin(self) -> None:
-        """Start the child process without waiting for it: it imports MuJoCo while the caller has other things to do."""
+        """Start the child process without waiting for it, so that it imports MuJoCo in parallel."""
         if self._process is None:
             with contextlib.suppress(OSError, ValueError):  # reported with the first request
                 self._spawn()
 
     def ask(self, request: Request) -> tuple[dict[str, Any], Path]:
-        """The child's answer, or {"ok": False, "error", "crash"} in its place, and the file of its arrays.
+        """Return the child's answer, or {"ok": False, "error", "crash"} in its place, and the file of its arrays.
 
-        The arrays' file is there only when the answer says so; it belongs to the session.
+        The arrays' file exists only if the answer says so; it belongs to the session.
         """
         failure = self._start()
         arrays_file = (self._folder or Path()) / f"arrays-{self._count}.npz"
@@ -88,8 +88,8 @@ class Session:
     def call(self, function: Callable[..., Any], models: Sequence[str], argument: Any) -> dict[str, Any]:
         """Run `function(mujoco, *models, argument)` in the child, on mjModels that requests kept by name.
 
-        `function` stands at the top of a module; `argument` and what it returns are JSON data. It is for what
-        needs the compiled model itself, such as simulating it. The kept models are lost with a crash.
+        `function` is defined at the top of a module; `argument` and its result are JSON data. It is for anything
+        that needs the compiled model itself, such as simulating it. The kept models are lost with a crash.
         """
         name = f"{function.__module__}:{function.__qualname__}"
         line = json.dumps(
@@ -99,9 +99,10 @@ class Session:
         return self._crashed() if answer is None else answer
 
     def standing(self, name: str) -> Path:
-        """Where files stand of which `name` says all bytes; those of another name are removed. Raises OSError.
+        """Return the folder for files that `name` identifies by their bytes; remove those of other names. Raises
+        OSError.
 
-        The name is in their paths, by which MuJoCo knows them. The folder does not exist as long as it has no files.
+        The name is in their paths, by which MuJoCo identifies them. The folder does not exist until it has files.
         """
         if self._shelf is None:
             self._shelf = self._held.enter_context(scratch("standing"))
@@ -117,7 +118,7 @@ class Session:
         self._held.close()
 
     def _start(self) -> dict[str, Any] | None:
-        """None when a child is ready, otherwise the answer that says why there is none."""
+        """Return None if a child is ready, otherwise the answer that says why there is none."""
         if self._process is not None and self._is_greeted:
             return None
         try:
@@ -167,30 +168,30 @@ class Session:
                 cwd=work,
                 env=environment,
                 encoding="utf-8",
-                errors="surrogateescape",  # names of files are bytes: the child's are UTF-8 whatever ours are
+                errors="surrogateescape",  # file names are bytes: the child's are UTF-8 whatever ours are
             )
         self._lines = queue.Queue()
         assert self._process.stdout is not None
         threading.Thread(target=_forward_lines, args=(self._process.stdout, self._lines), daemon=True).start()
         self._is_greeted = False
         settings = {"path": module_path(), "seconds": self.limits.seconds, "memory": self.limits.memory}
-        with contextlib.suppress(OSError):  # a child that has ended gives no answer, which says so
+        with contextlib.suppress(OSError):  # a child that has ended gives no answer, which is reported
             self._send(json.dumps(settings))
 
     def _graphics(self) -> str:
-        """What MuJoCo draws with: nothing, what the user says, or what does without a display."""
+        """Return MuJoCo's graphics backend: none, the user's choice, or one that needs no display."""
         if not self.rendering or self.no_opengl is not None:
             return "disable"
         return os.environ.get("MUJOCO_GL") or ("egl" if sys.platform == "linux" else "glfw")
 
     def _exchange(self, line: str, seconds: float) -> dict[str, Any] | None:
-        """Send one line and wait for one; None when the child ended."""
+        """Send one line and wait for one; return None if the child ended."""
         try:
             self._send(line)
         except OSError:
             return None
         except BaseException:
-            self.close()  # interrupted: it may have been sent or not
+            self.close()  # interrupted: the line may or may not be sent
             raise
         return self._receive(seconds)
 
@@ -201,12 +202,14 @@ class Session:
         process.stdin.flush()
 
     def _receive(self, seconds: float) -> dict[str, Any] | None:
-        """Wait for one line; None when the child ended. One that takes too long is ended, which is the answer."""
+        """Wait for one line; return None if the child ended. A child that takes too long is killed, which is the
+        answer.
+        """
         latest = time.monotonic() + seconds
         try:
             received = self._lines.get(timeout=min(seconds, threading.TIMEOUT_MAX))
             if received is not None and time.monotonic() > latest:
-                raise queue.Empty  # an answer too late is too late, however this process was scheduled
+                raise queue.Empty  # a late answer is too late, however this process was scheduled
         except queue.Empty:
             self._stop()
             return _failure(f"MuJoCo did not finish within {seconds:g} s", "timeout")
@@ -217,12 +220,12 @@ class Session:
             return None
         answer: dict[str, Any] = json.loads(received)
         if answer.get("crash") == "memory":
-            self._stop()  # the next request does not start with what is left of its memory
+            self._stop()  # the next request starts with a fresh process
             return self._out_of_memory(answer["error"])
         return answer
 
     def _crashed(self) -> dict[str, Any]:
-        """Why the child ended without an answer."""
+        """Return why the child ended without an answer."""
         process, folder = self._process, self._folder
         assert process is not None and folder is not None
         status = process.wait()
@@ -262,20 +265,20 @@ def _failure(error: str, crash: str) -> dict[str, Any]:
 
 
 def _last_words(log: Path) -> str:
-    """The end of what the child printed."""
+    """Return the end of the child's output."""
     with log.open("rb") as file:
         file.seek(max(0, file.seek(0, os.SEEK_END) - _LAST_WORDS))
         return file.read().decode("utf-8", "replace")
 
 
 def _quoted(words: str) -> str:
-    """The last line of `words`, if there is any."""
+    """Return the last line of `words`, if any."""
     lines = words.strip().splitlines()
     return f": {lines[-1].strip()[:200]}" if lines else ""
 
 
 def _forward_lines(pipe: IO[str], lines: queue.Queue[str | None]) -> None:
-    """Move lines from the pipe to the queue, then None: runs in a thread, for pipes know no timeouts."""
+    """Move lines from the pipe to the queue, then None. Runs in a thread, because pipes have no timeouts."""
     with contextlib.suppress(OSError, ValueError):  # closed from this side
         for line in pipe:
             lines.put(line)

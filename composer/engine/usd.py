@@ -1,4 +1,4 @@
-"""MJCF to USD by `mujoco-usd-converter`, in the child process. The package is an extra."""
+"""Convert MJCF to USD with `mujoco-usd-converter`, in the child process. The package is an extra."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ _OWN_AFFAIRS = re.compile(r"deprecated")
 
 @dataclass(frozen=True, slots=True)
 class Exported:
-    """How an export went: `missing` is set where the converter cannot be imported, `error` where it failed.
+    """The result of an export: `missing` is set if the converter cannot be imported, `error` if it failed.
 
-    `textures` are images that stand beside a layer and that a package holds; `warnings` is what the converter says.
+    `textures` are images next to a layer, which a package would contain; `warnings` are the converter's messages.
     """
 
     missing: str | None = None
@@ -34,9 +34,9 @@ class Exported:
 
 
 def export_usd(model: Path, out: Path, session: Session) -> Exported:
-    """Write `out`, whose suffix says whether it is text (`.usda`), binary, or a package with textures (`.usdz`).
+    """Write `out`, whose suffix selects text (`.usda`), binary, or a package with textures (`.usdz`).
 
-    A layer that has textures beside it is not written. Never raises for what the model holds.
+    A layer with textures is not written. Never raises for contents of the model.
     """
     answer = call(session, export, (), {"model": str(model.absolute()), "out": str(out.absolute())})
     if not answer.ok:
@@ -47,7 +47,7 @@ def export_usd(model: Path, out: Path, session: Session) -> Exported:
 
 
 def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
-    """Runs in the child."""
+    """Convert the model. Runs in the child."""
     found: dict[str, Any] = {"missing": None, "textures": [], "warnings": []}
     try:
         converter = import_module("mujoco_usd_converter")
@@ -61,7 +61,7 @@ def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
         textures = sorted(path.name for path in Path(folder).glob("*/*"))
         suffix = out.suffix.lower()
         if suffix == ".usdz":
-            beside = Path(layer).with_name("settled.usdc")  # from where it finds its textures
+            beside = Path(layer).with_name("settled.usdc")  # in the folder from which it finds its textures
             settled.Export(str(beside))
             if not packing.CreateNewUsdzPackage(str(beside), str(out), Path(layer).name):
                 raise OSError(f"USD could not pack {out.name}")
@@ -78,9 +78,9 @@ _SHARED = "Flattened_Prototype_"
 
 
 def _settled(layer: Any, sdf: Any) -> Any:
-    """The layer without what is another in each run: where it was made, and how what it has several times is numbered.
+    """Return the layer without what differs between runs: its path, and the numbers of shared prims.
 
-    These are numbered as they are first referred to.
+    Shared prims are numbered in the order in which they are first referred to.
     """
     numbered: dict[Any, Any] = {}
     waiting = [each for each in layer.rootPrims if not each.name.startswith(_SHARED)][::-1]
@@ -111,14 +111,14 @@ def _settled(layer: Any, sdf: Any) -> Any:
 
 
 def _shared(prim: Any) -> list[Any]:
-    """The references to what a prim has in common with others."""
+    """Return a prim's references to shared prims."""
     referred = prim.referenceList.GetAddedOrExplicitItems()
     return [each for each in referred if not each.assetPath and each.primPath.name.startswith(_SHARED)]
 
 
 @contextlib.contextmanager
 def _standard_error() -> Iterator[Any]:
-    """What is printed on standard error inside the block, as a function that gives it; USD's C++ prints there."""
+    """Yield a function that returns the output on standard error inside the block; USD's C++ code prints there."""
     kept = os.dup(2)
     with tempfile.TemporaryFile() as file:
         os.dup2(file.fileno(), 2)

@@ -1,1 +1,1 @@
-"""From a recipe with parameters, variants and conditions to one concrete recipe. Located trees in and out; no I/O."""
+"""Expand a recipe with parameters, variants and conditions to one concrete recipe. Works on located trees; no I/O."""

@@ -1,4 +1,4 @@
-"""One concrete recipe: variants chosen, parameters set, conditions decided, expressions evaluated."""
+"""Make a concrete recipe: choose variants, set parameters, decide conditions, evaluate expressions."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from composer.expand.variants import Axes, choose, merged, read_axes
 from composer.expand.when import Condition
 from composer.expr.value import Value
 
-# Of these nothing is left in a concrete recipe.
+# These keys do not occur in a concrete recipe.
 SETTLED = ("extends", "trust", "params", "variants", "matrix")
 
 
 @dataclass(frozen=True, slots=True)
 class Concrete:
-    """A recipe without parameters and variants, and what it was made with.
+    """A recipe without parameters and variants, and the values it was made with.
 
-    `scope` has the values by name, those of variants as text; `lost` what is left out or in doubt
-    because it is wrong, `gone` the paths of the keys that are left out.
+    `scope` has the values by name, those of variants as text; `lost` the names that are left out or in doubt
+    because of errors, `gone` the paths of the keys that are left out.
     """
 
     document: Mapping
@@ -39,7 +39,8 @@ class Concrete:
 
 
 def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = False) -> Concrete:
-    """The recipe with the values of `given`, defaults for the rest; what has a fault is reported and left out.
+    """Return the recipe with the values of `given`, and defaults for the rest; faulty pieces are reported and left
+    out.
 
     With `any` it has the items of all builds, whatever their `when` says.
     """
@@ -63,7 +64,7 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = Fal
 
 
 def scope_of(document: Mapping, given: Map[str, Node]) -> dict[str, Value]:
-    """The values by name that `expand` would give, without expanding anything; what is wrong is reported there."""
+    """Return the values by name that `expand` would use, without expanding anything; errors are reported there."""
     sink = Sink()
     axes = read_axes(document, sink)
     chosen = choose(axes, given, sink)
@@ -73,7 +74,7 @@ def scope_of(document: Mapping, given: Map[str, Node]) -> dict[str, Value]:
 
 
 def _only_params(values: Mapping, chosen: str) -> Mapping:
-    """The chosen value of an axis with that part of its piece which declares parameters."""
+    """Return the chosen value of an axis with only the `params` of its piece."""
     key, piece = values.entries[chosen]
     return Mapping({chosen: (key, _section(piece) if isinstance(piece, Mapping) else piece)}, values.span)
 
@@ -83,7 +84,7 @@ def _section(document: Mapping) -> Mapping:
 
 
 def _axes(document: Mapping) -> frozenset[str]:
-    """What the cells of the matrix set."""
+    """Return the axes that the cells of the matrix set."""
     axes = find(document, ("matrix", "axes"))
     return frozenset(axes.entries) if isinstance(axes, Mapping) else frozenset()
 
@@ -109,6 +110,6 @@ def _check_names(
 
 
 def _declared(document: Mapping, section: str) -> frozenset[str]:
-    """The names in a section, those of what is wrong too."""
+    """Return the names in a section, including those of faulty entries."""
     found = document.entries.get(section)
     return frozenset(found[1].entries) if found is not None and isinstance(found[1], Mapping) else frozenset()

@@ -1,4 +1,4 @@
-"""The section `matrix`: which combinations of variants and parameters are built, and what each is called."""
+"""The section `matrix`: the combinations of variants and parameters to build, and their names."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ KEYS = {
     "emit": "What `build --worlds` makes of combinations that have different parts: nothing, which is an error"
     " (`models`), or one model with the parts of all (`union`).",
 }
-"""The keys of a matrix in the order in which `fmt` writes them, each with what it means."""
+"""The keys of a matrix with their meaning, in the order in which `fmt` writes them."""
 EMITS = ("models", "union")
 
 
@@ -38,8 +38,8 @@ EMITS = ("models", "union")
 class Cell:
     """One combination: its name, and the value of every axis of the matrix that it sets, by name.
 
-    `cell` is the name of the combination, None without a matrix. `sample` counts the draws that are made for it; 0 has
-    none. `is_sample` says that it is one of several samples.
+    `cell` is the name of the combination, None without a matrix. `sample` is the number of its sample; 0 has no
+    draws. `is_sample` says that it is one of several samples.
     """
 
     name: str
@@ -51,7 +51,7 @@ class Cell:
 
     @property
     def label(self) -> CellName:
-        """What diagnostics call it."""
+        """Its name in diagnostics."""
         return CellName(self.name, self.cell, self.sample if self.is_sample else None)
 
     def values(self) -> dict[str, Value | None]:
@@ -59,10 +59,10 @@ class Cell:
 
 
 def cells(document: Mapping, name: str, sink: Sink, given: Map[str, Node] | None = None) -> list[Cell]:
-    """All cells of a recipe called `name`, in order: the last axis changes fastest, `include` comes last.
+    """Return all cells of a recipe of this name, in order: the last axis changes fastest, `include` comes last.
 
-    Without a matrix there is none. Names are unique; that and every value is checked here, before anything is built.
-    What a cell does not set has the value of `given`, or its default.
+    Without a matrix there are none. Unique names and all values are checked here, before anything is built. Other
+    parameters have the value of `given`, or their default.
     """
     found = document.entries.get("matrix")
     if found is None:
@@ -118,16 +118,17 @@ class _Matrix:
             axes[key.name] = values.items
         self.around = self._around(axes)
         for axis, items in axes.items():
-            for value in items:  # each alone: is there such a name, and may it have that value?
+            for value in items:  # check each alone: does the name exist, and may it have that value?
                 concrete = expand(self.document, {**self.around, axis: value}, self.sink)
                 if axis not in concrete.parameters and axis not in concrete.variants:
-                    break  # that is reported, and true of all its values
+                    break  # reported, and the same for all its values
         return axes
 
     def _around(self, axes: Map[str, tuple[Node, ...]]) -> dict[str, Node]:
-        """What is given, and a value of every axis that is a parameter without a default, which every cell gives.
+        """Return the given values, with one for each axis that is a parameter without a default, which every cell
+        sets.
 
-        What has no such name is reported where a model is planned.
+        Unknown names are reported when a model is planned.
         """
         found = expand(self.document, self.given, Sink())
         needed = {
@@ -210,7 +211,7 @@ class _Matrix:
 
 
 def settled_name(name: str, scope: Map[str, Value]) -> str:
-    """A recipe's name with the values of its expressions; what is wrong with these is reported when it is expanded."""
+    """Return a recipe's name with its expressions evaluated; their errors are reported when it is expanded."""
     try:
         return str(Template.parse(name).value(scope)) if is_template(name) else name
     except ExpressionError:

@@ -1,4 +1,4 @@
-"""The names of parameters and variants: one namespace, that of expressions."""
+"""The names of parameters and variants, which share the namespace of expressions."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ import re
 from composer.diagnostics.sink import Sink
 from composer.document.node import Key
 
-# What expressions inside `edit` know, and what a reader would confuse with parts of the language.
+# Names that expressions in `edit` define, and names that readers would confuse with parts of the language.
 RESERVED = frozenset({"name", "value", "index", "parent", "base"})
 _NAME = re.compile(r"[^\W\d]\w*")
 
 
 def is_usable(key: Key, what: str, sink: Sink) -> bool:
-    """Whether an expression can use the name; `what` is what it names, as messages call it."""
+    """Return whether an expression can use the name; `what` describes the named thing in messages."""
     from composer.expr.functions import CONSTANTS, FUNCTIONS
     from composer.expr.tokens import KEYWORDS
 

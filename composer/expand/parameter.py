@@ -1,4 +1,4 @@
-"""One parameter: its type, its default, and which values it can have."""
+"""A parameter: its type, its default, and its possible values."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ TYPES = ("bool", "int", "float", "string", "vector")
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """`low` and `high` bound numbers and every component of a vector; `default` None is one that must be given.
+    """`low` and `high` bound numbers and every component of a vector; a parameter with `default` None must be
+    given.
 
-    `unit` is for readers, but for `deg` and `rad`: a value that is `${name}` alone then is an angle with that unit.
+    `unit` is for readers, except `deg` and `rad`: a value that is only `${name}` is then an angle with that unit.
     """
 
     name: str
@@ -36,7 +37,9 @@ class Parameter:
         return self.unit in ("deg", "rad")
 
     def read(self, value: Value) -> Value | Diagnostic:
-        """The value as it is kept, an angle with a unit as a number in the parameter's; or the error about it."""
+        """Return the value as it is stored, an angle with a unit as a number in the parameter's unit; or the error
+        about it.
+        """
         if self.is_angle and isinstance(value, str) and (angle := Angle.read(value)):
             value = angle.in_unit(str(self.unit))
         if not _has_type(value, self.type):
@@ -103,7 +106,7 @@ def _quoted(value: Value) -> str:
 
 
 def inferred(default: Value) -> tuple[str, Value, str | None]:
-    """Type, value and unit of a parameter of which only the default is known.
+    """Return type, value and unit of a parameter of which only the default is known.
 
     >>> inferred(1), inferred("90deg"), inferred("left")
     (('float', 1, None), ('float', 90.0, 'deg'), ('string', 'left', None))

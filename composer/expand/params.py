@@ -1,4 +1,4 @@
-"""The section `params`: what can be set from outside, and what it is now."""
+"""The section `params`: declared parameters and their values."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ KEYS = {
     "unit": "for readers; `deg` and `rad` make it an angle",
     "doc": "what it is for",
 }
-"""The keys of a parameter in the order in which `fmt` writes them, each with what it means."""
+"""The keys of a parameter with their meaning, in the order in which `fmt` writes them."""
 
 
 def read_params(node: Node | None, sink: Sink) -> dict[str, Parameter]:
-    """The parameters that are declared, but for those that are wrong."""
+    """Return the declared parameters, without faulty ones."""
     if node is None:
         return {}
     if not isinstance(node, Mapping):
@@ -107,7 +107,7 @@ def _read(key: Key, node: Node, sink: Sink) -> Parameter | None:
 
 
 def _check_keys(key: Key, written: Map[str, tuple[Key, Node]], sink: Sink) -> None:
-    """Report keys that a parameter does not have, and what is not text where text is expected."""
+    """Report unknown keys of a parameter, and values that should be text."""
     for name, (each, value) in written.items():
         if name not in KEYS:
             message = f"parameter `{key.name}` has no key `{name}`"
@@ -117,7 +117,7 @@ def _check_keys(key: Key, written: Map[str, tuple[Key, Node]], sink: Sink) -> No
 
 
 def _in_unit(value: Value, unit: str | None) -> Value:
-    """An angle with a unit as a number in that of its parameter."""
+    """Return an angle with a unit as a number in the unit of its parameter."""
     angle = Angle.read(value) if isinstance(value, str) and unit in UNITS else None
     return value if angle is None else angle.in_unit(str(unit))
 
@@ -135,9 +135,9 @@ def _number(node: Node | None, what: str, name: str, unit: str | None, sink: Sin
 def settle(
     parameters: Map[str, Parameter], given: Map[str, Node], sink: Sink, in_cells: Collection[str] = ()
 ) -> dict[str, Value]:
-    """The value of every parameter: what is given, else its default, which also stands in for what is wrong.
+    """Return the value of every parameter: the given one, else its default, which also replaces faulty values.
 
-    One that has no default and is not given has no value. The cells of a matrix set those `in_cells`.
+    A parameter without a default that is not given has no value. The cells of a matrix set those `in_cells`.
     """
     scope = {name: each.default for name, each in parameters.items() if each.default is not None}
     for name, parameter in parameters.items():

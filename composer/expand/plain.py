@@ -1,4 +1,4 @@
-"""Located nodes as values of expressions, and back."""
+"""Convert located nodes to values of expressions, and back."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from composer.expr.value import Value, shown
 
 
 def plain(node: Node) -> Value | None:
-    """The value of a scalar or a list of them; None for nothing, mappings, and what no expression can be."""
+    """Return the value of a scalar or a list of scalars; None for null, mappings, and other values."""
     if isinstance(node, Scalar):
         return node.value
     if isinstance(node, Sequence):
@@ -18,14 +18,14 @@ def plain(node: Node) -> Value | None:
 
 
 def node_of(value: Value, span: Span) -> Node:
-    """A node that says the value, at a place."""
+    """Return a node with this value and place."""
     if isinstance(value, tuple):
         return Sequence(tuple(node_of(each, span) for each in value), span)
     return Scalar(value, span, shown(value), not isinstance(value, str))
 
 
 def same(a: Value, b: Value) -> bool:
-    """Whether two values are equal; `true` is not 1.
+    """Return whether two values are equal; `true` is not 1.
 
     >>> same(1, 1.0), same(True, 1), same((1, 2), (1.0, 2))
     (True, False, True)

@@ -1,4 +1,4 @@
-"""Expressions to their values, everywhere in a recipe where they are known before anything is built."""
+"""Evaluate expressions in a recipe, except those that depend on elements."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 
 class Substitution:
-    """`lost` has the keys and texts of what had to be left out because an expression in it is wrong, `gone` the paths
-    of these keys.
+    """`lost` has the keys and texts that were left out because an expression in them is faulty, `gone` the paths of
+    these keys.
     """
 
     def __init__(
@@ -32,14 +32,14 @@ class Substitution:
         self.gone: set[Path] = set()
 
     def of(self, node: Node, path: Path = ()) -> Node | None:
-        """The node with values for its expressions; None where there is none for it itself."""
-        if is_of_elements(path):  # known when the element is: what is in it now
+        """Return the node with its expressions evaluated, or None if its own value is faulty."""
+        if is_of_elements(path):  # evaluated later, for each element
             return node
         if isinstance(node, Scalar):
             return self._scalar(node)
         if isinstance(node, Sequence):
             items = [self.of(item, (*path, index)) for index, item in enumerate(node.items)]
-            if any(item is None for item in items):  # a list without one of its values is another list
+            if any(item is None for item in items):  # a list without one of its values would be another list
                 return None
             return Sequence(tuple(item for item in items if item is not None), node.span)
         entries: dict[str, tuple[Key, Node]] = {}
@@ -73,7 +73,7 @@ class Substitution:
 def report(
     error: ExpressionError, node: Scalar, known: list[str], broken: frozenset[str], sink: Sink
 ) -> None:
-    """An error in an expression, at its place in the scalar; a `broken` name was reported where it broke."""
+    """Report an error in an expression, at its place in the scalar; errors about a `broken` name are follow-ups."""
     if isinstance(error, UnknownName) and error.name in broken:
         return
     span = within(node, error.start, error.end)
@@ -85,7 +85,9 @@ def report(
 
 
 def within(node: Scalar, start: int, end: int) -> Span:
-    """The place of some characters of a scalar's text; of all of it where the file has it in other words."""
+    """Return the place of some characters of a scalar's text, or the whole scalar if the file writes them
+    differently.
+    """
     span = node.span
     if span.end_line not in (None, span.line) or span.end_column is None:
         return span

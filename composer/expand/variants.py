@@ -1,4 +1,4 @@
-"""The section `variants`: named pieces of recipe, of which one of each axis is merged over the recipe."""
+"""The section `variants`: named pieces of recipe, of which one for each axis is merged over the recipe."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from composer.document.merge import merge
 from composer.document.node import Mapping, Node, Scalar, Sequence
 from composer.expand.name import is_usable
 
-# What belongs to the recipe as a whole and to no piece of it.
+# Keys that belong to the recipe as a whole, and not to a piece of it.
 NO_PIECE = ("recipe", "extends", "trust", "variants", "matrix", "separator", "angle", "eulerseq")
 
 Axes = dict[str, Mapping]
 
 
 def read_axes(document: Mapping, sink: Sink) -> Axes:
-    """Each axis with its pieces by value, but for what is wrong."""
+    """Return each axis with its pieces by value, without faulty ones."""
     found = document.entries.get("variants")
     if found is None:
         return {}
@@ -60,7 +60,7 @@ def read_axes(document: Mapping, sink: Sink) -> Axes:
 
 
 def _words(node: Node) -> list[str]:
-    """The texts of a list of texts, or a single text."""
+    """Return the texts of a list of texts, or a single text."""
     items = node.items if isinstance(node, Sequence) else (node,)
     texts = [item.text for item in items if isinstance(item, Scalar) and item.text]
     return texts if len(texts) == len(items) else []
@@ -71,7 +71,7 @@ def _pieces(values: list[str]) -> str:
 
 
 def choose(axes: Axes, given: Map[str, Node], sink: Sink) -> dict[str, str]:
-    """The value of every axis: what is given, else the first."""
+    """Return the value of every axis: the given one, else the first."""
     chosen: dict[str, str] = {}
     for axis, values in axes.items():
         node = given.get(axis)
@@ -93,7 +93,7 @@ def no_value(axis: str, value: str, values: Mapping, node: Node, sink: Sink) -> 
 
 
 def merged(document: Mapping, axes: Axes, chosen: Map[str, str], sink: Sink) -> Mapping:
-    """The chosen pieces over the recipe, in the order of their axes."""
+    """Merge the chosen pieces over the recipe, in the order of their axes."""
     for axis, value in chosen.items():
         piece = axes[axis].entries[value][1]
         if isinstance(piece, Mapping):

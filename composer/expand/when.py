@@ -1,4 +1,4 @@
-"""`when`: what belongs to some builds only."""
+"""`when`: conditions for items that belong to some builds only."""
 
 from __future__ import annotations
 
@@ -17,20 +17,21 @@ from composer.expr.opening import is_template
 from composer.expr.value import Value
 
 WHEN = "when"
-# How deep below the top of a recipe the items are that may have it: `sensor.NAME`, `asset.mesh.NAME`, `add[0]`.
+# The depth of items that may have a condition: `sensor.NAME`, `asset.mesh.NAME`, `add[0]`.
 _DEPTH = {
     **dict.fromkeys(("attach", "add", "edit", "check", "keyframe"), 2),
     **dict.fromkeys(("sensor", "actuator", "equality", "tendon", "default"), 2),
     **dict.fromkeys(("asset", "contact", "custom", "deformable", "extension"), 3),
     **dict.fromkeys(("option", "size", "visual", "statistic", "compiler"), 1),
 }  # fmt: skip
-_MAX_DEPTH = 4  # those of the edits of a part
+_MAX_DEPTH = 4  # the depth of a part's edits
 
 
 class Condition:
-    """Decides what belongs to this build by the values of variants and parameters, or keeps what belongs to `any`.
+    """Decides by the values of variants and parameters which items belong to this build, or keeps the items of
+    `any` build.
 
-    `in_doubt` has the names and values in what is kept because its `when` is wrong.
+    `in_doubt` has the names and values of items that are kept because their `when` is faulty.
     """
 
     def __init__(
@@ -40,7 +41,7 @@ class Condition:
         self.in_doubt: set[str] = set()
 
     def kept(self, document: Mapping) -> Mapping:
-        """The recipe of this build, without any `when`."""
+        """Return the recipe of this build, without any `when`."""
         found = self._kept(document, ())
         assert isinstance(found, Mapping)
         return found
@@ -128,7 +129,7 @@ def _values(node: Node) -> Iterator[str]:
 
 
 def has_conditions(node: Node, path: Path = ()) -> bool:
-    """Whether some item of a recipe belongs to some builds only."""
+    """Return whether some item of a recipe belongs to some builds only."""
     if isinstance(node, Mapping):
         if WHEN in node.entries and _is_item(path):
             return True
@@ -142,7 +143,7 @@ def has_conditions(node: Node, path: Path = ()) -> bool:
 
 
 def _is_item(path: Path) -> bool:
-    """Whether what stands there may belong to some builds only."""
+    """Return whether the item at this path may have a condition."""
     own = in_own_model(path)
     return is_edits(own[:-1]) or (len(own) > 0 and len(own) == _DEPTH.get(str(own[0])))
 

@@ -1,1 +1,1 @@
-"""Numeric expressions, `${…}` in a recipe: total, bounded, and with no way out of arithmetic."""
+"""Numeric expressions, `${…}` in a recipe: always ending, bounded, and limited to arithmetic."""

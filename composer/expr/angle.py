@@ -1,4 +1,4 @@
-"""An angle as a recipe writes it: a number with its unit."""
+"""Angles in recipes: numbers with a unit."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Angle:
 
     @classmethod
     def read(cls, text: str) -> Angle | None:
-        """The angle that a text is, or None.
+        """Return the angle in a text, or None if it is not one.
 
         >>> Angle.read("-90deg"), Angle.read("90"), Angle.read("deg")
         (Angle(value=-90.0, unit='deg'), None, None)
@@ -37,7 +37,7 @@ class Angle:
         return cls(value, UNITS[text[-3:]]) if math.isfinite(value) else None
 
     def in_unit(self, unit: str) -> float:
-        """The number with another unit, `deg` or `rad`."""
+        """Return the number in another unit, `deg` or `rad`."""
         if unit == self.unit:
             return self.value
         return math.radians(self.value) if unit == "rad" else math.degrees(self.value)

@@ -1,10 +1,10 @@
-"""What is wrong with an expression, and where in its text."""
+"""Errors in expressions, with their position in the text."""
 
 from __future__ import annotations
 
 
 class ExpressionError(Exception):
-    """A fault at characters `start` to `end` of the text that was parsed; `help` is a line to act on."""
+    """An error at characters `start` to `end` of the parsed text; `help` says how to fix it."""
 
     def __init__(self, message: str, start: int, end: int, help: str | None = None) -> None:
         super().__init__(message)
@@ -14,12 +14,12 @@ class ExpressionError(Exception):
         self.help = help
 
     def moved(self, by: int) -> ExpressionError:
-        """The same fault in a text in which the expression stands `by` characters later."""
+        """Return the same error for a text in which the expression is `by` characters later."""
         return ExpressionError(self.message, self.start + by, self.end + by, self.help)
 
 
 class UnknownName(ExpressionError):
-    """A name that the scope does not have; who knows what there is can say more."""
+    """A name that the scope does not have; code that knows the existing names can say more."""
 
     def __init__(self, name: str, start: int, end: int) -> None:
         super().__init__(f"`{name}` does not exist", start, end)

@@ -1,4 +1,4 @@
-"""A tree to its value. Whatever the tree, this ends soon, with a value or an `ExpressionError`."""
+"""Evaluate a tree. Evaluation of any tree ends soon, with a value or an `ExpressionError`."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _ORDER: Mapping[str, Callable[[Value, Value], bool]] = {
 
 
 def evaluate(tree: Expression, scope: Mapping[str, Value]) -> Value:
-    """The value with the names of `scope`; raises `ExpressionError`."""
+    """Return the value with the names of `scope`. Raises `ExpressionError`."""
     if isinstance(tree, Constant):
         return tree.value
     if isinstance(tree, Name):
@@ -66,7 +66,7 @@ def evaluate(tree: Expression, scope: Mapping[str, Value]) -> Value:
 
 
 def names(tree: Expression) -> Iterator[Name]:
-    """Every name in an expression, constants such as `pi` too."""
+    """Yield every name in an expression, including constants such as `pi`."""
     if isinstance(tree, Name):
         yield tree
     for child in _children(tree):
@@ -144,7 +144,7 @@ def _binary(tree: Binary, scope: Mapping[str, Value]) -> Value:
         if left == (tree.operator == "or"):
             return left
         return _boolean(tree.right, tree.operator, scope)
-    # Each operand once: the left one of a sum is a sum, too, and twice each would be 2 to the power of the terms.
+    # Evaluate each operand once: sums nest on the left, and twice each would be exponential in the number of terms.
     first = evaluate(tree.left, scope)
     if tree.operator == "+" and isinstance(first, str):
         return _joined(tree, first, evaluate(tree.right, scope))
@@ -196,7 +196,9 @@ def _call(tree: Call, scope: Mapping[str, Value]) -> Value:
 
 
 def _checked(tree: Binary | Call, work: Callable[[], int | float], of: Sequence[int | float]) -> int | float:
-    """What is not a finite number, or too large a one, is a fault of the expression; `of` are the numbers it has."""
+    """Compute a number; a result that is not finite, or too large, is an error of the expression. `of` are the
+    operands.
+    """
     try:
         value = work()
     except ZeroDivisionError:

@@ -1,4 +1,4 @@
-"""The functions and constants of expressions. Angles are in radians, as in every mathematical library."""
+"""The functions and constants of expressions. Angles are in radians, as in mathematical libraries."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ Number = int | float
 
 
 class ArgumentError(ValueError):
-    """An argument that a function does not take, in words."""
+    """An argument that a function does not accept; the text says why."""
 
 
 class Function(NamedTuple):
-    """`apply` takes `least` to `most` numbers (None: any number of them)."""
+    """`apply` takes `least` to `most` numbers (None: any number)."""
 
     apply: Callable[..., Number]
     least: int = 1

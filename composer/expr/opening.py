@@ -1,4 +1,4 @@
-"""How an expression begins. Apart from the rest of the room, which only recipes with expressions need."""
+"""The start of an expression. Separate from the rest of the room, which only recipes with expressions need."""
 
 from __future__ import annotations
 
@@ -6,5 +6,5 @@ OPENING = "${"
 
 
 def is_template(text: str) -> bool:
-    """Whether there is an expression in the text."""
+    """Return whether the text contains an expression."""
     return OPENING in text

@@ -1,4 +1,4 @@
-"""Tokens to a tree, with Python's precedence."""
+"""Parse tokens to a tree, with Python's precedence."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _LEVELS = (("+", "-"), ("*", "/", "//", "%"))
 
 
 def parse(text: str) -> Expression:
-    """The tree of an expression; raises `ExpressionError`."""
+    """Return the tree of an expression. Raises `ExpressionError`."""
     parser = _Parser(tokens(text))
     if parser.next.kind == "end":
         raise ExpressionError("the expression is empty", 0, len(text), "write for instance `${2 * reach}`")

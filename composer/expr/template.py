@@ -1,4 +1,4 @@
-"""Text with `${…}` in it."""
+"""Text that contains `${…}`."""
 
 from __future__ import annotations
 
@@ -17,21 +17,22 @@ from composer.limits import advice, in_force
 
 @dataclass(frozen=True, slots=True)
 class Template:
-    """Pieces of text, and expressions, each with where it begins."""
+    """Pieces of text, and expressions with their start positions."""
 
     pieces: tuple[str | tuple[int, Expression], ...]
 
     @classmethod
     @lru_cache(maxsize=64)  # a condition is evaluated for each element
     def parse(cls, text: str) -> Template:
-        """Raises `ExpressionError` with characters of the whole text.
+        """Parse a text. Raises `ExpressionError` with positions in the whole text.
 
         >>> Template.parse("pad_${side}_${n + 1}").value({"side": "left", "n": 2})
         'pad_left_3'
         >>> Template.parse("${2 * reach}").value({"reach": 0.25})
         0.5
         """
-        # Each gives a character as a rule, and that they give too many would be known after minutes.
+        # Expressions give at least a character as a rule, and counting the characters of too many would take
+        # minutes.
         if (count := text.count(OPENING)) > (most := in_force().string):
             at = text.index(OPENING)
             message = f"the text has {count} expressions; {most} are allowed"
@@ -53,7 +54,7 @@ class Template:
         return cls(tuple(pieces))
 
     def value(self, scope: Mapping[str, Value]) -> Value:
-        """What the text says with these names: a value of any type where it is one expression, else text."""
+        """Evaluate the text with these names: a single expression gives a value of any type, anything else a text."""
         values = [piece if isinstance(piece, str) else _evaluated(piece, scope) for piece in self.pieces]
         if len(values) == 1:
             return values[0]
@@ -66,7 +67,7 @@ class Template:
         return "".join(texts)
 
     def names(self) -> Iterator[Name]:
-        """The names in the expressions, with their characters in the whole text."""
+        """Yield the names in the expressions, with their positions in the whole text."""
         for piece in self.pieces:
             if not isinstance(piece, str):
                 at, tree = piece
@@ -74,7 +75,7 @@ class Template:
 
     @property
     def is_one_name(self) -> str | None:
-        """The name, if the text is `${name}` and nothing more."""
+        """The name, if the text is only `${name}`."""
         piece = self.pieces[0] if len(self.pieces) == 1 else ""
         return piece[1].name if not isinstance(piece, str) and isinstance(piece[1], Name) else None
 
@@ -88,7 +89,7 @@ def _evaluated(piece: tuple[int, Expression], scope: Mapping[str, Value]) -> Val
 
 
 def _closing(text: str, start: int) -> int:
-    """Where the brace is that closes the one at `start`; one inside quotes closes nothing."""
+    """Return the position of the brace that closes the one at `start`, ignoring braces in quotes."""
     quote = ""
     for at in range(start + len(OPENING), len(text)):
         character = text[at]

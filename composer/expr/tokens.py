@@ -1,4 +1,4 @@
-"""Text to tokens."""
+"""Split text into tokens."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _FOREIGN = {"&&": "and", "||": "or", "!": "not", "^": "**", "=": "=="}
 
 
 def tokens(text: str) -> list[Token]:
-    """All tokens, the last one of kind `end`; raises `ExpressionError`."""
+    """Return all tokens, the last one of kind `end`. Raises `ExpressionError`."""
     found: list[Token] = []
     at = 0
     end = len(text.rstrip())

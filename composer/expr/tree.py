@@ -1,4 +1,4 @@
-"""The nodes of a parsed expression; `start` and `end` are its characters in the text."""
+"""The nodes of a parsed expression; `start` and `end` are positions in the text."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ MAX_INTEGER = 2**63
 
 
 def kind(value: Value) -> str:
-    """What messages call a value of that type.
+    """Return the noun in messages for a value's type.
 
     >>> kind(True), kind(2), kind(2.0), kind("x"), kind((1, 2))
     ('a boolean', 'a number', 'a number', 'text', 'a vector')
@@ -21,7 +21,7 @@ def kind(value: Value) -> str:
 
 
 def shown(value: Value) -> str:
-    """A value as it stands in text: the shortest that reads back as the same number.
+    """Return a value as text: the shortest one that reads back as the same number.
 
     >>> shown(0.1), shown(2.0), shown(2), shown(True), shown((1, 0.5)), shown("left")
     ('0.1', '2.0', '2', 'true', '[1, 0.5]', 'left')

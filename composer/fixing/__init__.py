@@ -1,1 +1,1 @@
-"""Carry out the fixes of diagnostics: in memory, until nothing is left that can be fixed."""
+"""Apply the fixes of diagnostics in memory, until nothing is left to fix."""

@@ -1,4 +1,4 @@
-"""From the fix of a diagnostic to a change of the text of its file."""
+"""Convert the fix of a diagnostic to a change of its file's text."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _CLOSING = {"[": "]", "{": "}"}
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """`text` in place of the characters from `start` up to `end`."""
+    """Replaces the characters from `start` up to `end` by `text`."""
 
     start: int
     end: int
@@ -27,7 +27,8 @@ class Edit:
 
 
 def edit_of(diagnostic: Diagnostic, source: str) -> Edit | None:
-    """The change that the fix of a diagnostic is in the text of its file; None without one, or where it does not fit.
+    """Return the change for a diagnostic's fix in the text of its file, or None if there is none or it does not
+    fit.
 
     >>> span = Span("a.yaml", 1, 7, 1, 13)
     >>> edit_of(Diagnostic("unknown-name", "no", span, fix=Fix("arm/tip", "tipp")), 'site: "tipp"')
@@ -52,7 +53,7 @@ def edit_of(diagnostic: Diagnostic, source: str) -> Edit | None:
 
 
 def exact(diagnostic: Diagnostic, source: str) -> Diagnostic:
-    """The diagnostic with the text that its fix writes, quotes included; without a fix where it does not fit."""
+    """Return the diagnostic with the verbatim text of its fix, including quotes; without a fix that does not fit."""
     if diagnostic.fix is None:
         return diagnostic
     edit = edit_of(diagnostic, source)
@@ -61,12 +62,12 @@ def exact(diagnostic: Diagnostic, source: str) -> Diagnostic:
 
 
 def place_of(diagnostic: Diagnostic) -> Span | None:
-    """Where the fix of a diagnostic is to be made."""
+    """Return where the fix of a diagnostic applies."""
     return diagnostic.fix.span or diagnostic.span if diagnostic.fix is not None else None
 
 
 def applied(source: str, edits: Iterable[Edit]) -> str:
-    """The text with all changes; of two that overlap, the first.
+    """Return the text with all changes; if two overlap, with the first.
 
     >>> applied("a b c", [Edit(0, 1, "x"), Edit(4, 5, "z"), Edit(0, 3, "y")])
     'x b z'
@@ -80,7 +81,7 @@ def applied(source: str, edits: Iterable[Edit]) -> str:
 
 
 def _bounds(span: Span, source: str) -> tuple[int, int] | None:
-    """The characters of a span on one line; those of a span without an end are none."""
+    """Return the positions of a span on one line, or None if it has several; a span without an end is empty."""
     if span.end_line not in (None, span.line):
         return None
     begins = [0, *(found.end() for found in _LINE_BREAK.finditer(source))]
@@ -93,7 +94,7 @@ def _bounds(span: Span, source: str) -> tuple[int, int] | None:
 
 
 def _renamed(written: str, fix: Fix, is_yaml: bool) -> str | None:
-    """Another name in the quotes that it needs; None where the old one is not what is written."""
+    """Return another name in the necessary quotes, or None if the old one is not in the text."""
     quotes = (
         written[:1] if written[:1] in _QUOTES and written[-1:] == written[:1] and len(written) > 1 else ""
     )

@@ -1,4 +1,4 @@
-"""A recipe without the faults that can be fixed: found, fixed and looked at again, until there is nothing to fix."""
+"""Fix a recipe: find faults, fix them and look again, until there is nothing to fix."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _OF_YAML = "yaml-"
 
 @dataclass(slots=True)
 class Fixed:
-    """`files` are the texts before and after by path; `fixed` is what was fixed, `left` what was not."""
+    """`files` are the texts before and after by path; `fixed` are the fixed diagnostics, `left` the others."""
 
     files: dict[Path, tuple[bytes, bytes]] = field(default_factory=dict)
     fixed: list[Diagnostic] = field(default_factory=list)
@@ -29,9 +29,9 @@ class Fixed:
 
 
 def fix(recipe: Path, context: Context, given: Given | None = None) -> Fixed:
-    """What a recipe and the user's own recipes that it uses become; nothing is written.
+    """Return the fixed texts of a recipe and of the user's own recipes that it uses; nothing is written.
 
-    A fix that leaves its fault as it was is taken back. MuJoCo compiles nothing but what the linker has to measure.
+    A fix that does not remove its fault is reverted. MuJoCo compiles only what the linker has to measure.
     """
     return _Fixing(recipe, context, given or {}).fixed()
 
@@ -56,7 +56,7 @@ class _Fixing:
             useless = _persisting(left, tried, after)
             if _breaks(left, after):
                 useless = set(map(_identity, tried)) if len(tried) == 1 else set()
-                self.at_once = 1  # which of them it was, only one after the other can show
+                self.at_once = 1  # trying them one after the other shows which one it was
             elif not useless:
                 result.fixed += tried
                 left = after
@@ -72,7 +72,7 @@ class _Fixing:
         return result
 
     def found(self) -> list[Diagnostic]:
-        """What is found of the recipe as it is now."""
+        """Return the diagnostics of the recipe in its current state."""
         texts = {os.path.realpath(path): text for path, text in self.now.items()}
         context = replace(self.context, sink=Sink(), recipes={}, concrete={})
         with unsaved(texts):
@@ -80,7 +80,7 @@ class _Fixing:
         return context.sink.sorted()
 
     def carry_out(self, found: list[Diagnostic]) -> list[Diagnostic]:
-        """Make the fixes that fit and do not overlap; gives their diagnostics."""
+        """Apply the fixes that fit and do not overlap; return their diagnostics."""
         edits: dict[Path, dict[Edit, Diagnostic]] = {}
         for diagnostic in found:
             span = place_of(diagnostic)
@@ -106,20 +106,20 @@ class _Fixing:
         return self.now[path]
 
     def is_own(self, path: Path) -> bool:
-        """Whether it is a recipe of the user's own, and not one that was fetched or installed."""
+        """Return whether it is the user's own recipe, and not one that was fetched or installed."""
         fetching = self.context.fetching
         fetched = fetching is not None and fetching.around(path) is not None
         return path.suffix.lower() in RECIPES and path.is_file() and not fetched
 
 
 def _identity(diagnostic: Diagnostic) -> tuple[str, str, str]:
-    """A finding apart from its place, which a fix above it moves."""
+    """Return a finding without its place, which a fix above it moves."""
     file = diagnostic.span.file if diagnostic.span is not None else ""
     return file, diagnostic.code, diagnostic.message
 
 
 def _breaks(before: list[Diagnostic], after: list[Diagnostic]) -> bool:
-    """Whether a file that was YAML is not any more: a name that is put right may be there already."""
+    """Return whether a file is no longer valid YAML: a corrected name may exist already."""
     known = set(map(_identity, before))
     return any(each.code.startswith(_OF_YAML) and _identity(each) not in known for each in after)
 
@@ -127,7 +127,7 @@ def _breaks(before: list[Diagnostic], after: list[Diagnostic]) -> bool:
 def _persisting(
     before: list[Diagnostic], tried: list[Diagnostic], after: list[Diagnostic]
 ) -> set[tuple[str, str, str]]:
-    """What of `tried` is found again; of several equal findings, as often as before."""
+    """Return the findings in `tried` that still occur; equal findings are counted."""
     made = Counter(map(_identity, tried))
     others = Counter(map(_identity, before)) - made
     now = Counter(map(_identity, after))
@@ -139,7 +139,7 @@ def _overlap(a: Edit, b: Edit) -> bool:
 
 
 def _decoded(text: bytes) -> str:
-    """The text of a recipe; what is not UTF-8 has no fixes."""
+    """Return the text of a recipe; text that is not UTF-8 has no fixes."""
     try:
         return text.decode("utf-8-sig")
     except UnicodeDecodeError:

@@ -1,1 +1,1 @@
-"""The canonical layout of recipes: what `mjcompose fmt` writes."""
+"""The canonical layout of recipes, written by `mjcompose fmt`."""

@@ -1,4 +1,4 @@
-"""A recipe's text in its canonical layout."""
+"""Format a recipe's text in its canonical layout."""
 
 from __future__ import annotations
 
@@ -20,11 +20,12 @@ _LINE_BREAK = re.compile(r"\r\n|\n")
 
 
 def format_recipe(source: bytes, file: str, sink: Sink) -> bytes | None:
-    """The text in its canonical layout; None where it is not YAML, or where the layout would not mean the same.
+    """Return the text in its canonical layout, or None if it is not YAML, or if the layout would change its
+    meaning.
 
-    Comments, blank lines between entries, anchors, the choice between lines and brackets, a byte order mark and
-    the line breaks (those of the first line) are kept. What is given back was read again and compared: values,
-    the order of keys where it means something, comments. No I/O.
+    Comments, blank lines between entries, anchors, the choice between lines and brackets, a byte order mark and the
+    line breaks (those of the first line) are kept. The result is parsed again and compared: values, the order of
+    keys if it has a meaning, comments. No I/O.
     """
     before = sink.error_count
     node = load(source, file, sink)
@@ -61,7 +62,7 @@ def format_recipe(source: bytes, file: str, sink: Sink) -> bytes | None:
 
 
 def _changed(node: Node, text: str, result: str, file: str) -> str | None:
-    """What is not as it was; None if nothing is."""
+    """Return what changed, or None if nothing did."""
     again = load(result, file, Sink())
     if again is None:
         return "it could not be read again"

@@ -1,4 +1,4 @@
-"""The order of keys: that of the language where the order means nothing, the author's everywhere else."""
+"""The order of keys: that of the language if the order has no meaning, the author's otherwise."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Path = tuple[str, ...]
 
 
 def _read() -> dict[str, dict[Path, tuple[str, ...]]]:
-    """What `composer/recipe/key_order.py` writes, by paths."""
+    """Return the tables that `composer/recipe/key_order.py` writes, by paths."""
     tables = json.loads(File(__file__).with_name("key_order.json").read_text(encoding="utf-8"))
     return {
         name: {tuple(path.split(".")) if path else (): tuple(keys) for path, keys in table.items()}
@@ -21,14 +21,14 @@ def _read() -> dict[str, dict[Path, tuple[str, ...]]]:
 
 
 _TABLES = _read()
-# Where all keys have their place; one that is not known stays behind the one that it follows.
+# Mappings in which all keys have a place; an unknown key stays behind its predecessor.
 WHOLE = _TABLES["whole"]
-# Where some keys come first; the others stay as they are.
+# Mappings in which some keys come first; the others keep their order.
 FIRST = _TABLES["first"]
 
 
 def is_free(path: Path) -> bool:
-    """Whether the order of the keys of the mapping at `path` means nothing. Indices of lists are `*`.
+    """Return whether the order of the keys in the mapping at `path` has no meaning. Indices of lists are `*`.
 
     >>> is_free(("attach",)), is_free(("attach", "arm")), is_free(("variants", "hand", "left", "attach", "arm"))
     (False, True, True)
@@ -39,7 +39,7 @@ def is_free(path: Path) -> bool:
 def put_in_order(root: Collection) -> None:
     """Sort the keys in place, each with its comments.
 
-    What has an anchor keeps its order: it may stand a second time where the order means something.
+    A mapping with an anchor keeps its order, because it may be repeated where the order has a meaning.
     """
     _walk(root, ())
 
@@ -79,7 +79,7 @@ def _name(entry: Entry) -> str:
 
 
 def _table(path: Path) -> tuple[tuple[str, ...], bool]:
-    """The keys in their order, and whether that is all of them."""
+    """Return the ordered keys, and whether these are all keys."""
     if path[:1] == ("variants",):
         path = path[3:] if len(path) >= 3 else ("",)
     path = tuple(map(str, in_own_model(path)))

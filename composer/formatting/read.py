@@ -1,4 +1,4 @@
-"""From tokens to syntax: which comment belongs to what is decided here."""
+"""Parse tokens to syntax, and decide which entry each comment belongs to."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _PROPERTIES = {"Anchor", "Tag"}
 
 
 class Unusual(Exception):
-    """A form of YAML that has no canonical layout; `line` counts from 1."""
+    """A form of YAML without a canonical layout; `line` counts from 1."""
 
     def __init__(self, what: str, line: int) -> None:
         super().__init__(what)
@@ -19,7 +19,7 @@ class Unusual(Exception):
 
 
 def read(text: str) -> Document:
-    """The syntax of a text in which `load` found no fault; raises `Unusual`. No I/O."""
+    """Return the syntax of a text in which `load` found no fault. Raises `Unusual`. No I/O."""
     return _Reader(tokens(text)).document()
 
 
@@ -34,7 +34,7 @@ class _Reader:
         return self.tokens[self.at]
 
     def take(self) -> Token:
-        """The next token; what stands before one without width is handed on to the one behind it."""
+        """Return the next token; comments before a token without width move to the following token."""
         token = self.next
         self.at += 1
         if not token.text and self.at < len(self.tokens):
@@ -44,12 +44,12 @@ class _Reader:
         return token
 
     def beside(self) -> Comment | None:
-        """The comment on the line of what was taken last."""
+        """Return the comment on the line of the last token."""
         waiting = self.next.comments
         return waiting.pop(0) if waiting and not waiting[0].own_line else None
 
     def rest(self) -> list[Comment]:
-        """All comments before the next token."""
+        """Return all comments before the next token."""
         waiting, self.next.comments = self.next.comments, []
         return waiting
 
@@ -75,7 +75,7 @@ class _Reader:
         return Document(preface, header, parted, root.head, root.value, [*tail, *self.rest()])
 
     def value(self, entry: Entry, in_mapping: bool) -> None:
-        """Read the value of an entry behind its `:` or `-`, and the comments on the way to it."""
+        """Read the value of an entry after its `:` or `-`, and the comments before it."""
         entry.head = self.beside()
         properties = []
         pins = self.pins
@@ -151,7 +151,7 @@ class _Reader:
         return result
 
     def unindented(self) -> Collection:
-        """A list whose dashes stand below the first letter of its key."""
+        """Read a list whose dashes are below the first letter of its key."""
         column = self.next.column
         result = Collection(mapping=False, flow=False)
         while self.next.kind == "BlockEntry":
@@ -167,7 +167,7 @@ class _Reader:
         entry.trail = self.beside()
 
     def tail(self, column: int) -> list[Comment]:
-        """Of the comments before the next thing those that stand as deep as the collection that ends here."""
+        """Return the comments before the next token that are indented like the collection that ends here."""
         following = next(token for token in self.tokens[self.at :] if token.text or token.kind == "StreamEnd")
         deep = following.column if following.kind not in ("StreamEnd", "DocumentEnd") else -1
         waiting = self.next.comments
@@ -178,7 +178,7 @@ class _Reader:
         return waiting[:count]
 
     def flow(self) -> Collection:
-        """What stands in brackets."""
+        """Read a collection in brackets."""
         begin = self.take()
         result = Collection(begin.kind == "FlowMappingStart", flow=True)
         result.opening = self.beside()
@@ -203,12 +203,12 @@ class _Reader:
         return result
 
     def hand_over(self, comments: list[Comment], result: Collection) -> None:
-        """A comment behind the comma is about the entry before it."""
+        """Move a comment after the comma to the entry before it."""
         if comments and not comments[0].own_line and result.entries and result.entries[-1].trail is None:
             result.entries[-1].trail = comments.pop(0)
 
     def member(self, entry: Entry, mapping: bool) -> None:
-        """Read one entry of what stands in brackets, up to its comma."""
+        """Read one entry of a collection in brackets, up to its comma."""
         if self.next.kind == "Value":
             raise Unusual("a value stands without its key", self.next.line + 1)
         if self.next.kind == "Key" and not mapping:  # `[a: 1]` is a list of mappings with one key each
@@ -232,7 +232,7 @@ class _Reader:
 
 
 def _header(first: Entry) -> tuple[list[Comment], bool]:
-    """The comments before the first key that are about the file, and whether a blank line follows them."""
+    """Return the comments before the first key that are about the file, and whether a blank line follows them."""
     lead = first.lead
     if first.blank or not lead:
         split = len(lead)

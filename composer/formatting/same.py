@@ -1,4 +1,4 @@
-"""Whether two trees say the same."""
+"""Compare the contents of two trees."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from composer.formatting.order import Path, is_free
 
 
 def difference(one: Node, other: Node) -> str | None:
-    """The path of the first value that is not the same in both trees; None if they say the same.
+    """Return the path of the first value that differs between two trees, or None if they are equal.
 
-    Texts, types and numbers are compared, and the order of keys where it means something.
+    Texts, types and numbers are compared, and the order of keys if it has a meaning.
     """
     waiting: list[tuple[Node, Node, Path, str]] = [(one, other, (), "")]
     while waiting:

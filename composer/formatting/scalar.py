@@ -1,4 +1,4 @@
-"""How a single value is written."""
+"""Write a single value."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ _HEADER = re.compile(r"([|>])([-+0-9]*)(.*)", re.DOTALL)
 
 
 def lines_of(leaf: Leaf, indent: int) -> list[str]:
-    r"""The lines of a value whose collection stands at `indent`; all but the first have their margin.
+    r"""Return the lines of a value whose collection is at column `indent`; all but the first include their margin.
 
-    Quotes are double ones, and single ones where they save escapes; what is unquoted stays so.
+    Double quotes are used, and single quotes if they save escapes; unquoted text stays unquoted.
 
     >>> lines_of(Leaf("'a b'"), 0), lines_of(Leaf("'a\\b'"), 0), lines_of(Leaf("|\n     a\n      b", depth=5), 2)
     (['"a b"'], ["'a\\b'"], ['|', '    a', '     b'])
@@ -35,7 +35,7 @@ def lines_of(leaf: Leaf, indent: int) -> list[str]:
 
 
 def _cut(line: str) -> str:
-    """A line of folded text without the spaces at its end, which mean nothing unless the first is escaped."""
+    """Strip spaces at the end of a line of folded text, which have no meaning unless the first one is escaped."""
     bare = line.rstrip(" ")
     return f"{bare} " if bare.endswith("\\") and bare != line else bare
 
@@ -51,12 +51,12 @@ def _block(leaf: Leaf, lines: list[str], indent: int) -> list[str]:
     found = _HEADER.fullmatch(lines[0])
     assert found is not None
     style, marks, rest = found.groups()
-    # A last line without its break has none in the value either; the file that is written ends with one.
+    # A last line without a line break has none in the value either, while the written file ends with one.
     chomping = "-" if not leaf.ended else "".join(set(marks) & set("-+"))
     depth = str(INDENT) if set(marks) - set("-+") else ""
     comment = f"  {rest.strip()}" if rest.strip() else ""
     content = [line[leaf.depth :] for line in lines[1:]]
     if chomping == "+" and content and not content[-1]:
-        content.pop()  # what stands behind the last line break
+        content.pop()  # the empty text after the last line break
     margin = " " * (indent + INDENT)
     return [f"{style}{depth}{chomping}{comment}", *(margin + line if line else "" for line in content)]

@@ -1,4 +1,4 @@
-"""From syntax to text."""
+"""Write syntax as text."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from composer.document.tokens import Comment
 from composer.formatting.scalar import INDENT, lines_of
 from composer.formatting.syntax import Collection, Document, Entry, Leaf
 
-_GAP = 2  # spaces, at least, before a comment behind something
+_GAP = 2  # minimum spaces before a comment on the same line
 
 
 def write(document: Document) -> list[str]:
-    """The lines of a document."""
+    """Return the lines of a document."""
     writer = _Writer()
     writer.lines += document.preface
     writer.comments(document.header, 0)
@@ -37,7 +37,7 @@ class _Writer:
         """How many lines there were behind the last block scalar to which empty lines below it would belong."""
 
     def comments(self, comments: list[Comment], indent: int) -> None:
-        """Comments on lines of their own; those that stand deeper than the first one still do."""
+        """Write comments on their own lines; deeper indentation than that of the first one is kept."""
         margin = next((comment.column for comment in comments if comment.own_line), 0)
         for comment in comments:
             self.blank(comment.blank_before)
@@ -49,7 +49,7 @@ class _Writer:
             self.lines.append("")
 
     def beside(self, comment: Comment | None, shift: int) -> None:
-        """A comment behind what was written last: in its column, if there is room."""
+        """Write a comment on the current line, in its original column if there is room."""
         if comment is not None:
             line = self.lines[-1]
             self.lines[-1] = line.ljust(max(len(line) + _GAP, comment.column + shift)) + comment.text
@@ -62,7 +62,7 @@ class _Writer:
         self.comments(node.tail, indent)
 
     def entry(self, entry: Entry, indent: int) -> None:
-        """An entry on a line of its own, without the comments before it."""
+        """Write an entry on its own line, without the comments before it."""
         shift = indent - entry.column
         value = entry.value
         start = " " * indent + ("-" if entry.key is None else f"{_key(entry.key)}:")
@@ -88,7 +88,7 @@ class _Writer:
         self.beside(entry.trail, shift)
 
     def nested(self, entry: Entry, value: Collection, indent: int) -> None:
-        """A block below its key; in a list, beside its dash."""
+        """Write a block below its key; in a list, beside its dash."""
         compact = (
             entry.key is None
             and not (value.properties or entry.head or entry.inner)
@@ -104,7 +104,7 @@ class _Writer:
         self.lines[first] = f"{dash} {self.lines[first][indent + INDENT :]}"
 
     def value(self, value: Leaf | Collection, indent: int, deeper: int) -> None:
-        """A value in brackets, or a single one, behind what was written last."""
+        """Write a value in brackets, or a single one, on the current line."""
         if isinstance(value, Collection):
             self.brackets(value, indent + deeper)
             return
@@ -115,7 +115,7 @@ class _Writer:
             self.kept = len(self.lines)
 
     def brackets(self, node: Collection, indent: int) -> None:
-        """What stands in brackets, behind what was written last; lines end where they did."""
+        """Write a collection in brackets on the current line; line breaks stay where they were."""
         line = _inline(node)
         if line is not None:
             self.lines[-1] += line
@@ -159,14 +159,14 @@ def _key(key: Leaf) -> str:
 
 
 def _start(entry: Entry) -> str:
-    """What stands before the value of an entry in brackets."""
+    """Return the text before the value of an entry in brackets."""
     key = "" if entry.key is None else _key(entry.key) + ": "
     properties = f"{entry.value.properties} " if entry.value is not None and entry.value.properties else ""
     return key + properties
 
 
 def _inline(node: Collection) -> str | None:
-    """What stands in brackets on one line; None where it stands on several."""
+    """Return a collection in brackets on one line, or None if it spans several."""
     if node.broken:
         return None
     texts = [_inline_entry(entry) for entry in node.entries]
@@ -187,5 +187,5 @@ def _inline_entry(entry: Entry) -> str | None:
     if text is None:
         return None
     if value is None:
-        return _start(entry)  # the space keeps the colon apart from what follows
+        return _start(entry)  # the space separates the colon from the following text
     return (_start(entry) + text).rstrip(" ")

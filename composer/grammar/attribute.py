@@ -32,11 +32,11 @@ REFERRING = frozenset({"reference", "references"})
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Attribute:
-    """What MuJoCo reads from one attribute.
+    """MuJoCo's rules for one attribute.
 
-    Lengths count numbers, keywords, names or (for `chars`) characters; `None` is unbounded. `default` is the
-    value, in the last version covered, of an attribute written nowhere: a scalar where `max_length` is 1,
-    else a tuple; `None` where no such value exists (names, lists without bound), or MuJoCo computes it.
+    Lengths count numbers, keywords, names or (for `chars`) characters; `None` is unbounded. `default` is the value,
+    in the last version covered, of an attribute that is not written: a scalar if `max_length` is 1, else a tuple;
+    `None` if there is none (names, lists without bound), or if MuJoCo computes it.
     """
 
     name: str
@@ -44,60 +44,61 @@ class Attribute:
     min_length: int | None = 1
     max_length: int | None = 1
     lengths: tuple[int, ...] | None = None
-    """The only lengths there are, where the two bounds do not say it (`scale` of a frame: one or three)."""
+    """The only allowed lengths, if the two bounds are not enough (`scale` of a frame: one or three)."""
     keywords: tuple[str, ...] = ()
     keyword_versions: Mapping[str, tuple[str | None, str | None]] = field(default_factory=dict)
-    """First and last version of the keywords that are not in all versions."""
+    """First and last version of keywords that are not in all versions."""
     ordered: bool = False
-    """Several keywords must stand in the order of `keywords`."""
+    """Several keywords must be in the order of `keywords`."""
     default: Default = None
     required: bool = False
     declares: str | None = None
     """Namespace in which this attribute declares a name."""
     refers: str | None = None
-    """Namespace of the name this attribute holds; `attached:…` is a namespace of the attached model."""
+    """Namespace of the name in this attribute; `attached:…` is a namespace of the attached model."""
     refers_by: str | None = None
-    """Sibling attribute whose keyword picks the namespace, by way of `Grammar.objtypes`."""
+    """Sibling attribute whose keyword selects the namespace, through `Grammar.objtypes`."""
     folder: Literal["mesh", "texture", "model"] | None = None
-    """Which folder a file resolves against: meshdir, texturedir, or that of the model's own file."""
+    """The folder that a file is relative to: meshdir, texturedir, or that of the model's own file."""
     angle: Angle | None = None
-    """Which rule of `compiler/angle` governs the value; `joint` is angular for a hinge only (`range` and
-    `springyield` for a ball too), `orientation-axisangle` in the fourth number."""
+    """The rule of `compiler/angle` for the value; `joint` is an angle for a hinge only (`range` and `springyield`
+    also for a ball), `orientation-axisangle` only in the fourth number.
+    """
     since: str | None = None
     until: str | None = None
-    """First and last MuJoCo version that has it; `None`: all versions the grammar covers."""
+    """First and last MuJoCo version with it; `None`: all versions that the grammar covers."""
     in_default: bool = False
     """It may be set in a default class."""
     doc: str = ""
 
     @property
     def is_number(self) -> bool:
-        """The value is one number or several."""
+        """Whether the value is one number or several."""
         return self.type in NUMERIC
 
     @property
     def is_interval(self) -> bool:
-        """The value is a lower and an upper end: MJCF calls every such pair a range (`ctrlrange`)."""
+        """Whether the value is a lower and an upper end: MJCF calls every such pair a range (`ctrlrange`)."""
         return self.type == "real" and self.min_length == self.max_length == 2 and self.name.endswith("range")
 
     @property
     def is_reference(self) -> bool:
-        """The value names one other element or several."""
+        """Whether the value names one other element or several."""
         return self.type in REFERRING
 
     @property
     def separated(self) -> bool:
-        """The value is a list of items separated by white space."""
+        """Whether the value is a list of items separated by white space."""
         if self.type in ("keywords", "references"):
             return True
         return self.type in NUMERIC and self.max_length != 1
 
     def exists_in(self, version: str) -> bool:
-        """Whether that MuJoCo version (`"3.12.0"`) reads the attribute."""
+        """Return whether that MuJoCo version (`"3.12.0"`) reads the attribute."""
         return exists_in(version, self.since, self.until)
 
     def versions(self) -> Iterator[str]:
-        """The first and the last MuJoCo version that has it, in words."""
+        """Yield the first and the last MuJoCo version with it, in words."""
         if self.since is not None:
             yield f"since MuJoCo {self.since}"
         if self.until is not None:

@@ -1,4 +1,4 @@
-"""The characters that XML cannot hold, and so no name, no value and no path in a model."""
+"""The characters that XML cannot hold, so that no name, value or path in a model can."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 def code_point(character: str) -> str:
-    r"""How a message shows a character that cannot be printed.
+    r"""Return a message's text for an unprintable character.
 
     >>> code_point("\x00")
     'U+0000'

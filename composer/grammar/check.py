@@ -1,7 +1,7 @@
-"""Whether a value fits an attribute: text as it stands in XML, and values as Python and YAML have them.
+"""Check whether a value fits an attribute: text as in XML, and values as in Python and YAML.
 
-The answer is a `Refusal`, or `None` if the value fits. Names are not looked up here, and nothing is known of sibling
-attributes.
+The answer is a `Refusal`, or `None` if the value fits. Names are not looked up, and sibling attributes are not
+considered.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ SHOWN_TEXT = 40
 
 
 def check_value(attribute: Attribute, text: str) -> Refusal | None:
-    """What is wrong with the text of an XML attribute, as MuJoCo reads it."""
+    """Check the text of an XML attribute, as MuJoCo reads it."""
     kind = attribute.type
     if kind == "bool":
         return (
@@ -34,7 +34,7 @@ def check_value(attribute: Attribute, text: str) -> Refusal | None:
         return None
     parts = items(text)
     if not parts:
-        return None  # nothing written is as good as no attribute
+        return None  # an empty value is the same as no attribute
     if kind == "keywords":
         return check_words(attribute, parts)
     if kind == "references":
@@ -47,9 +47,9 @@ def check_value(attribute: Attribute, text: str) -> Refusal | None:
 
 
 def check_python(attribute: Attribute, value: object) -> Refusal | None:
-    """What is wrong with a Python or YAML value: a scalar, or a list of numbers, keywords or names.
+    """Check a Python or YAML value: a scalar, or a list of numbers, keywords or names.
 
-    `None` is never a value. Of text for a list of numbers the message says how the list is written.
+    `None` is never a value. For text in place of a list of numbers, the message says how to write the list.
     """
     kind = attribute.type
     if value is None:
@@ -79,7 +79,7 @@ def check_python(attribute: Attribute, value: object) -> Refusal | None:
 
 
 def check_numbers(attribute: Attribute, value: object) -> Refusal | None:
-    """What is wrong with a number, or with a list of numbers."""
+    """Check a number, or a list of numbers."""
     if isinstance(value, str):
         parts = items(value.replace(",", " "))
         if len(parts) > 1 and all(parse_real(part) is not None for part in parts):
@@ -102,7 +102,7 @@ def check_numbers(attribute: Attribute, value: object) -> Refusal | None:
 
 
 def check_number(attribute: Attribute, value: object) -> Refusal | None:
-    """What is wrong with one number, on its own or in a list."""
+    """Check one number, on its own or in a list."""
     noun = "an integer" if attribute.type == "int" else "a number"
     prefix = "expects" if attribute.max_length == 1 else "expects every item to be"
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -118,7 +118,7 @@ def check_number(attribute: Attribute, value: object) -> Refusal | None:
 
 
 def check_list(attribute: Attribute, value: object) -> Refusal | None:
-    """What is wrong with a list of keywords or names; one of them may stand alone."""
+    """Check a list of keywords or names, or a single one."""
     if isinstance(value, str):
         parts = items(value)
         if len(parts) > 1:
@@ -142,7 +142,7 @@ def check_list(attribute: Attribute, value: object) -> Refusal | None:
 
 
 def check_words(attribute: Attribute, words: Sequence[str]) -> Refusal | None:
-    """What is wrong with several keywords: unknown, twice, or out of order."""
+    """Check several keywords: whether they are unknown, repeated, or out of order."""
     for word in words:
         if word not in attribute.keywords:
             return unknown_keyword(attribute, word)
@@ -157,7 +157,7 @@ def check_words(attribute: Attribute, words: Sequence[str]) -> Refusal | None:
 
 
 def check_characters(attribute: Attribute, text: str) -> Refusal | None:
-    """What is wrong with a string whose characters are counted."""
+    """Check a string with a limited number of characters."""
     low, high = attribute.min_length, attribute.max_length
     if (low is None or len(text) >= low) and (high is None or len(text) <= high):
         letters = _LETTERS.get(attribute.name, text)
@@ -167,7 +167,7 @@ def check_characters(attribute: Attribute, text: str) -> Refusal | None:
 
 
 def check_length(attribute: Attribute, count: int) -> Refusal | None:
-    """What is wrong with the number of items."""
+    """Check the number of items."""
     low, high = attribute.min_length, attribute.max_length
     if attribute.lengths is not None:
         fits = count in attribute.lengths
@@ -179,7 +179,7 @@ def check_length(attribute: Attribute, count: int) -> Refusal | None:
 
 
 def expected(attribute: Attribute) -> str:
-    """A noun phrase for what the attribute takes: `3 numbers`, `a name`, `1 to 6 numbers`."""
+    """Return a noun phrase for the attribute's values: `3 numbers`, `a name`, `1 to 6 numbers`."""
     kind = attribute.type
     if kind == "real":
         return counted(attribute, "number")
@@ -198,7 +198,7 @@ def expected(attribute: Attribute) -> str:
 
 
 def counted(attribute: Attribute, noun: str) -> str:
-    """How many of something the attribute takes."""
+    """Return a noun phrase with the number of values."""
     low, high = attribute.min_length, attribute.max_length
     if attribute.lengths is not None:
         return f"{' or '.join(str(length) for length in attribute.lengths)} {noun}s"
@@ -212,7 +212,7 @@ def counted(attribute: Attribute, noun: str) -> str:
 
 
 def unknown_keyword(attribute: Attribute, word: str) -> Refusal:
-    """That a word is none of the keywords; names the one it nearly is, or all of them if they are few."""
+    """Return the refusal of an unknown keyword, with the most similar one, or all of them if they are few."""
     if not word:
         choices = either(attribute.keywords) if len(attribute.keywords) <= SHOWN_KEYWORDS else "a keyword"
         return Refusal(
@@ -234,7 +234,7 @@ def unknown_keyword(attribute: Attribute, word: str) -> Refusal:
 
 
 def refused_number(attribute: Attribute, part: str) -> Refusal:
-    """Why one item of a list of numbers is none."""
+    """Return the refusal of one item of a list of numbers."""
     if attribute.type == "int":
         if part.lstrip("+-").isdigit():
             return Refusal(f"expects {expected(attribute)} of 32 bits, got `{shorten(part)}`")
@@ -248,7 +248,7 @@ def refused_number(attribute: Attribute, part: str) -> Refusal:
 
 
 def keyword_text(value: object) -> str | None:
-    """A keyword as XML spells it: YAML's `true` and `2` are keywords of some attributes."""
+    """Return a keyword in XML spelling: YAML's `true` and `2` are keywords of some attributes."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int):
@@ -257,19 +257,19 @@ def keyword_text(value: object) -> str | None:
 
 
 def plain(value: object) -> object:
-    """A value of an array library as Python's own, by its `tolist`; anything else as it is."""
+    """Convert a value of an array library to Python's own by its `tolist`; return anything else unchanged."""
     convert = getattr(value, "tolist", None)
     return convert() if callable(convert) else value
 
 
 def either(words: Iterable[str]) -> str:
-    """`a`, `b` or `c`, each in backquotes."""
+    """Return `a`, `b` or `c`, each in backquotes."""
     quoted = [f"`{word}`" for word in words]
     return quoted[0] if len(quoted) == 1 else f"{', '.join(quoted[:-1])} or {quoted[-1]}"
 
 
 def article(value: object) -> str:
-    """What kind of value it is."""
+    """Return the noun for a value's type, with its article."""
     if isinstance(value, bool):
         return "a boolean"
     if isinstance(value, int | float):
@@ -280,12 +280,12 @@ def article(value: object) -> str:
 
 
 def show(value: object) -> str:
-    """A value as YAML spells it, shortened."""
+    """Return a value in YAML spelling, shortened."""
     if isinstance(value, bool):
         return "true" if value else "false"
     return shorten(str(value))
 
 
 def shorten(text: str) -> str:
-    """Text cut to what fits in a message."""
+    """Shorten a text for a message."""
     return text if len(text) <= SHOWN_TEXT else f"{text[: SHOWN_TEXT - 1]}…"

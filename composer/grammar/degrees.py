@@ -1,4 +1,4 @@
-"""Angles that MuJoCo has in degrees, whatever the compiler says, in files and in a compiled model."""
+"""Angles that MuJoCo keeps in degrees, whatever the compiler setting, in files and in a compiled model."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ _NAMES = frozenset({"fovy", "azimuth", "elevation"})
 
 
 def is_in_degrees(tag: str, attribute: str) -> bool:
-    """Whether an attribute of an element is such an angle; all others are in radians, also the cutoff of a sensor.
+    """Return whether an attribute is such an angle; all others are in radians, including the cutoff of a sensor.
 
     >>> is_in_degrees("light", "cutoff"), is_in_degrees("camera", "fovy"), is_in_degrees("jointpos", "cutoff")
     (True, True, False)

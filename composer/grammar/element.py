@@ -12,10 +12,10 @@ from composer.grammar.version import exists_in
 
 @dataclass(frozen=True, slots=True)
 class Constraint:
-    """A rule over the presence of attributes. A bundle is complete when all its attributes are written.
+    """A rule about the presence of attributes. A bundle is complete if all its attributes are written.
 
-    `exclusive`: attributes of at most one bundle; `together`: all of them or none; `requires`: the first
-    bundle needs the second; `oneof`: at least one bundle is complete.
+    `exclusive`: attributes of at most one bundle; `together`: all of them or none; `requires`: the first bundle
+    needs the second; `oneof`: at least one bundle is complete.
     """
 
     kind: Literal["exclusive", "together", "requires", "oneof"]
@@ -23,7 +23,7 @@ class Constraint:
 
 
 class Children(Mapping[str, "ElementType"]):
-    """Child elements by tag. An element is built when it is first asked for, so recursion costs nothing."""
+    """Child elements by tag. An element is created on first use, so that recursion costs nothing."""
 
     __slots__ = ("_paths", "_resolve")
 
@@ -49,7 +49,7 @@ class Children(Mapping[str, "ElementType"]):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ElementType:
-    """What MuJoCo reads in one place of the tree. There is one object a path: compare with `is`."""
+    """MuJoCo's rules for one place of the tree. There is one object for each path: compare with `is`."""
 
     path: str
     """Bare tag for sections, assets and the body tree; `parent/tag` elsewhere (`equality/joint`)."""
@@ -58,33 +58,33 @@ class ElementType:
     children: Mapping[str, ElementType]
     min_count: int = 0
     max_count: int | None = None
-    """How often it may stand in one parent; `None` is unbounded."""
+    """How often it may occur in one parent; `None` is unbounded."""
     constraints: tuple[Constraint, ...] = ()
     since: str | None = None
     until: str | None = None
     family: str | None = None
-    """Namespace its name is declared in, which elements of other tags may share."""
+    """Namespace of its name, which elements of other tags may share."""
     default: str | None = None
-    """Path of the element that gives its defaults in a class (`default/tendon` for `tendon/fixed`)."""
+    """Path of the element with its defaults in a class (`default/tendon` for `tendon/fixed`)."""
     rows_of: str | None = None
     """For an element inside `default`: the element whose attributes it repeats."""
     doc: str = ""
     ignored: tuple[str, ...] = ()
-    """Attributes that models write and MuJoCo accepts, although no version gives them a meaning."""
+    """Attributes that occur in models and that MuJoCo accepts, although they have no meaning in any version."""
 
     @property
     def takes_class(self) -> bool:
-        """It takes `class`, so defaults reach it."""
+        """Whether it takes `class`, so that defaults apply to it."""
         attribute = self.attributes.get("class")
         return attribute is not None and attribute.type == "reference"
 
     @property
     def takes_childclass(self) -> bool:
-        """It takes `childclass`, so it sets the class of what is inside it."""
+        """Whether it takes `childclass`, which sets the class of its contents."""
         return "childclass" in self.attributes
 
     def exists_in(self, version: str) -> bool:
-        """Whether that MuJoCo version (`"3.12.0"`) reads the element."""
+        """Return whether that MuJoCo version (`"3.12.0"`) reads the element."""
         return exists_in(version, self.since, self.until)
 
     def __repr__(self) -> str:

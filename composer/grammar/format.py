@@ -1,4 +1,4 @@
-"""Values as MJCF writes them: exact on re-reading, and no wider than needed."""
+"""Write values in MJCF: exact on re-reading, and as short as possible."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from composer.grammar.attribute import Attribute
 
 
 def to_text(attribute: Attribute, value: object) -> str:
-    """The text of a value that `check_python` accepts; text stays as it is, arrays are taken.
+    """Return the text of a value that `check_python` accepts; text is unchanged, arrays are allowed.
 
     >>> from composer.grammar import GRAMMAR
     >>> to_text(GRAMMAR.element("geom").attributes["size"], [0.1, 2.0, -0.0])
@@ -30,7 +30,7 @@ def to_text(attribute: Attribute, value: object) -> str:
 
 
 def number_text(value: int | float) -> str:
-    """A number that MuJoCo re-reads exactly: the shortest digits, without `.0`.
+    """Return a number that MuJoCo re-reads exactly: the shortest digits, without `.0`.
 
     >>> number_text(0.1 + 0.2), number_text(1e22), number_text(2.0), number_text(-0.0)
     ('0.30000000000000004', '1e+22', '2', '-0')
@@ -44,7 +44,7 @@ def number_text(value: int | float) -> str:
 
 
 def integer_text(value: int | float) -> str:
-    """An integer; a float that is whole loses its `.0`, which MuJoCo would refuse."""
+    """Return an integer; a whole float loses its `.0`, which MuJoCo would refuse."""
     if isinstance(value, float) and value.is_integer():
         return str(int(value))
     return number_text(value)

@@ -1,4 +1,4 @@
-"""The grammar of MJCF: every element and attribute, with what it declares, refers to and means."""
+"""The grammar of MJCF: every element and attribute, with its declarations, references and meaning."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ COUNTS: Mapping[str, tuple[int, int | None]] = {"once": (1, 1), "optional": (0, 
 
 
 class Grammar:
-    """MJCF as data. Nothing is read before the first use, and an element is built when first asked for."""
+    """MJCF as data. The data file is read on first use, and elements are created on first use."""
 
     def __init__(self, read: Callable[[], str]) -> None:
-        """`read` gives the text of the data file; it is called once."""
+        """Create the grammar; `read` returns the text of the data file and is called once."""
         self._read = read
         self._elements: dict[str, ElementType] = {}
         self._attributes: dict[tuple[str, str, bool], Attribute] = {}
@@ -29,11 +29,11 @@ class Grammar:
         data: dict[str, Any] = json.loads(self._read())
         return data
 
-    # -- what there is ---------------------------------------------------------------------------------------
+    # -- contents ----------------------------------------------------------------------------------------------
 
     @property
     def versions(self) -> tuple[str, str]:
-        """First and last MuJoCo version the data covers."""
+        """First and last MuJoCo version that the data covers."""
         first, last = self._data["mujoco"]
         return first, last
 
@@ -48,9 +48,9 @@ class Grammar:
         return tuple(self._data["elements"])
 
     def element(self, path: str) -> ElementType:
-        """The element at a path: canonical (`geom`, `equality/joint`), a walk from parent to child
-        (`asset/mesh`, `worldbody/body/geom`, `mujoco/sensor/force`), or a tag that stands in one place only
-        (`framepos`). `KeyError` otherwise.
+        """Return the element at a path: canonical (`geom`, `equality/joint`), a walk from parent to child
+        (`asset/mesh`, `worldbody/body/geom`, `mujoco/sensor/force`), or a tag with a single place (`framepos`).
+        Raises `KeyError` otherwise.
         """
         known = self._elements.get(path)
         if known is not None:
@@ -72,14 +72,14 @@ class Grammar:
         return found
 
     def section(self, tag: str) -> ElementType:
-        """A child of the root: `worldbody`, `asset`, `option`, … `KeyError` if it is none."""
+        """Return a child of the root: `worldbody`, `asset`, `option`, … Raises `KeyError` if it is none."""
         return self.root.children[tag]
 
     def within(self, section: str) -> Mapping[str, ElementType]:
-        """Every element that can stand inside a section, at any depth, by tag.
+        """Return every element that can occur inside a section, at any depth, by tag.
 
-        Where one tag has several meanings the one nearest to the section is taken: `geom` within `worldbody`
-        is the geom of a body, not that of a composite.
+        If a tag has several meanings, the one nearest to the section is used: `geom` within `worldbody` is the geom
+        of a body, not that of a composite.
         """
         known = self._within.get(section)
         if known is None:
@@ -119,7 +119,7 @@ class Grammar:
 
     @property
     def implicit_names(self) -> Mapping[str, str]:
-        """Elements that take a name from their file when they have none, and which."""
+        """Elements that take a name from their file if they have none, with that attribute."""
         names: dict[str, str] = self._data["implicit_names"]
         return names
 
@@ -134,7 +134,7 @@ class Grammar:
         return {tag: tuple(paths) for tag, paths in places.items()}
 
     def _rows(self, path: str, raw: dict[str, Any]) -> Iterable[tuple[str, str, dict[str, Any]]]:
-        """Attributes of an element as written: (where that is, name, row), those of its groups first."""
+        """Yield the written attributes of an element: (place, name, row), those of its groups first."""
         for group in raw.get("groups", ()):
             for name, row in self._data["groups"][group]["attributes"].items():
                 yield group, name, row
@@ -197,7 +197,9 @@ class Grammar:
         return tuple(rules)
 
     def _default_rows(self, path: str) -> dict[str, Attribute]:
-        """The attributes of an element that a class may set; `in_default` may be the version since when."""
+        """Return the attributes of an element that a class may set; `in_default` may be the first version that
+        allows it.
+        """
         attributes = {}
         raw = self._data["elements"][path]
         for place, name, row in self._rows(path, raw):
@@ -273,7 +275,7 @@ class Grammar:
 
 
 def read_data() -> str:
-    """Text of the data: the installed copy beside this module, or a source checkout's `schemas/mjcf.json`."""
+    """Return the data as text: the installed copy next to this module, or a source checkout's `schemas/mjcf.json`."""
     here = Path(__file__).parent
     try:
         return (here / "mjcf.json").read_text(encoding="utf-8")

@@ -1,7 +1,7 @@
-"""Numbers as MuJoCo reads them from XML.
+"""Parse numbers as MuJoCo does in XML.
 
-Anything C's `strtod` takes: a sign, decimals, exponents, hexadecimals, `inf`, `nan`. Integers are decimal
-digits only and fit in 32 bits. Items are separated by ASCII white space; a comma is never a separator.
+It accepts anything that C's `strtod` does: a sign, decimals, exponents, hexadecimals, `inf`, `nan`. Integers are
+decimal digits only and fit in 32 bits. Items are separated by ASCII white space; a comma is never a separator.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ INT_MIN, INT_MAX = -(2**31), 2**31 - 1
 
 
 def items(text: str) -> list[str]:
-    """The items of a list: split at ASCII white space only, as a no-break space separates nothing."""
+    """Split a list at ASCII white space only; a no-break space separates nothing."""
     return re.split(f"[{SPACE}]+", text.strip(SPACE)) if text.strip(SPACE) else []
 
 
 def parse_real(text: str) -> float | None:
-    """The number a single item means; `None` if MuJoCo would refuse it, overflow included.
+    """Return the number for a single item, or `None` if MuJoCo would refuse it, also for overflow.
 
     >>> parse_real("1e-3"), parse_real("0x1p3"), parse_real("1,5"), parse_real("1e400")
     (0.001, 8.0, None, None)
@@ -48,7 +48,7 @@ def parse_real(text: str) -> float | None:
 
 
 def parse_int(text: str) -> int | None:
-    """The integer a single item means; `None` if MuJoCo would refuse it.
+    """Return the integer for a single item, or `None` if MuJoCo would refuse it.
 
     >>> parse_int("010"), parse_int("1.0"), parse_int("2147483648")
     (10, None, None)

@@ -1,4 +1,4 @@
-"""Why a value does not fit an attribute, as fields of which messages are made."""
+"""The reason why a value does not fit an attribute, as fields for messages."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from dataclasses import dataclass
 class Refusal:
     """`message` is a lowercase fragment that continues "`size`…": `expects 3 numbers, got 2`.
 
-    `is_length` says that only the number of items or characters is wrong. `unknown` is the word that is not a keyword;
-    `lists_keywords` says that the message lists the keywords that exist. `instead` is the value to write, as YAML has
-    it; `hint` is any other advice.
+    `is_length` says that only the number of items or characters is wrong. `unknown` is an unknown keyword;
+    `lists_keywords` says that the message lists the existing ones. `instead` is the value to write, in YAML; `hint`
+    is any other advice.
 
     >>> str(Refusal("expects numbers, got text", instead="[1, 2]"))
     'expects numbers, got text; write [1, 2]'

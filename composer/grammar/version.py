@@ -1,10 +1,10 @@
-"""Order of MuJoCo versions."""
+"""Compare MuJoCo versions."""
 
 from __future__ import annotations
 
 
 def exists_in(version: str, since: str | None, until: str | None) -> bool:
-    """Whether `version` lies between the first and the last version, both included; `None` is open.
+    """Return whether `version` is between the first and the last version, both included; `None` is open.
 
     >>> exists_in("3.17.0", "3.13.0", None), exists_in("4.0.0", None, "3.17.0")
     (True, False)
@@ -16,7 +16,7 @@ def exists_in(version: str, since: str | None, until: str | None) -> bool:
 
 
 def version_key(version: str) -> tuple[int, ...]:
-    """Numbers of a dotted version, for comparison; a suffix such as `rc1` is left out.
+    """Return the numbers of a dotted version, for comparison, without a suffix such as `rc1`.
 
     >>> version_key("3.12.0") < version_key("4.0.0rc1")
     True

@@ -1,1 +1,1 @@
-"""The linker: units that each mean something alone become one flat model. See `link.py`."""
+"""The linker joins units, each a model of its own, into one flat model. See `link.py`."""

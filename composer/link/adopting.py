@@ -1,4 +1,4 @@
-"""The settings that neither the base nor the recipe writes, and that all parts which write them agree on."""
+"""Settings that neither the base nor the recipe writes, and on which all parts that write them agree."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Pass: sections of which a model has one. What a part asks for and the model does not do is reported, never dropped.
+"""Pass: the sections that a model has only once. A setting of a part that the model does not take is reported.
 
-The model's value is the base's, where it writes one, else what all parts that write the setting agree on, else MuJoCo's
-default. What the recipe sets itself cannot conflict.
+The model takes the base's value if the base writes one, else the value that all parts that write the setting agree
+on, else MuJoCo's default. A setting that the recipe writes itself cannot conflict.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _NAMED = 4  # settings that a message names; the notes have all of them
 
 @dataclass(frozen=True, slots=True)
 class _Wish:
-    """A setting that a part writes and the model has otherwise; `settled` is the value that a merge gives it."""
+    """A setting of a part that differs from the model's; `settled` is the value that a merge gives it."""
 
     path: str
     wanted: Written

@@ -1,6 +1,8 @@
-"""Pass: `alignfree`, which lets free bodies stand in the frame of their inertia: each free joint says it by itself.
+"""Pass: `alignfree`, which aligns the frames of free bodies with their inertia, becomes explicit on each free
+joint.
 
-Only `<freejoint>` can. Where a `<joint type="free">` has more to say than that, the model says it and all others not.
+Only `<freejoint>` has the attribute `align`. If a `<joint type="free">` has other attributes that a `<freejoint>`
+cannot take, the model keeps `alignfree` and all other free joints opt out.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Pass: one unit of angle and one Euler sequence for the whole model.
 
-The model is in degrees only where every unit is; otherwise in radians, because degrees can be turned into radians
-with MuJoCo's own arithmetic and so to the same bits, and radians into degrees cannot.
+The model is in degrees only if every unit is; otherwise it is in radians. MuJoCo's own arithmetic converts degrees
+to radians, so the values stay identical to the bit; the conversion from radians to degrees cannot guarantee that.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How many elements the sub-models of a unit bring: each file is counted once, however often it is attached."""
+"""Count the elements that a unit's sub-models contribute: each file once, however often it is attached."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pass: the bodies of each part go where the part hangs, inside a frame that carries the pose and the part's class."""
+"""Pass: the bodies of each part go to the part's place, inside a frame with the part's pose and default class."""
 
 from __future__ import annotations
 

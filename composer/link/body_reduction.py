@@ -1,9 +1,10 @@
-"""Pass: `fusestatic` and `discardvisual`, by which MuJoCo leaves elements out: what it leaves out of a unit goes.
+"""Pass: `fusestatic` and `discardvisual` make MuJoCo leave out elements of a unit; the linker removes the same
+ones.
 
-The unit is compiled alone, so that MuJoCo itself says which elements those are: its rules are not the same in every
-version. With `discardvisual` the geoms that nothing collides with go, with what only they use, and all that gives
-colour. With `fusestatic` a body without joints becomes part of its parent, which is what a frame in its place says. The
-bodies that change get the inertia that they have in the unit alone.
+MuJoCo compiles the unit alone to determine which elements these are, because its rules differ between versions.
+`discardvisual` removes geoms that nothing collides with, the assets that only these use, and everything that gives
+colour. `fusestatic` merges a body without joints into its parent, so a frame replaces it. The bodies that change
+get the inertia that they have in the unit alone.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Pass: one `<compiler>` for the model, after the units have been rewritten to read the same under it."""
+"""Pass: one `<compiler>` for the model, after the units have been rewritten to mean the same under it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""What a pass of the linker needs, what it leaves for later passes, and what it says to `mjcompose explain`."""
+"""The contract of a linker pass: the facts it needs, the facts it establishes, and its words for `mjcompose
+explain`.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,7 @@ from composer.link.linking import Linking
 
 
 class Fact(Enum):
-    """Something that is true of the units at some point of the way. The first three are true at the start."""
+    """A fact about the units at some point of the linking. The first three hold at the start."""
 
     ALONE = "MuJoCo can compile each unit alone, with its own settings, files and angles"
     OWN_NAMES = "each unit has its own names, classes and body tree"
@@ -36,12 +38,12 @@ AT_THE_START = frozenset({Fact.ALONE, Fact.OWN_NAMES, Fact.OWN_SECTIONS})
 
 @dataclass(frozen=True, slots=True)
 class Pass:
-    """A row of the linker's table.
+    """A row in the linker's table of passes.
 
-    `words` say in `mjcompose explain` why an element or a value is as this pass leaves it. What the pass `needs` must
-    be true before it runs; afterwards what it `leaves` is true, and what it `ends` no longer is. If it `stops` the
-    linker, an error found in it ends the work: later passes could not cope with what is wrong. If it only `rewrites`,
-    a value still comes from where it came from before, in another spelling or under another name.
+    `words` explain in `mjcompose explain` why an element or a value is as this pass leaves it. The facts in `needs`
+    must hold before the pass runs; afterwards those in `leaves` hold, and those in `ends` no longer do. If `stops`
+    is set, an error in this pass ends the linking, because later passes could not cope with it. If `rewrites` is
+    set, the pass changes only spelling or names, so a value keeps its origin.
     """
 
     run: Callable[[Linking], None]
@@ -62,7 +64,7 @@ class Pass:
 
 
 class PassOrderError(Exception):
-    """A pass stands where what it needs is not true."""
+    """A pass comes at a point where a fact that it needs does not hold."""
 
 
 def check_order(passes: Iterable[Pass]) -> None:

@@ -1,6 +1,6 @@
-"""Assets that mean the same in several copies of a part become one, and every reference follows.
+"""Merge assets that mean the same in several copies of a part, and redirect every reference.
 
-This is done to a finished model, in which all parts stand under one set of compiler settings.
+This works on a finished model, in which all parts share one set of compiler settings.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def dedup(
 
 @dataclass(slots=True)
 class _Kept:
-    """An element that stays: its name, the name in its own part, and the parts that have it."""
+    """An element that is kept: its name, its name within its part, and the parts that contain it."""
 
     name: str
     local: str
@@ -79,7 +79,7 @@ class _Kept:
 
 
 class _Meanings:
-    """What elements mean: their attributes in effect, the bytes of their files, and what they refer to."""
+    """Computes the meaning of elements: their attributes in effect, the bytes of their files, and their references."""
 
     def __init__(self, model: Unit, uses: Sequence[FileUse], merged: Merged) -> None:
         self._classes = model.classes

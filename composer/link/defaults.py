@@ -1,7 +1,7 @@
-"""Pass: every part keeps its default classes to itself, and so does the base.
+"""Pass: the default classes of each part, and of the base, apply only to its own elements.
 
-A part's unnamed top class becomes the class `PREFIX/`; where the base's own top class sets anything, its settings
-move to the class `base/`, because an attribute without a neutral value could not be undone part by part.
+A part's unnamed top class becomes the class `PREFIX/`. If the base's top class sets anything, its settings move to
+the class `base/`, because a part cannot undo an attribute that has no neutral value.
 """
 
 from __future__ import annotations

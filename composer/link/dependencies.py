@@ -1,4 +1,4 @@
-"""What the elements of a model need: assets, default classes and plugins. The rest can go."""
+"""The assets, default classes and plugins that the elements of a model need. The others can be removed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""For the examples in the passes: a tiny base and a part go in, what one pass changes in them comes out."""
+"""Run one pass on a tiny base and part, and print what it changes. For the examples in the docstrings of passes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pass: every file of every unit gets a path in the bundle, and the attribute that names it says that path."""
+"""Pass: every file of every unit gets a path in the bundle, and the attribute that names the file gets that path."""
 
 from __future__ import annotations
 

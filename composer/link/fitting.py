@@ -1,4 +1,4 @@
-"""Pass: `fitaabb`, which says how a primitive is fitted to a mesh: the fit becomes an explicit size and pose."""
+"""Pass: `fitaabb`, which selects how primitives are fitted to meshes; the fit becomes an explicit size and pose."""
 
 from __future__ import annotations
 

@@ -1,11 +1,12 @@
-"""Passes: what becomes of a `<flexcomp>` in the world of a unit: its joint defaults, and a `quat` that stretches it.
+"""Passes: a `<flexcomp>` in the world of a unit, with its joint defaults and a `quat` that stretches it.
 
-MuJoCo gives a flex the joint defaults of the body that it stands in, those of the top class in the world; no frame
-and no class of its own can change that. So what a flex in the world needs stays in the top class, and every other
-class takes it back; a flex that would get other defaults than it has alone is refused.
+MuJoCo gives a flex the joint defaults of its body, or those of the top class if the flex is in the world; no frame
+and no class of its own can change that. So the joint settings for a flex in the world stay in the top class, and
+every other class reverts them. A flex that would get other defaults than it has alone is an error.
 
-Right below a body or the world MuJoCo takes a `quat` of another length than 1 as it is, which stretches the flex, and
-normalises it below a frame, as parts have one around them: that is reported, from a per mille on as an error.
+Directly below a body or the world, MuJoCo takes a `quat` as it is, even if its length is not 1; this stretches the
+flex. Below a frame, such as the frame around a part, MuJoCo normalises it. The difference is reported, and is an
+error from 0.1 % on.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Pass: where the mass of each body comes from, made explicit where a unit's rule is not MuJoCo's default.
+"""Pass: the mass of each body becomes explicit if the unit's rule for it is not MuJoCo's default.
 
-The model itself always says `inertiafromgeom="auto"` and `inertiagrouprange="0 5"`, MuJoCo's defaults.
+The model always has `inertiafromgeom="auto"` and `inertiagrouprange="0 5"`, MuJoCo's defaults.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""How the keys of the units and of the finished model are laid out, with MuJoCo's help where the tree does not say.
+"""The layout of the keys of the units and of the finished model, partly with MuJoCo's help.
 
-`layouts` is a pass: it runs while the units are still apart.
+`layouts` is a pass; it runs while the units are still separate.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The keys of all units, cut by joint, actuator and mocap body, and what is known of how they are laid out."""
+"""The keys of all units, split by joint, actuator and mocap body, and their layouts."""
 
 from __future__ import annotations
 
@@ -14,17 +14,21 @@ from composer.tree.key import Key, PartKeys
 
 @dataclass(eq=False, slots=True)
 class KeyTable:
-    """Where keys come from: `own` are those of the base (under None) and of each part, `by_part` those of every part by
-    path, parts of parts included, and the base under `base`; both are None or empty until `part_keys.py` cuts them.
-    `written` are the keys of the recipe, `replaced` those of the parts, by name, whose place they take. `attached`
-    are the models that MuJoCo attaches to parts and whose keys say where something is in the world.
+    """The keys of the units and their layouts.
 
-    How they are laid out: `base_layout` in the base alone, `final_layout` in the finished model; each part has its own.
-    `measured` has the widths that only MuJoCo knows, `references` and `mocap_references` the reference
-    configuration that only MuJoCo knows.
+    Where keys come from: `own` holds those of the base (under None) and of each part. `by_part` holds those of
+    every part by path, including the parts of parts, and those of the base under `base`. Until `part_keys.py`
+    splits the keys, `own` is empty and `by_part` is None. `written` are the keys of the recipe, `replaced` the keys
+    of parts that these replace, by name. `attached` are the models that MuJoCo attaches to parts and whose keys
+    contain poses in the world.
 
-    What edits of the joined model do to keys: `edited` says that there may be some, `reshaped` are the elements that
-    may have more or fewer numbers now, `void_keys` those whose numbers have lost their meaning.
+    How they are laid out: `base_layout` is the layout of the base alone, `final_layout` that of the finished model;
+    each part has its own. `measured` has the widths that only MuJoCo knows, `references` and `mocap_references` the
+    reference configuration that only MuJoCo knows.
+
+    How edits of the joined model affect keys: `edited` is set if there may be edits, `reshaped` are the elements
+    whose number of values may have changed, and `void_keys` are the elements whose values in keys have become
+    meaningless.
     """
 
     own: dict[Part | None, tuple[Key, ...]] = field(default_factory=dict)

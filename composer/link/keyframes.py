@@ -1,6 +1,7 @@
-"""The keys of all parts, laid out anew for the finished model: values go with their joints, actuators and bodies.
+"""Rewrite the keys of all parts for the layout of the finished model: values follow their joints, actuators and
+bodies.
 
-It runs when nothing more will be added to the model.
+This runs when nothing more will be added to the model.
 """
 
 from __future__ import annotations

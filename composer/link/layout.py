@@ -1,8 +1,8 @@
-"""How the numbers of a keyframe are laid out: joints depth first, actuators and mocap bodies in order.
+"""The layout of the numbers of a keyframe: joints depth first, actuators and mocap bodies in order.
 
 MuJoCo lays out `qpos` body by body, depth first in document order, a body's joints before its children; frames do
-not count. What MuJoCo expands (`replicate`, `flexcomp`) is one block here: nothing hangs inside it, so that its inner
-order cannot change.
+not count. An element that MuJoCo expands (`replicate`, `flexcomp`) is one block here: no part is attached inside
+it, so its inner order cannot change.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ Holder = Node | Copy
 
 
 class Unknown(Exception):
-    """A width that only MuJoCo knows; `element` is where."""
+    """Raised for a width that only MuJoCo knows; `element` is the element that has it."""
 
     def __init__(self, element: Node) -> None:
         super().__init__(str(element.tag))
@@ -46,11 +46,11 @@ class Unknown(Exception):
 
 
 class Slot(NamedTuple):
-    """What a joint, an actuator or a block of them holds: how many numbers in each vector of a key.
+    """The widths of a joint, an actuator or a block: how many numbers it has in each vector of a key.
 
-    `free` has where in `qpos` and in `qvel` the numbers of each free joint begin. `controls` and the rest are what a
-    model that MuJoCo attaches brings besides: the widths of all its actuators together, and how many actuators, mocap
-    bodies and keys.
+    `free` has the offsets in `qpos` and `qvel` of each free joint. `controls` and the fields after it are for a
+    model that MuJoCo attaches: the total widths of its actuators, and its numbers of actuators, mocap bodies and
+    keys.
     """
 
     kind: str
@@ -79,9 +79,10 @@ _STATELESS = actuator_slot(0)
 
 @dataclass(slots=True)
 class Layout:
-    """In the order of the numbers. Widths of `joints` are (nq, nv), of `actuators` (nctrl, nact).
+    """The elements of a model in the order of their numbers in a key.
 
-    `mocaps` has how many mocap bodies each element is: a body one, what MuJoCo expands any number.
+    The widths of `joints` are (nq, nv), those of `actuators` (nctrl, nact). `mocaps` has the number of mocap bodies
+    of each element: one for a body, any number for an element that MuJoCo expands.
     """
 
     joints: dict[Node, Slot] = field(default_factory=dict)
@@ -159,7 +160,7 @@ def _plain_joints(worldbody: Node) -> list[Node] | None:
 
 
 class _Reader:
-    """Reads the widths of elements that are not known; what classes say is looked at when it may matter."""
+    """Reads the widths of elements that are not known yet; looks at default classes only if they may matter."""
 
     def __init__(self, unit: Unit, known: Mapping[Node, Slot]) -> None:
         self.unit = unit

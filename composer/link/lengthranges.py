@@ -1,6 +1,7 @@
-"""Pass: MuJoCo finds the length range of muscles by moving the model: what it finds in a unit alone becomes explicit.
+"""Pass: the length ranges of muscles, which MuJoCo finds by moving the model, become explicit.
 
-That is so where `<lengthrange>` says how, or where something hangs on what moves, which it would move as well.
+Each unit keeps the ranges that MuJoCo finds in it alone. This is needed if a `<lengthrange>` changes how MuJoCo
+finds them, or if a part is attached to something that moves, because then MuJoCo would move the part as well.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The linker: parts with a meaning of their own become one flat model in which each still means what it meant."""
+"""The linker: it joins parts, each a model of its own, into one flat model in which each part keeps its meaning."""
 
 from __future__ import annotations
 

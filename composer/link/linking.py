@@ -1,4 +1,4 @@
-"""What the linker works on: a base, the parts that are attached to it, and the model that comes out."""
+"""The data that the linker works on: a base, the parts attached to it, and the resulting model."""
 
 from __future__ import annotations
 
@@ -23,9 +23,10 @@ from composer.tree.watch import Watch, nobody
 
 
 class Measure(Protocol):
-    """MuJoCo at work on a unit alone: arrays of `mjModel` by name; none if it refuses the unit.
+    """Compiles a unit alone with MuJoCo and returns arrays of `mjModel` by name, or none if MuJoCo refuses the
+    unit.
 
-    A refusal is reported, unless this is an `attempt`.
+    A refusal is reported, unless `attempt` is set.
     """
 
     def __call__(
@@ -34,7 +35,7 @@ class Measure(Protocol):
 
 
 class LaterPlaces(Protocol):
-    """The places that the recipe adds, on which parts may hang."""
+    """Places that the recipe adds and that parts may be attached to."""
 
     def make(self, kind: str, name: str) -> bool:
         """Add a place now; False where the recipe does not, or not yet."""
@@ -50,9 +51,9 @@ class LaterPlaces(Protocol):
 
 
 class FileUse(NamedTuple):
-    """An attribute of the model that names a file of the bundle, and where that file's bytes are.
+    """An attribute of the model that names a file of the bundle, with the source of the file's bytes.
 
-    A file that is not `shared` must stand under its own path, whatever other file has the same bytes.
+    A file that is not `shared` must keep its own path, even if another file has the same bytes.
     """
 
     element: Node
@@ -65,10 +66,10 @@ class FileUse(NamedTuple):
 
 @dataclass(eq=False)
 class Linking:
-    """What the passes share, from separate units to one flat model.
+    """The state that the passes share, from separate units to one flat model.
 
-    `names` and `files` describe the model: every declared name, and every attribute that names a file. `base_class` is
-    the class that the base's top class becomes, None if it stays `main`.
+    `names` and `files` describe the model: every declared name, and every attribute that names a file. `base_class`
+    is the class that the base's top class becomes, None if it stays `main`.
     """
 
     base: Unit

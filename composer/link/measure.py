@@ -1,4 +1,4 @@
-"""The linker's questions to MuJoCo, answered by the engine on a unit as it stands."""
+"""Compile a unit alone with MuJoCo's engine, to answer what the linker asks about it."""
 
 from __future__ import annotations
 

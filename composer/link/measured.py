@@ -1,4 +1,4 @@
-"""Widths of what only MuJoCo can lay out, from a unit compiled alone."""
+"""The widths that only MuJoCo can determine, from a unit compiled alone."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A unit compiled alone by MuJoCo, with its bodies and geoms found again in the arrays of `mjModel`."""
+"""A unit compiled alone by MuJoCo, with the rows of its bodies and geoms in the arrays of `mjModel`."""
 
 from __future__ import annotations
 
@@ -24,7 +24,11 @@ _OPAQUE = ("attach", "composite")
 
 @dataclass(frozen=True, slots=True)
 class Survey:
-    """`arrays` as MuJoCo gave them; `rows` has for each body and geom the rows of its copies, none if it is gone."""
+    """The result of compiling a unit alone.
+
+    `arrays` are MuJoCo's arrays; `rows` has, for each body and geom, the rows of its copies: none if MuJoCo left it
+    out.
+    """
 
     arrays: Mapping[str, list[float]]
     rows: Mapping[Node, tuple[int, ...]]
@@ -47,7 +51,7 @@ class Survey:
 
 @dataclass(frozen=True, slots=True)
 class Unmeasurable:
-    """Why a unit cannot be measured, and the element that is the reason, if it is one."""
+    """The reason why a unit cannot be measured, and the element that causes it, if there is one."""
 
     why: str
     element: Node | None = None

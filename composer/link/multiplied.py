@@ -1,8 +1,8 @@
-"""The order of actuators where `<replicate>` multiplies them: what refers to something replicated multiplies with it.
+"""The order of actuators that `<replicate>` multiplies, together with the tendons and joints that they refer to.
 
-MuJoCo carries out the replicates one after another, inner ones first. Each takes the tendons and actuators that
-refer to something in it out of their lists and appends a copy of each for its first copy, for its second, and so on;
-but none of what refers to something else, too, which is lost.
+MuJoCo carries out the replicates one after another, inner ones first. Each replicate removes from their lists the
+tendons and actuators that refer to something inside it, and appends a copy of each for its first copy, then for its
+second, and so on. Elements that also refer to something outside the replicate are not copied and are lost.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Name = tuple[str, str]
 
 
 class Copy(NamedTuple):
-    """One of the actuators that MuJoCo makes of an element: its number in each replicate, the inner one first."""
+    """One of the actuators that MuJoCo makes of an element, by its number in each replicate, innermost first."""
 
     element: Node
     numbers: tuple[int, ...]
@@ -34,7 +34,7 @@ def element_of(holder: Node | Copy) -> Node:
 
 @dataclass(frozen=True, slots=True)
 class _Thing:
-    """A tendon or an actuator, as the replicates so far have left it."""
+    """A tendon or an actuator after the replicates carried out so far."""
 
     element: Node
     numbers: tuple[int, ...]

@@ -1,4 +1,4 @@
-"""What is reported of names that are declared twice and of references that lead nowhere."""
+"""Errors for names that are declared twice and for references to names that do not exist."""
 
 from __future__ import annotations
 

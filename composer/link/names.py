@@ -98,7 +98,7 @@ def _refer_to_keys(linking: Linking, unit: Unit, prefix: str, part: Part | None)
 
 
 class Found:
-    """The names of one unit as they are in the model, by slot (see `_slots`), each with the first element that has it.
+    """The names of one unit, as in the model, by slot (see `_slots`), each with the first element that has it.
 
     `repeated` has the elements that declare a name again.
     """

@@ -1,4 +1,4 @@
-"""What one pass of the linker finds out and a later one needs."""
+"""Findings of one pass of the linker that a later pass needs."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from composer.tree.unit import Unit
 
 
 class Floating(NamedTuple):
-    """A body at the root of a part that is free by a `joint` or, with None, is a mocap body; what messages call it.
+    """A body at the root of a part that moves freely: by its free `joint` or, if that is None, as a mocap body.
 
-    `alone`: there is nothing else in the part's world.
+    `called` is its name in messages. `alone` is set if the part's world contains nothing else.
     """
 
     part: Part
@@ -27,7 +27,7 @@ class Floating(NamedTuple):
 
 
 class Flex(NamedTuple):
-    """A `<flexcomp>` at the root of a unit, and the joint settings of the unit's top class that it takes."""
+    """A `<flexcomp>` at the root of a unit, and the joint settings that it takes from the unit's top class."""
 
     element: Node
     unit: Unit
@@ -36,7 +36,7 @@ class Flex(NamedTuple):
 
 
 class MemoryRequest(NamedTuple):
-    """How much memory a source asks for, by which attribute of `<size>`, and where; what messages call the source."""
+    """The memory that a source requests by an attribute of `<size>`; `called` is the source's name in messages."""
 
     name: str
     value: str
@@ -46,12 +46,13 @@ class MemoryRequest(NamedTuple):
 
 @dataclass(eq=False, slots=True)
 class Notes:
-    """`aligned`: the model says `alignfree`. `floating` and `planes` are what may not stand below a body that moves.
+    """The findings of the passes so far.
 
-    `flexes` stand in the world of their units; `main_joint` are the joint settings that the model's top class keeps for
-    them. `replicates` says which unit each `<replicate>` comes from. `inertia_written` are the bodies whose inertia has
-    been written out, so that what is added to them adds no mass. `drawn` holds the values drawn for an element, by
-    field. `memory` is what the sources ask for, if MuJoCo may have to give more.
+    `aligned`: the model has `alignfree`. `floating` and `planes` must not end up below a body that moves. `flexes`
+    are in the world of their units; `main_joint` are the joint settings that the model's top class keeps for them.
+    `replicates` has the unit of each `<replicate>`. `inertia_written` are the bodies whose inertia is explicit, so
+    that elements added to them add no mass. `drawn` holds the values drawn for an element, by field. `memory` are
+    the requests of the sources, if MuJoCo may need more memory.
     """
 
     aligned: bool = False

@@ -1,4 +1,4 @@
-"""A part: a unit that is attached to the model, and how."""
+"""A part: a unit, and how it is attached to the model."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from composer.tree.unit import Unit
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a part is attached: an element of the model by its final name, and an offset in that element's frame.
+    """The place where a part is attached: an element of the model, by its final name, and an offset in its frame.
 
-    `offset` holds the attributes of a `<frame>`: `pos` in metres, `quat`. `written` says where the recipe has each of
-    them. If `computed` is set, that is not where its value is written: it was computed for the key `mate` or
-    `replicate`, which is written there.
+    `offset` holds the attributes of a `<frame>`: `pos` in metres, `quat`. `written` has the places of these in the
+    recipe. If `computed` is set, the value was computed for the key `mate` or `replicate`, and the place is that of
+    this key.
     """
 
     kind: Literal["world", "body", "site", "frame"] = "world"
@@ -34,7 +34,7 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """A joint between a place and a part: the tag, its attributes, and where the recipe has those that it writes."""
+    """A joint between a place and a part: its tag, its attributes, and the places of those that the recipe writes."""
 
     tag: Literal["joint", "freejoint"]
     attributes: Mapping[str, str]
@@ -43,11 +43,11 @@ class Joint:
 
 @dataclass(eq=False)
 class Part:
-    """A unit, the prefix that its names get (separator included), and how it is attached to the model.
+    """A unit, the prefix of its names (including the separator), and how it is attached to the model.
 
-    `content` is the element of the model that holds the part's world once the part is attached.
-    `by_itself`: the part brings its own free joint, or is a mocap body, and so stands in the world wherever its
-    place is. `key` is its key in the recipe.
+    `content` is the element of the model that holds the part's world once the part is attached. `by_itself` is set
+    if the part brings its own free joint or is a mocap body; it is then attached to the world, wherever its place
+    is. `key` is its key in the recipe.
     """
 
     unit: Unit

@@ -1,4 +1,4 @@
-"""The keys of every part, by the path of the part: what each says of its own joints, actuators and mocap bodies."""
+"""The keys of every part, by the path of the part: the values for the part's own joints, actuators and mocap bodies."""
 
 from __future__ import annotations
 

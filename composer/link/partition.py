@@ -1,4 +1,4 @@
-"""What the elements outside the body tree concern when a model is parted in two: one side, the other, or both."""
+"""Decide, for a model that is split in two, to which side the elements outside the body tree belong."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _SECTIONS = ("contact", "deformable", "tendon", "equality", "actuator", "sensor"
 
 
 class Side(Enum):
-    """What an element refers to: things inside the subtree, outside of it, both, or neither."""
+    """The side to which an element refers: the inside of the subtree, the outside, both, or neither."""
 
     INSIDE = "inside"
     OUTSIDE = "outside"
@@ -28,14 +28,17 @@ class Side(Enum):
 
 
 class Verdict(NamedTuple):
-    """The side of an element and, as messages name it, the first thing outside that it refers to."""
+    """The side of an element, and the first thing outside that it refers to, as messages name it."""
 
     side: Side
     lacks: str = ""
 
 
 class Concern:
-    """Judges elements by the names they refer to, by way of other elements too (a sensor of an actuator of a joint)."""
+    """Finds the side of elements from the names they refer to, directly or through others.
+
+    A sensor may, for example, refer to an actuator that refers to a joint.
+    """
 
     def __init__(self, unit: Unit, inside: Iterable[Node], outside: Iterable[Node]) -> None:
         self._unit = unit
@@ -118,7 +121,7 @@ class Concern:
 
 
 class _Names:
-    """The names of one side of the body tree, and how those begin that MuJoCo makes."""
+    """The names on one side of the body tree, and the prefixes of the names that MuJoCo generates there."""
 
     def __init__(self, elements: Iterable[Node]) -> None:
         self.names: set[tuple[str, str]] = set()

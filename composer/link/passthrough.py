@@ -1,4 +1,4 @@
-"""Pass: `passthrough`, by which MuJoCo leaves textures in their files; it holds for all of a model or for none."""
+"""Pass: `passthrough`, which makes MuJoCo leave textures in their files. It applies to a whole model or not at all."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where things are in the reference configuration, computed from the tree."""
+"""Poses in the reference configuration, computed from the tree."""
 
 from __future__ import annotations
 

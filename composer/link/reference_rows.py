@@ -1,4 +1,4 @@
-"""The reference configuration of the finished model: what a key holds where nobody says anything."""
+"""The reference configuration of the finished model, which fills the values that a key does not give."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _IDENTITY = "1 0 0 0".split()
 
 
 class Reference:
-    """Gives rows of keys, filled up with the reference configuration."""
+    """Makes rows of keys and fills the missing values from the reference configuration."""
 
     def __init__(self, linking: Linking) -> None:
         self.linking = linking

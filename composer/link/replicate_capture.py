@@ -1,8 +1,8 @@
-"""Pass: what the `<replicate>` of one unit would multiply in another, by a fault of MuJoCo.
+"""Pass: find elements of one unit that the `<replicate>` of another would multiply, because of a bug in MuJoCo.
 
-MuJoCo (3.12 to 4.0) takes for replicated what still resolves when the copy's number is appended to every name in
-it: a sensor without an object, a tuple of assets, and what refers to `j1` where there is a `j10` before the replicate,
-written or made by another replicate.
+MuJoCo (3.12 to 4.0) treats an element as replicated if all names in it still resolve with the copy's number
+appended. That includes a sensor without an object, a tuple of assets, and an element that refers to `j1` if there
+is a `j10` before the replicate, either written or made by another replicate.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Where the copies of a `<replicate>` are."""
+"""The poses of the copies of a `<replicate>`."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
-"""Pass: whose replicate is whose, while the units are apart; those that cannot stay are written out.
+"""Pass: note the unit of each replicate while the units are separate, and write out those that cannot stay.
 
-A replicate cannot stay beside another unit if MuJoCo would multiply something of that unit, too (see
-`replicate_capture.py`), or if the model reads the angles in another sequence, or in radians, whose multiples are
-rounded differently. Only a replicate that nothing outside refers to is written out: MuJoCo multiplies what does, which
-is left to it.
+A replicate cannot stay beside another unit if MuJoCo would also multiply elements of that unit (see
+`replicate_capture.py`). It cannot stay either if the model has another Euler sequence, or if the model is in
+radians and the multiples of its angles round differently. A replicate is written out only if nothing outside refers
+to its contents: MuJoCo multiplies such references, so those are left to it.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Pass: memory for the simulation. What one source asks for is for that source alone, not for the whole model.
+"""Pass: memory for the simulation. A source's request is for that source alone, not for the whole model.
 
-MuJoCo chooses the memory by the size of the model where nobody writes it. What a source writes would be for the whole:
-with `memory="1M"` of a lamp beside 300 boxes MuJoCo 4.0 drops contacts, and boxes fall through the floor. `njmax`,
-`nconmax` and `nstack` are older spellings, which lead to the same number.
+Without a request, MuJoCo chooses the memory by the size of the model. A source's request would apply to the whole
+model: with `memory="1M"` from a lamp beside 300 boxes, MuJoCo 4.0 drops contacts, and boxes fall through the floor.
+`njmax`, `nconmax` and `nstack` are older ways to set the same amount.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Pass: what may only stand in the world — free joints, mocap bodies — and planes, which need something static."""
+"""Pass: free joints and mocap bodies, which are only allowed in the world, and planes, which need a static parent."""
 
 from __future__ import annotations
 

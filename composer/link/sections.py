@@ -1,4 +1,4 @@
-"""Pass: what stands outside the body tree is appended section by section, parts in their order."""
+"""Pass: append the sections outside the body tree one by one, parts in their order."""
 
 from __future__ import annotations
 

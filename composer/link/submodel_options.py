@@ -1,6 +1,6 @@
-"""Pass: under `conflict="merge"` MuJoCo gives a unit the options of the models that it attaches: they become its own.
+"""Pass: under `conflict="merge"`, the options that a unit takes from the models it attaches become its own.
 
-The model itself says no `conflict`, so that what one unit attaches changes no other.
+The model itself has no `conflict` setting, so the sub-models of one unit cannot change another unit.
 """
 
 from __future__ import annotations

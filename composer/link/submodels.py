@@ -1,6 +1,6 @@
 """Pass: `<model>` assets, which MuJoCo attaches itself: each goes into the bundle with the files it needs.
 
-A sub-model keeps its own compiler settings, because MuJoCo reads it as a model of its own; only its folders change.
+A sub-model keeps its own compiler settings, because MuJoCo reads it as a separate model; only its folders change.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ def _bundle(
 
 
 class _TooManyError(Exception):
-    """Reported; what is left of the model that leads to it is not looked at."""
+    """Too many sub-models, or too deeply nested ones. It has been reported; the rest of the model is skipped."""
 
 
 def _count(linking: Linking, unit: Unit, element: Node, depth: int) -> None:

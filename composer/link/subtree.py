@@ -1,4 +1,4 @@
-"""One body of a unit with exactly what it needs: everything else is left behind and listed.
+"""Reduce a unit to one body and exactly what that needs; everything else is left behind and listed.
 
 This is done to a unit by itself, before it is linked to anything.
 """
@@ -37,7 +37,7 @@ _ALSO_SETTLED = ("inertiafromgeom", "inertiagrouprange")
 
 @dataclass(frozen=True, slots=True)
 class Left:
-    """One thing that is left behind: what it is, its name, and what it lacks if it reaches into the subtree."""
+    """One thing that is left behind: its kind, its name and, if it reaches into the subtree, what it lacks."""
 
     what: str
     name: str
@@ -51,7 +51,10 @@ class Left:
 
 @dataclass(frozen=True, slots=True)
 class Subtree:
-    """What became of a unit: the body that is left of it, None for all of them, and what is not."""
+    """One body is taken from the model, with exactly what it needs.
+
+    `body` is its name, None if all of the unit is taken; `left` lists what is left behind.
+    """
 
     body: str | None
     left: tuple[Left, ...]

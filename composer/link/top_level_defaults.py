@@ -1,9 +1,9 @@
-"""Pass: actuators that find their gain in another place once several top-level `<default>` are wrapped.
+"""Pass: actuators whose gain changes when several top-level `<default>` sections become separate classes.
 
-An actuator takes the gain of its class only where that class is of its own kind; else MuJoCo 4 asks the classes
-around it, and of the top class it asks what all top-level `<default>` together leave there. Wrapped, each of these
-is a class of its own, so that another one may answer. Whether it answers otherwise MuJoCo says, and what it said
-before is then written on the actuator.
+An actuator takes the gain of its class only if that class is for its own kind of actuator. Otherwise MuJoCo 4 looks
+in the enclosing classes, and in the top class, which combines all top-level `<default>` sections. After wrapping,
+each section is a class of its own, so the gain may come from another class. MuJoCo compiles the unit both ways; if
+a gain differs, the original gain is written on the actuator.
 """
 
 from __future__ import annotations
@@ -38,14 +38,18 @@ _Gains = Mapping[Node, list[list[float]]]
 
 
 class _Class(NamedTuple):
-    """The kind of actuator that a class is, and the number of the section that declares it."""
+    """The kind of actuator that a class is for, and the number of the section that declares it."""
 
     kind: str | None
     section: int
 
 
 class _Suspect(NamedTuple):
-    """An actuator that asks other classes than its own, what it says, its class's kind, what sets actuators later."""
+    """An actuator whose gain may change.
+
+    `written` are its attributes, `kind` the kind of its class, and `later` an element that sets actuators in a
+    later section.
+    """
 
     actuator: Node
     written: dict[str, str]

@@ -1,4 +1,4 @@
-"""What a unit writes in the sections of which a model has one, and how MuJoCo merges two values of a setting."""
+"""Settings in the sections that a model has only once, and MuJoCo's rules for merging two values."""
 
 from __future__ import annotations
 
@@ -27,7 +27,10 @@ _LARGER_IS_SAFER = ("iterations", "ls_iterations", "noslip_iterations", "ccd_ite
 
 
 class Written(NamedTuple):
-    """A setting and what finds where it is written; `parts` are those that it comes from, inside of a nested recipe."""
+    """A setting, and a function that finds where it is written.
+
+    `parts` are the parts that it comes from, if the unit is a nested recipe.
+    """
 
     value: str
     span: Callable[[], Span]

@@ -1,1 +1,1 @@
-"""Bundles in a program: the model, its manifest, and where everything is by name. `composer.load` is the way in."""
+"""Bundles in a program: the model, its manifest, and an index of names. Start with `composer.load`."""

@@ -1,4 +1,4 @@
-"""What goes wrong when a bundle is loaded or asked for a name."""
+"""Errors and warnings of loading a bundle and looking up names."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from composer.diagnostics.failure import MjcomposeError
 
 
 class LoadError(MjcomposeError):
-    """A bundle that cannot be loaded, or is not what its manifest says."""
+    """A bundle that cannot be loaded, or does not match its manifest."""
 
 
 class UnknownNameError(MjcomposeError, KeyError):
-    """A name that a model does not have; the message lists what there is. A KeyError too."""
+    """A name that a model does not have; the message lists the existing names. Also a KeyError."""
 
 
 class BundleWarning(UserWarning):
-    """Something about a bundle that need not be wrong: the model was verified by another MuJoCo, for instance."""
+    """A possible problem of a bundle, for instance that another version of MuJoCo verified the model."""

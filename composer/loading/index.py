@@ -1,4 +1,4 @@
-"""Where everything is in a compiled model, by name."""
+"""The addresses of everything in a compiled model, by name."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from composer.loading.vector import UNLIMITED, Entry, Range, Vector
 
 
 class Index:
-    """The vectors and the elements of a model by name, so that no program writes an order down.
+    """The vectors and elements of a model by name, so that programs need not depend on their order.
 
-    `qpos`, `qvel`, `ctrl`, `act` and `sensordata` say where things are in the vectors of that name; `camera`, `key`,
-    `joint`, `actuator`, `sensor`, `body`, `geom`, `site` and `tendon` have the numbers of elements. `qvel` serves every
+    `qpos`, `qvel`, `ctrl`, `act` and `sensordata` have the addresses in the vectors of that name; `camera`, `key`,
+    `joint`, `actuator`, `sensor`, `body`, `geom`, `site` and `tendon` have the ids of elements. `qvel` serves every
     vector of `nv` numbers: `qacc`, `qfrc_applied`, ….
     """
 
     def __init__(self, listed: Listed, names: Callable[[str], Sequence[str]], separator: str = "/") -> None:
-        """`names` gives the names of a kind in the order of the model."""
+        """Create the index; `names` returns the names of a kind in the order of the model."""
         self._listed, self._names, self._separator = listed, names, separator
 
     @cached_property
@@ -31,12 +31,12 @@ class Index:
 
     @cached_property
     def qvel(self) -> Vector:
-        """Velocities of joints: rad/s, m/s. MuJoCo limits none."""
+        """Velocities of joints: rad/s, m/s. MuJoCo does not limit them."""
         return self._vector("qvel", "joint", [_velocity(joint) for joint in self._listed.joints])
 
     @cached_property
     def ctrl(self) -> Vector:
-        """Controls of actuators, with what they are limited to."""
+        """Controls of actuators, with their limits."""
         entries = [
             Entry(
                 each.name,
@@ -51,13 +51,13 @@ class Index:
 
     @cached_property
     def act(self) -> Vector:
-        """Activations of those actuators that have some."""
+        """Activations of the actuators that have some."""
         entries = list(_activations(self._listed.actuators))
         return self._vector("act", "activation", entries)
 
     @cached_property
     def sensordata(self) -> Vector:
-        """What sensors measure; limits are their cutoff."""
+        """Sensor values; limits are their cutoff."""
         entries = [
             Entry(
                 each.name,
@@ -72,47 +72,47 @@ class Index:
 
     @cached_property
     def camera(self) -> Numbers:
-        """Numbers of cameras."""
+        """Ids of cameras."""
         return self._numbers("camera")
 
     @cached_property
     def key(self) -> Numbers:
-        """Numbers of keyframes, for `mj_resetDataKeyframe`."""
+        """Ids of keyframes, for `mj_resetDataKeyframe`."""
         return self._numbers("key", "keyframe")
 
     @cached_property
     def joint(self) -> Numbers:
-        """Numbers of joints."""
+        """Ids of joints."""
         return self._numbers("joint")
 
     @cached_property
     def actuator(self) -> Numbers:
-        """Numbers of actuators."""
+        """Ids of actuators."""
         return self._numbers("actuator")
 
     @cached_property
     def sensor(self) -> Numbers:
-        """Numbers of sensors."""
+        """Ids of sensors."""
         return self._numbers("sensor")
 
     @cached_property
     def body(self) -> Numbers:
-        """Numbers of bodies; `world` is 0."""
+        """Ids of bodies; `world` is 0."""
         return self._numbers("body")
 
     @cached_property
     def geom(self) -> Numbers:
-        """Numbers of geoms."""
+        """Ids of geoms."""
         return self._numbers("geom")
 
     @cached_property
     def site(self) -> Numbers:
-        """Numbers of sites."""
+        """Ids of sites."""
         return self._numbers("site")
 
     @cached_property
     def tendon(self) -> Numbers:
-        """Numbers of tendons."""
+        """Ids of tendons."""
         return self._numbers("tendon")
 
     def _vector(self, name: str, kind: str, entries: Sequence[Entry]) -> Vector:
@@ -133,7 +133,7 @@ def _limits(pair: tuple[float | None, float | None] | None) -> Range:
 
 def _position(joint: Joint) -> Entry:
     units = BY_WORD[joint.type].position_units
-    scalar = joint.qpos_size == 1  # the range of a ball joint is an angle, which is none of its numbers
+    scalar = joint.qpos_size == 1  # the range of a ball joint is an angle, not one of its numbers
     limits = (_limits(joint.range) if scalar else UNLIMITED,) * joint.qpos_size
     return Entry(joint.name, joint.qpos, units, limits, joint.body, joint.origin)
 

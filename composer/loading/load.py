@@ -1,4 +1,4 @@
-"""A bundle as a model in this process, with its manifest and an index of its names."""
+"""Load a bundle as a model in this process, with its manifest and an index of its names."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ from composer.loading.index import Index
 from composer.scratch import scratch
 
 Model: TypeAlias = Any
-"""A `mujoco.MjModel`, which has no types of its own."""
+"""A `mujoco.MjModel`, which has no type stubs."""
 
 
 class Loaded(NamedTuple):
-    """A model, what it was made of, and where everything is in it.
+    """A model, its manifest, and the index of its names.
 
     `model` is a `mujoco.MjModel`.
     """
@@ -44,9 +44,10 @@ class Loaded(NamedTuple):
 
 
 def load(bundle: str | PathLike[str], *, allow_changes: bool = False) -> Loaded:
-    """Load what `mjcompose build` wrote: a folder, a `.zip`, an `.mjz`, or an `.mjb` with the manifest beside it.
+    """Load the output of `mjcompose build`: a folder, a `.zip`, an `.mjz`, or an `.mjb` with its manifest next to
+    it.
 
-    It may be at an address, such as `s3://bucket/cell.zip`, but for an `.mjb`.
+    It may be at an address, such as `s3://bucket/cell.zip`, except an `.mjb`.
 
         model, manifest, index = composer.load("build/cell.zip")
         data = mujoco.MjData(model)
@@ -107,7 +108,7 @@ def _read(path: Path) -> Bundle:
 
 
 def _read_binary(path: Path) -> Bundle:
-    """The two files, whatever they are called now: the manifest says what the model was."""
+    """Read the two files under their current names: the manifest has the original name of the model."""
     beside = manifest_beside(path)
     try:
         content = path.read_bytes()
@@ -127,7 +128,7 @@ def _read_binary(path: Path) -> Bundle:
 
 @contextmanager
 def _on_disk(bundle: Bundle) -> Iterator[Path]:
-    """The model's file in a folder with the others: the bytes that were checked, wherever they came from."""
+    """Write the files that were checked to a folder, and yield the path of the model."""
     with scratch("bundle") as folder:
         write_files(bundle, Path(folder))
         yield Path(folder) / bundle.model
@@ -165,7 +166,7 @@ def _listed(mujoco: Any, model: Model) -> Any:
 
 
 def _with_places(listed: Any, manifest: Manifest) -> Any:
-    """The compiled index with what only the manifest knows: where things are written."""
+    """Return the compiled index with the origins of elements, which only the manifest knows."""
     assert manifest.index is not None
     kept = {}
     for kind in type(listed).model_fields:

@@ -1,4 +1,4 @@
-"""Many models that stand in one folder, loaded one by one as they are asked for."""
+"""Load many models of one folder, each on request."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from composer.loading.load import Loaded, load
 
 @dataclass(frozen=True, slots=True)
 class Listed:
-    """A model of an index, which is not loaded yet: its name, where it is, and what sets it apart.
+    """A model of an index that is not loaded yet: its name, its place, and its values.
 
-    `values` has what the columns of the index say: what the matrix sets, what was drawn, sizes, the sha256.
+    `values` are the columns of the index: values of the matrix and of draws, sizes, the sha256.
     """
 
     name: str
@@ -28,18 +28,18 @@ class Listed:
     values: Mapping[str, Value]
 
     def load(self, *, allow_changes: bool = False) -> Loaded:
-        """The model, as `composer.load` loads it. Raises LoadError."""
+        """Load the model as `composer.load` does. Raises LoadError."""
         return load(self.path, allow_changes=allow_changes)
 
 
 def load_many(path: str | PathLike[str], where: str | None = None) -> Iterator[Listed]:
-    """The models that `mjcompose build --all` wrote to a folder, one after another; none is loaded before it is asked.
+    """Yield the models that `mjcompose build --all` wrote to a folder, one after another, without loading them.
 
         for each in composer.load_many("build/study", where="payload > 2"):
             model, manifest, index = each.load()
 
-    `path` may be an address, such as `s3://bucket/study`, or the index itself. `where` is an expression as recipes have
-    it, of the columns of the index. Raises LoadError, at the first model.
+    `path` may be an address, such as `s3://bucket/study`, or the index itself. `where` is an expression as in
+    recipes, on the columns of the index. Raises LoadError, at the first model.
     """
     try:
         condition = None if where is None else Condition(where)

@@ -1,4 +1,4 @@
-"""The numbers of the elements of one kind, by name."""
+"""The ids of the elements of one kind, by name."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Names: TypeAlias = str | Several
 
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> UnknownNameError:
-    """The error for a name, or a glob, that nothing has."""
+    """Return the error for a name or a glob that matches nothing."""
     known = [each for each in known if each]
     return UnknownNameError(
         [
@@ -34,10 +34,10 @@ def unknown(kind: str, name: str, known: Iterable[str]) -> UnknownNameError:
 
 
 class Lookup:
-    """Names of one kind in the order of the model, and what a name or a glob means among them.
+    """The names of one kind in the order of the model, and their look-up by name or glob.
 
     `*` and `?` stop at the separator, `**` does not, `{a,b}` is a choice, `/…/` a regular expression over the whole
-    name. A name that exists is itself, whatever is in it.
+    name. An existing name always matches itself, whatever characters it has.
     """
 
     def __init__(self, kind: str, names: Sequence[str], separator: str) -> None:
@@ -50,14 +50,14 @@ class Lookup:
                 self._rows.setdefault(name, row)
 
     def row(self, name: str) -> int | None:
-        """The row of one name; None for a glob. Raises UnknownNameError."""
+        """Return the row of one name, or None for a glob. Raises UnknownNameError."""
         found = self._rows.get(name)
         if found is None and not is_pattern(name):
             raise unknown(self.kind, name, self._rows)
         return found
 
     def rows(self, names: Names) -> list[int]:
-        """The rows of all of them, in their order; a glob has the order of the model."""
+        """Return the rows of all names, in their order; a glob has the order of the model."""
         if not isinstance(names, Iterable):
             raise TypeError(f"names are asked for, one or several, not {names!r}")
         found: list[int] = []
@@ -87,7 +87,7 @@ class Lookup:
 
 
 class Numbers:
-    """The number of each element of a kind, as `mjModel` counts them: `index.camera["overview"]`.
+    """The id of each element of a kind in `mjModel`: `index.camera["overview"]`.
 
     One name gives an int; several names, or a glob, give an array of shape (n,).
     """

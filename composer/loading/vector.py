@@ -1,4 +1,4 @@
-"""Where things are in one of MuJoCo's vectors, by name."""
+"""The addresses in one of MuJoCo's vectors, by name."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from composer.loading.numbers import Lookup, Names, unknown
 
 Place: TypeAlias = int | slice | NDArray[np.intp]
-"""What a vector, or a batch of them, is indexed with: `qpos[place]`, `qpos[..., place]`."""
+"""An index into a vector or a batch of vectors: `qpos[place]`, `qpos[..., place]`."""
 
 Range: TypeAlias = tuple[float, float]
 UNLIMITED: Range = (-np.inf, np.inf)
@@ -22,8 +22,7 @@ UNLIMITED: Range = (-np.inf, np.inf)
 class Entry:
     """One element of the model in a vector: `units` and `limits` have an item for each of its numbers.
 
-    `body` is the body that it belongs to, `origin` where it is written; both None where that has no meaning or is not
-    known.
+    `body` is its body, `origin` where it is written; each is None if it does not apply or is unknown.
     """
 
     name: str
@@ -35,16 +34,16 @@ class Entry:
 
     @property
     def size(self) -> int:
-        """How many numbers it has."""
+        """The number of its values."""
         return len(self.units)
 
 
 class Vector:
-    """One vector of MuJoCo (`qpos`, `ctrl`, …) as names.
+    """One vector of MuJoCo (`qpos`, `ctrl`, …), by name.
 
-    `index.qpos["elbow"]` is an int where the element has one number, a slice where it has several or none;
-    `index.qpos["a", "b"]` and globs (`index.qpos["left/*"]`) are an array of all their numbers, shape (n,). All
-    three index a single vector, `data.qpos[place]`, and the last axis of a batch, `qpos[..., place]`.
+    `index.qpos["elbow"]` is an int if the element has one number, else a slice; `index.qpos["a", "b"]` and globs
+    (`index.qpos["left/*"]`) are an array of all their numbers, shape (n,). All three index a single vector,
+    `data.qpos[place]`, and the last axis of a batch, `qpos[..., place]`.
     """
 
     def __init__(self, name: str, kind: str, entries: Sequence[Entry], separator: str) -> None:
@@ -59,22 +58,22 @@ class Vector:
 
     @property
     def size(self) -> int:
-        """How many numbers the vector has."""
+        """The length of the vector."""
         return sum(each.size for each in self.entries)
 
     def __getitem__(self, names: Names) -> Place:
-        """Where the elements of these names or globs are. Raises UnknownNameError, a KeyError."""
+        """Return the addresses of the elements with these names or globs. Raises UnknownNameError, a KeyError."""
         if isinstance(names, str) and (row := self._lookup.row(names)) is not None:
             entry = self.entries[row]
             return entry.start if entry.size == 1 else slice(entry.start, entry.start + entry.size)
         return self._places(self._entries(names))
 
     def array(self, names: Names) -> NDArray[np.intp]:
-        """The same as an array of shape (n,), for one name too."""
+        """Return the addresses as an array of shape (n,), even for one name."""
         return self._places(self._entries(names))
 
     def on(self, body: str) -> Place:
-        """Where the elements are that belong to a body, joints without a name included. Raises UnknownNameError."""
+        """Return the addresses of the elements of a body, including unnamed joints. Raises UnknownNameError."""
         found = [each for each in self.entries if each.body == body]
         if not found:
             raise unknown(
@@ -84,16 +83,16 @@ class Vector:
         return start if end - start == 1 else slice(start, end)
 
     def limits(self, names: Names = "**") -> NDArray[np.float64]:
-        """Least and greatest value of each number, shape (n, 2), infinite where nothing limits it; in its unit."""
+        """Return the least and greatest value of each number, shape (n, 2), infinite if not limited; in its unit."""
         limits = [pair for each in self._entries(names) for pair in each.limits]
         return np.array(limits, dtype=np.float64).reshape(-1, 2)
 
     def units(self, names: Names = "**") -> tuple[str | None, ...]:
-        """The unit of each number: `rad`, `m`, `quaternion`, `N m`, …; None where it is the model's own affair."""
+        """Return the unit of each number: `rad`, `m`, `quaternion`, `N m`, …; None if it depends on the model."""
         return tuple(unit for each in self._entries(names) for unit in each.units)
 
     def origin(self, name: str) -> str | None:
-        """Where an element is written, as FILE:LINE."""
+        """Return where an element is written, as FILE:LINE."""
         (entry,) = self._entries(name)[:1]
         return entry.origin
 

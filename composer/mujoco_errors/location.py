@@ -1,4 +1,4 @@
-"""Where the value stands that a fault lies in: on the element that MuJoCo speaks of, in its class, inside its body."""
+"""Find where a faulty value is written: on the element that MuJoCo names, in its class, or inside its body."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ _MASSES = {"inertial": ("mass", "diaginertia", "fullinertia"), "geom": ("mass", 
 
 
 class FaultLocation(NamedTuple):
-    """The place to show, and what to say of the others."""
+    """The place to show, and notes about other places."""
 
     span: Span
     notes: tuple[Note, ...] = ()
 
 
 def locate_fault(said: Translation, element: Node, model: Unit) -> FaultLocation:
-    """What the recipe wrote comes first: it is what its author can change."""
+    """Return the place of a fault; a value from the recipe comes first, because its author can change it."""
     span = model.origins.span(element, model.file, said.attribute, key=said.key)
     if said.attribute is None:
         masses = _masses(element, model) if said.topic is Topic.MASS else ()
@@ -53,7 +53,7 @@ def locate_fault(said: Translation, element: Node, model: Unit) -> FaultLocation
 
 
 def _class_level(attribute: str, element: Node, model: Unit) -> Level | None:
-    """The class that gives an attribute which the element does not write."""
+    """Return the class that sets an attribute which the element does not write."""
     kind = kind_of(element)
     known = kind.attributes.get(attribute) if kind is not None else None
     if kind is None or known is None or element.get(attribute) is not None:
@@ -64,7 +64,7 @@ def _class_level(attribute: str, element: Node, model: Unit) -> Level | None:
 
 
 def _masses(element: Node, model: Unit) -> Iterator[Span]:
-    """Where the masses of a body are written, of its `<inertial>` or else of its geoms."""
+    """Yield where the masses of a body are written, in its `<inertial>` or else in its geoms."""
     for child in own(element, "inertial") or own(element, "geom"):
         for name in _MASSES[str(child.tag)]:
             if child.get(name) is not None:

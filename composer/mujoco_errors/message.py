@@ -1,4 +1,4 @@
-"""One message of MuJoCo, split into its text and the line and element that it names."""
+"""Split a message of MuJoCo into its text and the line and element that it names."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ _CRASH_HELP = {
 }
 
 _PREFIX = re.compile(r"^(?:(?:XML )?Error: |ParseXML: )+")
-# "Element name 'left/X', id 0, line 38": by the compiler, about an object of the model
+# "Element name 'left/X', id 0, line 38": from the compiler, about an object of the model
 _OBJECT = re.compile(
     r"\s*^Element name '(?P<name>.*)', id (?P<id>-?\d+)(?:, line (?P<line>-?\d+))?[ \t]*$", re.M | re.S
 )
-# "Element 'geom', line 3, column 7": by the reader, about an element of the file
+# "Element 'geom', line 3, column 7": from the reader, about an element of the file
 _ELEMENT = re.compile(
     r"\s*^Element '(?P<element>[^'\n]*)', line (?P<line>-?\d+)(?:, column (?P<column>-?\d+))?\s*\Z", re.M
 )
-# before that line where a `<flexcomp>` cannot be made: of no object yet
+# precedes that line if a `<flexcomp>` cannot be created: there is no object yet
 _NO_OBJECT = re.compile(r"^Element name '', id -1[ \t]*\n(?=Element ')", re.M)
-# what TinyXML says about a file that is not well-formed
+# TinyXML's message about a file that is not well-formed
 _XML = re.compile(
     r"^XML parse error (?P<number>\d+):\s*Error=(?P<error>\w+).*?"
     r"Line number=(?P<line>\d+)(?::\s*(?P<rest>.*))?\Z",
@@ -37,8 +37,8 @@ _XML = re.compile(
 class Fault:
     """One message of MuJoCo, split into its parts.
 
-    `message` is its text without what stands in the other fields, which are None if MuJoCo names none.
-    `line` (and `column`) are 1-based, in the bundle's MJCF. `element` is the tag, `name` the object's name.
+    `message` is its text without the other fields, which are None if MuJoCo does not name them. `line` (and
+    `column`) count from 1, in the bundle's MJCF. `element` is the tag, `name` the object's name.
     """
 
     message: str
@@ -49,7 +49,7 @@ class Fault:
 
 
 def crash_help(code: str) -> str | None:
-    """What to do where MuJoCo gave no verdict."""
+    """Return advice for the case that MuJoCo gave no verdict."""
     return _CRASH_HELP.get(code)
 
 
@@ -68,7 +68,7 @@ def parse(text: str) -> Fault:
         return Fault(_PREFIX.sub("", text).strip())
     fields = trailer.groupdict()
     message = _PREFIX.sub("", text[: trailer.start()]).strip()
-    if rest := text[trailer.end() :].strip():  # MuJoCo 3.12 says last why a file cannot be read
+    if rest := text[trailer.end() :].strip():  # MuJoCo 3.12 puts the reason why a file cannot be read last
         message = f"{message}: {rest}"
     return Fault(
         message,
@@ -92,5 +92,5 @@ def _not_well_formed(found: re.Match[str]) -> Fault:
 
 
 def _positive(number: str | None) -> int | None:
-    """A line or column as MuJoCo writes it; it writes 0 or -1 where it knows none."""
+    """Return a line or column from MuJoCo, which writes 0 or -1 for an unknown one."""
     return int(number) if number is not None and int(number) > 0 else None

@@ -1,4 +1,4 @@
-"""A translated message of MuJoCo, sent to the sink at the place where its author can fix it."""
+"""Report a translated message of MuJoCo at the place where its author can fix it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def report(
     cause: Cause | None = None,
     at: Span | None = None,
 ) -> None:
-    """Report an error at the element, or at its attribute that is at fault; where there is none, `at` a place."""
+    """Report an error at the element, or at its faulty attribute; without an element, at the place `at`."""
     if element is None:
         context.sink.add(replace(said.diagnostic, span=at))
         return

@@ -1,4 +1,4 @@
-"""A sentence of MuJoCo as fields: what it is about, and the names in it."""
+"""Parse a message of MuJoCo into fields: its topic, and the names in it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _PLUGIN = re.compile(r"failed for plugin id (?P<id>\d+)")
 _ARRAY = re.compile(r"^Invalid model: (?P<name>[a-z]+_\w+)")
 _WORD = re.compile(r"\w+")
 _QUOTED = re.compile(r"'([^'\n]+)'")
-# What MuJoCo says of a setting of the whole model, of which it knows no line.
+# Messages about settings of the whole model, for which MuJoCo knows no line.
 _SECTIONS = {
     "size": re.compile(r"<size |arena memory|mj_stackAlloc"),
     "option": re.compile(r"\bintegrator='"),
@@ -23,7 +23,7 @@ _SECTIONS = {
 
 
 class Topic(Enum):
-    """What a sentence of MuJoCo is about; the value is the pattern by which it is recognized."""
+    """The topic of a message of MuJoCo; the value is the pattern that recognizes it."""
 
     MASS = r"mass and inertia of moving bodies"
     GEOM_SIZE = r"^size \d must be positive in geom"
@@ -53,12 +53,12 @@ class Topic(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Sentence:
-    """A sentence of MuJoCo, taken apart: nothing else in this package reads what MuJoCo says.
+    """A parsed message of MuJoCo; no other code in this package parses messages.
 
-    `attribute` is the one that it speaks of, `unknown_attribute` one that MJCF does not have there, `missing_attribute`
-    and `missing_element` what is required; `names` are what it has in quotes. `size_index` is the size that must be
-    positive, `plugin` the number of the plugin that failed, `section` the section whose setting is at fault,
-    `array` what of the compiled model is wrong.
+    `attribute` is the one that it names, `unknown_attribute` one that MJCF does not have there, `missing_attribute`
+    and `missing_element` are required ones; `names` are the names in quotes. `size_index` is the size that must be
+    positive, `plugin` the number of the plugin that failed, `section` the section with the faulty setting, `array`
+    the faulty array of the compiled model.
     """
 
     topic: Topic | None = None
@@ -76,7 +76,7 @@ class Sentence:
 
 
 def read_sentence(message: str) -> Sentence:
-    """What a sentence of MuJoCo says.
+    """Parse a message of MuJoCo.
 
     >>> read_sentence("required attribute missing: 'pos'").missing_attribute
     'pos'

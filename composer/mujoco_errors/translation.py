@@ -1,4 +1,4 @@
-"""What MuJoCo says of an element, in the words and with the advice that its author needs."""
+"""Translate MuJoCo's messages about an element, with advice for its author."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ _ADVICE = {
 
 @dataclass(frozen=True, slots=True)
 class Translation:
-    """A diagnostic without its place, and what is known of that.
+    """A diagnostic without its place, and facts about the place.
 
-    `attribute` is the one of the element that the fault lies in, if that is known; with `key` in its name. `topic` is
-    what MuJoCo's sentence is about.
+    `attribute` is the element's faulty attribute, if it is known; with `key` the fault is in its name. `topic` is
+    the topic of MuJoCo's message.
     """
 
     diagnostic: Diagnostic
@@ -49,7 +49,7 @@ class Translation:
 
 
 def translate(message: str, element: Node | None) -> Translation:
-    """What to report where MuJoCo refuses a model with `message`, which speaks of `element`."""
+    """Return what to report if MuJoCo refuses a model with `message`, which is about `element`."""
     said = read_sentence(message)
     advice = None if said.topic is None else _ADVICE.get(said.topic)
     if element is None:
@@ -71,7 +71,7 @@ def translate(message: str, element: Node | None) -> Translation:
 
 
 def unknown_attribute(element: Node, name: str) -> Translation:
-    """An attribute that MJCF does not have in that place."""
+    """Return the translation for an attribute that MJCF does not have in that place."""
     kind = kind_of(element)
     known = list(kind.attributes) if kind is not None else []
     if kind is not None and name in known:
@@ -84,7 +84,7 @@ def unknown_attribute(element: Node, name: str) -> Translation:
 
 
 def unknown_element(element: Node) -> Translation:
-    """An element that MJCF does not have in that place."""
+    """Return the translation for an element that MJCF does not have in that place."""
     parent = element.getparent()
     kind = kind_of(parent) if parent is not None else None
     known = list(kind.children) if kind is not None else []
@@ -105,14 +105,14 @@ def unknown_element(element: Node) -> Translation:
 
 
 def _versions(since: str | None, until: str | None) -> tuple[Note, ...]:
-    """Which versions of MuJoCo have what this one has not."""
+    """Return which versions of MuJoCo have what this one lacks."""
     if until is not None:
         return (Note(f"it existed up to MuJoCo {until}"),)
     return (Note(f"it exists since MuJoCo {since}"),) if since is not None else ()
 
 
 def kind_of(element: Node) -> ElementType | None:
-    """What MJCF has in the place where the element stands, or None where it has nothing of that tag."""
+    """Return the element type at the element's place in MJCF, or None if its tag is not allowed there."""
     tags = [str(each.tag) for each in element.iterancestors()]
     found: ElementType | None = GRAMMAR.root
     for tag in [*reversed(tags), str(element.tag)][1:]:
@@ -144,7 +144,7 @@ def _keywords(element: Node, attribute: str | None) -> tuple[Note, ...]:
 
 
 def _not_positive(said: Sentence, element: Node) -> str | None:
-    """The advice for a size that is written, and is 0 or less; a size that is missing has another one."""
+    """Return the advice for a size that is written and not positive; a missing size has another advice."""
     if (index := said.size_index) is None:
         return None
     sizes = str(element.get("size") or "").split()

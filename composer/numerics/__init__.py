@@ -1,1 +1,1 @@
-"""Exact numbers: rotations, and draws that are the same bits on every machine."""
+"""Exact numbers: rotations, and random draws with the same bits on every machine."""

@@ -1,4 +1,4 @@
-"""The distributions that numbers are drawn from: each makes one number of 64 random bits."""
+"""Probability distributions: each turns 64 random bits into one number."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Support = tuple[float, float]
 
 
 class Arithmetic(Protocol):
-    """What distributions compute with: the functions of `one.py` on numbers, or those of `many.py` on arrays."""
+    """The operations of distributions: the functions of `one.py` on numbers, or those of `many.py` on arrays."""
 
     def fraction(self, bits: Any, /) -> Any: ...
     def below(self, bits: Any, count: int, /) -> Any: ...
@@ -33,7 +33,7 @@ class Distribution(ABC):
     """A distribution of numbers; a choice among given values is `below` of their count."""
 
     def draw(self, bits: int) -> float:
-        """The number that 64 random bits make.
+        """Return the number for 64 random bits.
 
         >>> Uniform(0.0, 2.0).draw(2**63), Integers(1, 6).draw(2**64 - 1)
         (1.0000000000000002, 6)
@@ -42,7 +42,9 @@ class Distribution(ABC):
         return number
 
     def draw_all(self, bits: NDArray[Any]) -> NDArray[Any]:
-        """`draw` of each of an array of bits, `(n,)` of uint64, in one go: `(n,)` with the same numbers to the bit."""
+        """Return `draw` for each of an array of bits, `(n,)` of uint64, at once: `(n,)` with the same numbers to
+        the bit.
+        """
         from composer.numerics import many  # numpy, which a model with one sample has no use for
 
         with many.overflowing():
@@ -59,7 +61,7 @@ class Distribution(ABC):
 
 @dataclass(frozen=True)
 class Uniform(Distribution):
-    """Every number between two is as likely as any other."""
+    """All numbers between two are equally likely."""
 
     low: float
     high: float
@@ -74,7 +76,7 @@ class Uniform(Distribution):
 
 @dataclass(frozen=True)
 class LogUniform(Distribution):
-    """The logarithm is uniform: as many between 0.1 and 1 as between 1 and 10. Both ends are positive."""
+    """The logarithm is uniform: as many numbers between 0.1 and 1 as between 1 and 10. Both ends are positive."""
 
     low: float
     high: float
@@ -94,7 +96,7 @@ class LogUniform(Distribution):
 
 @dataclass(frozen=True)
 class Normal(Distribution):
-    """Gauss's distribution, with its mean and standard deviation."""
+    """The Gaussian distribution, with its mean and standard deviation."""
 
     mean: float
     std: float
@@ -109,7 +111,7 @@ class Normal(Distribution):
 
 @dataclass(frozen=True)
 class TruncNormal(Distribution):
-    """What a normal distribution has between two numbers."""
+    """A normal distribution, restricted to the numbers between two."""
 
     mean: float
     std: float
@@ -122,12 +124,12 @@ class TruncNormal(Distribution):
 
     @property
     def is_empty(self) -> bool:
-        """Whether next to nothing of the distribution is between the two."""
+        """Whether almost nothing of the distribution is between the two."""
         return (self.low - self.mean) / self.std > FARTHEST or (self.high - self.mean) / self.std < -FARTHEST
 
     @cached_property
     def _span(self) -> tuple[float, float, float]:
-        """The probabilities of the two ends and the sign: of the upper side the mirror image is taken."""
+        """The probabilities of the two ends, and the sign: the upper side is computed by its mirror image."""
         low, high, sign = (self.low - self.mean) / self.std, (self.high - self.mean) / self.std, 1.0
         if low > 0:
             low, high, sign = -high, -low, -1.0
@@ -136,7 +138,7 @@ class TruncNormal(Distribution):
     def _draw(self, bits: Any, by: Arithmetic) -> Any:
         first, last, sign = self._span
         p = first + (last - first) * (by.fraction(bits) if sign > 0 else 1.0 - by.fraction(bits))
-        # Where p is rounded to 0 or 1, the quantile is infinite, and an end is what is drawn.
+        # If p is rounded to 0 or 1, the quantile is infinite, and an end is drawn.
         return by.within(self.mean + self.std * sign * by.quantile(p), *self.support)
 
 
@@ -157,7 +159,7 @@ class LogNormal(Distribution):
 
 @dataclass(frozen=True)
 class Integers(Distribution):
-    """Whole numbers from the first to the last, both of them included."""
+    """Whole numbers from the first to the last, both included."""
 
     low: int
     high: int

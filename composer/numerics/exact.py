@@ -1,4 +1,4 @@
-"""Exponential and logarithm to the same bits on every machine, which those of the C library are not."""
+"""Exponential and logarithm with the same bits on every machine, unlike those of the C library."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ _DIGITS = Context(prec=40, Emin=-999_999, Emax=999_999)
 
 
 def exp(x: float) -> float:
-    """E to the power of x; infinity where that is too large.
+    """Return e to the power of x; infinity if that is too large.
 
     >>> exp(1.0)
     2.718281828459045
@@ -18,7 +18,7 @@ def exp(x: float) -> float:
 
 
 def log(x: float) -> float:
-    """The natural logarithm of a positive number.
+    """Return the natural logarithm of a positive number.
 
     >>> log(10.0)
     2.302585092994046

@@ -1,4 +1,6 @@
-"""The arithmetic of distributions for arrays, one number a sample: the same bits as one by one, in far less time."""
+"""The arithmetic of distributions for arrays, one number for each sample: the same bits as one by one, but much
+faster.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,7 @@ Floats = NDArray[np.float64]
 
 
 def bits(seed: int, samples: Iterable[int], field: str, element: str, component: int) -> Bits:
-    """`stream.bits` of each sample."""
+    """Return `stream.bits` for each sample."""
     before, after = stream.identity(seed, field, element, component)
     size = stream.BITS // 8
     found = b"".join([sha256(b"%b%d%b" % (before, each, after)).digest()[:size] for each in samples])
@@ -23,7 +25,7 @@ def bits(seed: int, samples: Iterable[int], field: str, element: str, component:
 
 
 def overflowing() -> np.errstate:
-    """A block in which infinite numbers come about without a warning, as they do one by one."""
+    """Return a context in which infinite numbers cause no warnings, as with single numbers."""
     return np.errstate(all="ignore")
 
 
@@ -32,7 +34,7 @@ def fraction(bits: Bits) -> Floats:
 
 
 def below(bits: Bits, count: int) -> NDArray[np.int64]:
-    # The product has up to 118 bits, for which numpy has no type.
+    # The product has up to 118 bits, which no numpy type can hold.
     return np.array([stream.below(each, count) for each in bits.tolist()], np.int64)
 
 

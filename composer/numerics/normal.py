@@ -1,4 +1,4 @@
-"""The normal distribution with mean 0 and standard deviation 1, to the same bits on every machine."""
+"""The normal distribution with mean 0 and standard deviation 1, with the same bits on every machine."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from decimal import Context, Decimal
 from composer.numerics.exact import log
 
 FARTHEST = 20.0
-"""So many standard deviations from the mean there is nothing left that could be drawn."""
+"""No draw can be more standard deviations from the mean than this."""
 MIDDLE = 0.425
-"""So far from a half one quotient of polynomials is enough."""
+"""One quotient of polynomials is enough up to this distance from a half."""
 _DIGITS = Context(prec=140, Emin=-999_999, Emax=999_999)
 _PI = Decimal(
     "3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803482534211706798"
@@ -40,7 +40,7 @@ _FAR = (
 
 
 def quantile(p: float) -> float:
-    """The number below which the normal distribution is with probability p; infinite at 0 and 1, and beyond them.
+    """Return the number that the normal distribution is below with probability p; infinite at 0 and 1 and beyond.
 
     >>> quantile(0.5), round(quantile(0.975), 12), quantile(0.0)
     (0.0, 1.95996398454, -inf)
@@ -56,7 +56,7 @@ def quantile(p: float) -> float:
 
 
 def middle(q: float) -> float:
-    """`quantile` of a half and `q`, for q up to `MIDDLE`; of a numpy array too."""
+    """Return `quantile` of a half plus `q`, for q up to `MIDDLE`; also for a numpy array."""
     return q * _quotient(_MIDDLE, 0.180625 - q * q)
 
 
@@ -73,9 +73,9 @@ def _polynomial(coefficients: tuple[float, ...], x: float) -> float:
 
 
 def probability(x: float) -> float:
-    """The probability that a number of the normal distribution is below x.
+    """Return the probability that a number of the normal distribution is below x.
 
-    Of large x only that of the other side, `probability(-x)`, is exact to the last digit.
+    For large x only the other side, `probability(-x)`, is exact to the last digit.
 
     >>> probability(0.0), round(probability(1.959963984540054), 12), probability(-10.0)
     (0.5, 0.975, 7.619853024160525e-24)
@@ -83,7 +83,7 @@ def probability(x: float) -> float:
     if abs(x) > FARTHEST:
         return 0.0 if x < 0 else 1.0
     c = _DIGITS
-    # The series has no terms of opposite sign; 140 digits are enough to take what it gives from a half.
+    # The series has no terms of opposite sign; 140 digits are enough to subtract its sum from a half.
     exact = Decimal(x)
     term = total = exact
     n = 1

@@ -1,4 +1,4 @@
-"""The arithmetic of distributions for one number at a time; `many.py` has it for arrays, with the same bits."""
+"""The arithmetic of distributions for single numbers; `many.py` has it for arrays, with the same bits."""
 
 from __future__ import annotations
 
@@ -10,5 +10,5 @@ __all__ = ["below", "exp", "fraction", "quantile", "within"]
 
 
 def within(value: float, low: float, high: float) -> float:
-    """Rounding does not lead out of the bounds."""
+    """Limit a value to the bounds, which rounding might exceed."""
     return min(max(value, low), high)

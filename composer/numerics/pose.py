@@ -1,8 +1,9 @@
 """Rotations and poses as MuJoCo computes them, in plain floats.
 
-Quaternions are ``(w, x, y, z)``, positions are metres, angles are radians. The arithmetic follows MuJoCo's own
+Quaternions are ``(w, x, y, z)``, positions are in metres, angles in radians. The arithmetic follows MuJoCo's own
 order of operations, so that a quaternion written in place of Euler angles compiles to the same bits.
-No numpy: a handful of floats does not pay for the import.
+
+No numpy: its import does not pay off for a few floats.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ Vec3 = tuple[float, float, float]
 Quat = tuple[float, float, float, float]
 
 IDENTITY_QUAT: Quat = (1.0, 0.0, 0.0, 0.0)
-_NOWHERE = (math.nan, math.nan, math.nan, math.nan)  # what MuJoCo makes of angles without end
+_NOWHERE = (math.nan, math.nan, math.nan, math.nan)  # MuJoCo's result for infinite angles
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 _AXES = {"x": 1, "y": 2, "z": 3}
 _NEARLY_UNIT = 1e-14
@@ -39,7 +40,7 @@ class Pose:
         return all(map(math.isfinite, (*self.pos, *self.quat)))
 
     def __matmul__(self, inner: Pose) -> Pose:
-        """The pose of ``inner``, given in this frame, in the frame this one is given in."""
+        """Return the pose of ``inner``, given in this frame, in the frame that this one is given in."""
         if self.is_identity:
             return inner
         x, y, z = rotate(self.quat, inner.pos)
@@ -54,7 +55,7 @@ class Pose:
 
 
 def multiply(a: Quat, b: Quat) -> Quat:
-    """Hamilton product: the rotation ``b`` followed by ``a``."""
+    """Return the Hamilton product: the rotation ``b`` followed by ``a``."""
     return (
         a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
         a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
@@ -64,7 +65,7 @@ def multiply(a: Quat, b: Quat) -> Quat:
 
 
 def normalise(quat: Sequence[float]) -> Quat:
-    """``quat`` at unit length; left alone where it already is, as MuJoCo does, so that no bit moves."""
+    """Return ``quat`` at unit length; unchanged if it has that already, as in MuJoCo, so that no bit changes."""
     w, x, y, z = quat
     norm = math.sqrt(w * w + x * x + y * y + z * z)
     if norm < _TINY:
@@ -90,7 +91,9 @@ def rotate(quat: Quat, vec: Sequence[float]) -> Vec3:
 
 
 def quat_from_euler(euler: Sequence[float], sequence: str) -> Quat:
-    """Euler angles in radians; lower-case letters turn about the moving axes, upper-case about the fixed ones."""
+    """Convert Euler angles in radians; lower-case letters rotate about the moving axes, upper-case about the fixed
+    ones.
+    """
     quat = IDENTITY_QUAT
     for angle, letter in zip(euler, sequence, strict=True):
         if not math.isfinite(angle):
@@ -103,7 +106,7 @@ def quat_from_euler(euler: Sequence[float], sequence: str) -> Quat:
 
 
 def quat_from_axisangle(axis: Sequence[float], angle: float) -> Quat:
-    """A turn of ``angle`` radians about ``axis`` (any length)."""
+    """Return a rotation of ``angle`` radians about ``axis`` (any length)."""
     x, y, z = unit(axis)
     if not math.isfinite(angle):
         return _NOWHERE
@@ -112,7 +115,7 @@ def quat_from_axisangle(axis: Sequence[float], angle: float) -> Quat:
 
 
 def quat_from_xyaxes(axes: Sequence[float]) -> Quat:
-    """The frame whose x axis is ``axes[:3]`` and whose y axis is ``axes[3:]``, made orthogonal to it."""
+    """Return the frame whose x axis is ``axes[:3]`` and whose y axis is ``axes[3:]``, made orthogonal to it."""
     x = unit(axes[:3])
     along = x[0] * axes[3] + x[1] * axes[4] + x[2] * axes[5]
     y = unit([axes[3] - x[0] * along, axes[4] - x[1] * along, axes[5] - x[2] * along])
@@ -120,7 +123,7 @@ def quat_from_xyaxes(axes: Sequence[float]) -> Quat:
 
 
 def quat_from_zaxis(axis: Sequence[float]) -> Quat:
-    """The smallest turn that takes the z axis to ``axis``."""
+    """Return the smallest rotation that takes the z axis to ``axis``."""
     x, y, z = unit(axis)
     turn = (-y, x, 0.0)
     sine = math.sqrt(y * y + x * x)
@@ -130,7 +133,7 @@ def quat_from_zaxis(axis: Sequence[float]) -> Quat:
 
 
 def unit(vec: Sequence[float]) -> Vec3:
-    """`vec` at unit length; left alone where it already is."""
+    """Return `vec` at unit length; unchanged if it has that already."""
     x, y, z = vec
     norm = math.sqrt(x * x + y * y + z * z)
     if norm < _TINY:

@@ -1,4 +1,4 @@
-"""Where a draw comes from: 64 bits that depend on what is drawn and on nothing else."""
+"""The source of draws: 64 bits that depend only on the identity of the draw."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ _VERSION = "mjcompose draws 1"
 
 
 def bits(seed: int, sample: int, field: str, element: str, component: int) -> int:
-    """64 random bits for one number: the first eight bytes, most significant first, of the SHA-256 of a JSON list.
+    """Return 64 random bits for one number: the first eight bytes, big-endian, of the SHA-256 of a JSON list.
 
-    It has no state, so that what else is drawn, in which order and by whom, changes nothing.
+    There is no state, so that other draws, their order and their process do not matter.
 
     >>> hex(bits(7, 1, "friction", "cube/box", 0))
     '0x488ac89d436f6e7e'
@@ -22,7 +22,7 @@ def bits(seed: int, sample: int, field: str, element: str, component: int) -> in
 
 
 def identity(seed: int, field: str, element: str, component: int) -> tuple[bytes, bytes]:
-    """What stands before and after the number of the sample in that JSON list.
+    """Return the bytes before and after the number of the sample in that JSON list.
 
     >>> identity(7, "friction", "cube/box", 0)
     (b'["mjcompose draws 1",7,', b',"friction","cube/box",0]')
@@ -35,7 +35,7 @@ def identity(seed: int, field: str, element: str, component: int) -> tuple[bytes
 
 
 def fraction(bits: int) -> float:
-    """The same as a number between 0 and 1, neither of which it is: 52 bits and a half, which is exact.
+    """Return the bits as a number strictly between 0 and 1: 52 bits and a half, which is exact.
 
     >>> fraction(0), fraction(2**64 - 1) < 1
     (1.1102230246251565e-16, True)
@@ -44,7 +44,7 @@ def fraction(bits: int) -> float:
 
 
 def below(bits: int, count: int) -> int:
-    """The same as a whole number from 0 to `count` - 1.
+    """Return the bits as a whole number from 0 to `count` - 1.
 
     >>> below(0, 6), below(2**64 - 1, 6)
     (0, 5)

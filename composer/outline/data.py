@@ -1,4 +1,4 @@
-"""An outline as JSON takes it."""
+"""An outline as JSON data."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ from composer.outline.outline import Body, Outline
 
 
 def as_data(outline: Outline, depth: int | None = None) -> dict[str, Any]:
-    """Parts, and every body after its parent, with its joints and places; `depth` levels of bodies.
+    """Return parts, and every body after its parent, with its joints and places; `depth` limits the levels of
+    bodies.
 
-    Metres and radians; poses are in the body (`pos`, `quat`) and in the world at the reference configuration.
+    Metres and radians; poses are relative to the body (`pos`, `quat`) and to the world at the reference
+    configuration.
     """
     return {
         "name": outline.name,

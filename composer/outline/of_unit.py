@@ -1,4 +1,4 @@
-"""The outline of a model that was read or composed, and not compiled."""
+"""Outline a model that was read or composed, without compiling it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _JOINTS = ("joint", "freejoint")
 
 
 def world_of(unit: Unit, part_of: PartOf) -> Body:
-    """The world with all bodies below it; `part_of` says what a recipe calls the part that an element came from."""
+    """Return the world with all bodies below it; `part_of` returns the part of an element by its name in the recipe."""
     return _Outliner(unit, part_of).world()
 
 
@@ -41,7 +41,7 @@ class _Outliner:
         return Body(WORLD, None, joints, places, children)
 
     def body(self, node: Node, outside: Pose, copies: int) -> Body:
-        """A body; `outside` is the pose in the world of what it stands in."""
+        """Return a body; `outside` is the pose of its parent in the world."""
         name = node.get("name")
         pose = outside @ self.pose(node)
         joints, places, children = self.contents([node], pose, copies)
@@ -67,7 +67,9 @@ class _Outliner:
         return tuple(joints), tuple(places), tuple(children)
 
     def members(self, holders: list[Node], pose: Pose, copies: int) -> Iterator[tuple[Node, Pose, int]]:
-        """What stands in bodies, also within frames, with the pose of what it stands in and how often it is made."""
+        """Yield the contents of bodies, including those in frames, with the pose of their parent and the number of
+        copies.
+        """
         for holder in holders:
             for node in holder.iterchildren("*"):
                 yield node, pose, copies
@@ -82,7 +84,7 @@ class _Outliner:
         return Joint(name, type, None if type == "free" else self.range(node, type))
 
     def range(self, node: Node, type: str) -> tuple[float, float] | None:
-        """The limits in effect: `limited` decides, and where it is silent, that a range is written."""
+        """Return the limits in effect: `limited` decides, and if it is not set, whether a range is written."""
         kind, classes = kind_of(node), self.unit.classes
         text = text_in_effect(node, kind, "range", classes)
         limited = text_in_effect(node, kind, "limited", classes) or "auto"
@@ -97,6 +99,6 @@ class _Outliner:
         return low, high
 
     def pose(self, node: Node) -> Pose:
-        """The pose in what it stands in; of a site, with what its classes say."""
+        """Return the pose in the parent; for a site, including values from its classes."""
         attributes = effective_pose(node, self.unit.classes) if node.tag == "site" else node
         return read_pose(attributes, self.degrees, self.sequence)

@@ -19,9 +19,9 @@ class Joint:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """What a part may be attached to: `kind` is `site`, `body` or `frame`.
+    """A place for attaching a part: `kind` is `site`, `body` or `frame`.
 
-    `pose` is in the body that it belongs to, `world` in the world with all joints at their reference; metres.
+    `pose` is relative to its body, `world` to the world with all joints at their reference; metres.
     """
 
     kind: str
@@ -32,9 +32,9 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A body or the world. `part` is what the recipe calls the part that it came from; None for what the recipe adds.
+    """A body or the world. `part` is its part's name in the recipe; None if the recipe adds it.
 
-    `copies` is how often MuJoCo's `<replicate>` multiplies it. `places` has the body itself first.
+    `copies` is the number of copies that MuJoCo's `<replicate>` makes. `places` has the body itself first.
     """
 
     name: str | None
@@ -45,7 +45,7 @@ class Body:
     copies: int = 1
 
     def walk(self) -> Iterator[Body]:
-        """The body and all below it, depth first."""
+        """Yield the body and all below it, depth first."""
         yield self
         for child in self.children:
             yield from child.walk()
@@ -53,7 +53,7 @@ class Body:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A part: what the recipe calls it, where its model is from, and the body that it is fixed to."""
+    """A part: its name in the recipe, the origin of its model, and the body that it is fixed to."""
 
     name: str
     model: str
@@ -62,7 +62,7 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Outline:
-    """A model: `name` is its own, `label` what the user asked for."""
+    """A model: `name` is its own, `label` the user's name for it."""
 
     name: str
     label: str

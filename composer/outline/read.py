@@ -1,4 +1,4 @@
-"""From what the user names to its outline: a recipe, a model file, a model reference or a bundle."""
+"""Make the outline of a recipe, a model file, a model reference or a bundle."""
 
 from __future__ import annotations
 
@@ -35,15 +35,15 @@ _ARCHIVES = (".zip", ".mjz")
 
 
 def outline(text: str, context: Context, given: Given | None = None, sample: int = 0) -> Outline | None:
-    """The outline of what `text` names; None where `context.sink` says why not.
+    """Return the outline of `text`, or None if `context.sink` says why not.
 
-    Nothing is compiled but what the linker has to measure. `given` are values of a recipe's parameters and variants,
-    `sample` says which draws it has.
+    Nothing is compiled except what the linker has to measure. `given` are values of a recipe's parameters and
+    variants, `sample` selects its draws.
     """
     path = context.folder / text
     if path.is_dir() or (path.suffix.lower() in _ARCHIVES and "#" not in text):
         return _of_bundle(path, text, context)
-    # What is there is a path, whatever colons it has.
+    # An existing file is a path, whatever colons it has.
     reference = text if not path.exists() or path.is_absolute() else os.path.join(".", text)
     try:
         source = resolve(
@@ -76,14 +76,14 @@ def _of_recipe(path: Path, text: str, context: Context, given: Given | None, sam
 
 
 def _part_of(model: Unit, parts: dict[Node, str], separator: str) -> PartOf:
-    """What the elements of a composition came from: a part, the base, or (None) the recipe itself."""
+    """Return a function for the part of an element in a composition: a part, the base, or (None) the recipe itself."""
 
     def part_of(node: Node) -> str | None:
         if (part := parts.get(node)) is not None:
             return part
         if isinstance(model.origins.owner(node, model.file), str):
             return BASE
-        # A part with a joint of its own stands in a body that the linker made for it.
+        # A part with a joint of its own is in a body that the linker created for it.
         inside = (parts.get(each) for each in node.iter("body"))
         return next((each for each in inside if each and f"{each}{separator}" == node.get("name")), None)
 
@@ -127,7 +127,7 @@ def _listed(manifest: Manifest) -> tuple[Part, ...]:
 
 
 def _by_prefix(node: Node, manifest: Manifest | None) -> str | None:
-    """The part whose prefix the name of an element has, the longest; what has none may be of the base or the recipe."""
+    """Return the part with the longest matching prefix; an element without one may belong to the base or the recipe."""
     name = str(node.get("name") or "")
     fitting = [
         each for each in (manifest.parts if manifest else ()) if each.prefix and name.startswith(each.prefix)

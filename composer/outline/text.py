@@ -1,4 +1,4 @@
-"""An outline as text for a reader."""
+"""Render an outline as text."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _NUMBER = re.compile(r"[-+.\d][-+.\deE_]*")
 
 
 def render(outline: Outline, depth: int | None = None, color: bool = False) -> str:
-    """Parts, then bodies with their joints, `depth` levels of them; without a final line break."""
+    """Return parts, then bodies with their joints, down to `depth` levels; without a final line break."""
     paint = Paint(color)
     lines = [_head(outline, paint), *_parts(outline.parts, paint), paint("bold", "world")]
     lines += _below(outline.world, depth, paint)
@@ -25,7 +25,7 @@ def render(outline: Outline, depth: int | None = None, color: bool = False) -> s
 
 
 def render_places(outline: Outline, depth: int | None = None, color: bool = False) -> str:
-    """What a part may be attached to, a line each, as a recipe writes it; bodies down to `depth` levels."""
+    """Return the places for attaching parts, one on a line, in recipe syntax; bodies down to `depth` levels."""
     paint = Paint(color)
     rows = [_HEAD]
     found = list(_places(outline.world, depth, 0))
@@ -62,7 +62,7 @@ def _parts(parts: Sequence[Part], paint: Paint) -> Iterator[str]:
 
 
 def _below(body: Body, depth: int | None, paint: Paint, edge: str = "") -> Iterator[str]:
-    """What stands in a body; of several joints, each on its line."""
+    """Yield the contents of a body; if it has several joints, each on a line of its own."""
     for number, child in enumerate(body.children):
         last = number == len(body.children) - 1
         yield f"{paint('gutter', edge + ('└ ' if last else '├ '))}{_line(child, body, paint)}"

@@ -1,1 +1,1 @@
-"""Pictures of compiled models, by MuJoCo's own renderer. Runs in the engine's child process."""
+"""Pictures of compiled models, with MuJoCo's own renderer. Runs in the engine's child process."""

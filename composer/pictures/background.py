@@ -1,4 +1,4 @@
-"""What is behind the model in a picture."""
+"""The background of a picture."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 SKYLESS = (235, 235, 235, 1)
-"""Behind a model without a sky. MuJoCo 4.0 leaves that black, and dark models cannot be seen."""
+"""The background of a model without a sky. MuJoCo 4.0 leaves it black, which hides dark models."""
 
 
 def over(picture: Any, drawn: Any, background: tuple[int, int, int, int] | None) -> Any:
-    """A picture on black, over a background; `drawn` is the share of each pixel that something is drawn in.
+    """Return a picture on black composited over a background; `drawn` is the share of each pixel that is drawn.
 
-    MuJoCo blends edges with the black, so that they only lack what is behind them.
+    MuJoCo blends edges with black, so only the background has to be added there.
     """
     *colour, opacity = SKYLESS if background is None else background
     if opacity:

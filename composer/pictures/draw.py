@@ -1,4 +1,4 @@
-"""A picture or a film of one model."""
+"""Draw a picture or a film of one model."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ _RATES = {".gif": 20, ".mp4": 30}
 
 
 def draw(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
-    """Write a file, for `composer.engine.call`; what is returned is empty, or says why it could not be.
+    """Write a file and return an empty answer, or why it could not be written; runs under `composer.engine.call`.
 
-    ``asked`` has what `composer.render.wish.Wish` says and ``out``, whose suffix is `.png`, `.gif` or `.mp4`. It may
-    have ``tile`` in place of the suffix's file: a NumPy array of the picture goes to ``out``, with that text below.
+    ``asked`` has the fields of `composer.render.wish.Wish` and ``out``, whose suffix is `.png`, `.gif` or `.mp4`.
+    With ``tile``, a NumPy array of the picture with that text below goes to ``out`` instead.
     """
     for kind in ("key", "camera"):
         if asked[kind] is not None and asked[kind] not in names(model, kind):
@@ -57,7 +57,7 @@ def draw(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _frames(stage: Stage, view: Any, rate: int, turntable: bool, play: float | None) -> Iterator[Any]:
-    """The pictures of a film: physics for `play` seconds, a turn around the model, or both at once."""
+    """Yield the pictures of a film: physics for `play` seconds, a turn around the model, or both at once."""
     seconds = _TURN_SECONDS if play is None else play
     count = max(2, round(seconds * rate))
     started = stage.data.time
@@ -70,7 +70,7 @@ def _frames(stage: Stage, view: Any, rate: int, turntable: bool, play: float | N
 
 
 def _labelled(stage: Stage, picture: Any, words: str) -> Any:
-    """A picture and a line of text below it."""
+    """Return a picture with a line of text below it."""
     strip = stage.text(words, picture.shape[1], _STRIP, _INK, _PAPER)
     return np.concatenate([picture[:, :, :3], strip])
 

@@ -1,4 +1,4 @@
-"""How a model is looked at where no camera of its own is asked for: all of it in the picture, and lit."""
+"""Place the camera and lights for a model if no camera of its own is requested: all of it visible, and lit."""
 
 from __future__ import annotations
 
@@ -13,18 +13,17 @@ _MARGIN = 1.08
 _ROUNDS = 4
 _SHOWN_GROUPS = 3
 _CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
-# Where MuJoCo looks from unless a model says otherwise: straight at one side, and steeply down.
+# MuJoCo's default view: straight at one side, and steeply down.
 _UNSAID = (90.0, -45.0)
 _OBLIQUE = (135.0, -22.0)
 _AMBIENT, _DIFFUSE, _SPECULAR = 0.3, 0.6, 0.3
 
 
 def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float) -> Any:
-    """The free camera that has the whole of some models in its picture, each with its data.
+    """Return the free camera that shows the whole of some models, each with its data.
 
-    It looks in the direction that the first one asks for, `azimuth` and `elevation` of its `visual/global`; obliquely
-    where that is MuJoCo's default.
-    `aspect` is the width of the picture divided by its height.
+    It looks in the direction of the first model's `azimuth` and `elevation` in `visual/global`, or obliquely if
+    these are MuJoCo's defaults. `aspect` is the width of the picture divided by its height.
     """
     model = scenes[0][0]
     free = mujoco.MjvCamera()
@@ -50,7 +49,7 @@ def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float) -> Any
     for _ in range(_ROUNDS):
         seen = (points - at) @ axes.T
         distance = float((np.abs(seen[:, :2]) / slopes - seen[:, 2:]).max())
-        # What is nearer looks larger: the middle of the picture is not the middle of the box.
+        # Nearer things look larger: the middle of the picture is not the middle of the box.
         depth = np.maximum(seen[:, 2:] + distance, 1e-9)
         shown = seen[:, :2] / depth
         at = at + ((shown.min(axis=0) + shown.max(axis=0)) / 2 * distance) @ axes[:2]
@@ -61,7 +60,9 @@ def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float) -> Any
 
 
 def corners(mujoco: Any, model: Any, data: Any) -> Any:
-    """The corners of the boxes around all that is drawn; planes have no end, and count only where nothing else is."""
+    """Return the corners of the boxes around all drawn geoms; planes are infinite, and count only if there is
+    nothing else.
+    """
     drawn = [each for each in range(model.ngeom) if _is_drawn(model, each)]
     solid = [each for each in drawn if model.geom_type[each] != mujoco.mjtGeom.mjGEOM_PLANE]
     found = [np.zeros((0, 3))]
@@ -80,25 +81,25 @@ def corners(mujoco: Any, model: Any, data: Any) -> Any:
 
 
 def _bounded(half: Any) -> Any:
-    """Half the size of a plane; 0 means that it has no end."""
+    """Return half the size of a plane; an infinite one, with size 0, counts as 1."""
     return np.where(half > 0, half, 1.0)
 
 
 def _is_drawn(model: Any, geom: int) -> bool:
-    """Whether MuJoCo draws the geom when nobody chooses groups."""
+    """Return whether MuJoCo draws the geom with the default groups."""
     material = int(model.geom_matid[geom])
     rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
     return int(model.geom_group[geom]) < _SHOWN_GROUPS and float(rgba[3]) > 0
 
 
 def _fovy(model: Any) -> float:
-    """The field of view of the free camera; of an orthographic one `fovy` is a length."""
+    """Return the field of view of the free camera; for an orthographic one `fovy` is a length."""
     return 45.0 if model.vis.global_.orthographic else float(model.vis.global_.fovy)
 
 
 @contextmanager
 def prepared(mujoco: Any, model: Any, distance: float = 0.0) -> Iterator[None]:
-    """Make sure that a model can be seen from that far away; it is as before afterwards."""
+    """Make a model visible from that distance for the block, and restore it afterwards."""
     headlight, limits, clip = model.vis.headlight, model.vis.global_, model.vis.map
     kept = (
         headlight.active, headlight.ambient.copy(), headlight.diffuse.copy(), headlight.specular.copy(),
@@ -119,7 +120,7 @@ def prepared(mujoco: Any, model: Any, distance: float = 0.0) -> Iterator[None]:
 
 
 def is_lit(model: Any) -> bool:
-    """Whether a lamp of the model is on."""
+    """Return whether a light of the model is on."""
     return any(
         model.light_active[each] and (model.light_diffuse[each].any() or model.light_ambient[each].any())
         for each in range(model.nlight)
@@ -127,5 +128,5 @@ def is_lit(model: Any) -> bool:
 
 
 def has_sky(mujoco: Any, model: Any) -> bool:
-    """Whether there is a picture behind everything else."""
+    """Return whether the model has a skybox."""
     return bool((model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX).any())

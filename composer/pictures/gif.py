@@ -1,4 +1,4 @@
-"""Pictures as an animated GIF."""
+"""Write pictures as an animated GIF."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 _COLOURS = 256
 _BITS = 8
-# Colours are distinguished by so many bits of each channel while the palette is made.
+# Bits of each channel that distinguish colours while the palette is computed.
 _KEPT = 5
 
 
 def gif(frames: Sequence[NDArray[Any]], seconds: float) -> bytes:
-    """An endless GIF of RGB arrays `(height, width, 3)` of one size, each shown for `seconds`."""
+    """Return an endless GIF of RGB arrays `(height, width, 3)` of one size, each shown for `seconds`."""
     height, width, _ = frames[0].shape
     palette, nearest = _palette(frames)
     found = [
@@ -36,14 +36,14 @@ def gif(frames: Sequence[NDArray[Any]], seconds: float) -> bytes:
 
 
 def _coarse(frame: NDArray[Any]) -> NDArray[Any]:
-    """Each pixel as one number, of `_KEPT` bits for each channel."""
+    """Return each pixel as one number, with `_KEPT` bits for each channel."""
     short = (frame >> (8 - _KEPT)).astype(np.int32)
     found: NDArray[Any] = (short[..., 0] << 2 * _KEPT) | (short[..., 1] << _KEPT) | short[..., 2]
     return found
 
 
 def _palette(frames: Sequence[NDArray[Any]]) -> tuple[NDArray[Any], NDArray[Any]]:
-    """256 RGB colours by median cut, and the number of the one that stands for each coarse colour."""
+    """Return 256 RGB colours by median cut, and the number of the palette colour for each coarse colour."""
     size = 1 << 3 * _KEPT
     counts = np.zeros(size, np.int64)
     sums = np.zeros((size, 3))
@@ -62,7 +62,7 @@ def _palette(frames: Sequence[NDArray[Any]]) -> tuple[NDArray[Any], NDArray[Any]
 
 
 def _cut(colours: NDArray[Any], weights: NDArray[Any]) -> list[NDArray[Any]]:
-    """At most 256 boxes of alike colours: the one that errs most is halved until there are enough."""
+    """Return at most 256 boxes of similar colours: the one with the largest error is halved until there are enough."""
     boxes = [np.arange(len(colours))]
     errors = [_error(colours, weights, boxes[0])]
     while len(boxes) < _COLOURS and max(errors) > 0:
@@ -86,7 +86,7 @@ def _error(colours: NDArray[Any], weights: NDArray[Any], box: NDArray[Any]) -> f
 
 
 def _packed(pixels: bytes) -> bytes:
-    """LZW, with codes of 9 to 12 bits."""
+    """Compress with LZW, with codes of 9 to 12 bits."""
     clear, end = 1 << _BITS, (1 << _BITS) + 1
     known: dict[tuple[int, int], int] = {}
     found = bytearray()

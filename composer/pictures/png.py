@@ -1,4 +1,4 @@
-"""Pictures as PNG files."""
+"""Write pictures as PNG files."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _UP = 2
 
 
 def png(picture: NDArray[Any]) -> bytes:
-    """The PNG of an array of bytes, RGB `(height, width, 3)` or with opacity `(height, width, 4)`."""
+    """Return the PNG of an array of bytes, RGB `(height, width, 3)` or with opacity `(height, width, 4)`."""
     height, width, channels = picture.shape
     rows = np.zeros((height, 1 + channels * width), np.uint8)  # each row begins with its filter
     flat = picture.reshape(height, -1)

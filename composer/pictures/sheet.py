@@ -16,7 +16,7 @@ _PAPER = 255
 
 
 def sheet(mujoco: Any, asked: Mapping[str, Any]) -> None:
-    """Write the PNG ``out`` of the arrays in the files ``tiles``, for `composer.engine.call`."""
+    """Write the PNG ``out`` from the arrays in the files ``tiles``; runs under `composer.engine.call`."""
     tiles = [np.load(each) for each in asked["tiles"]]
     height, width, _ = tiles[0].shape
     columns = columns_of(len(tiles), width / height)
@@ -30,7 +30,7 @@ def sheet(mujoco: Any, asked: Mapping[str, Any]) -> None:
 
 
 def columns_of(count: int, aspect: float) -> int:
-    """How many tiles stand side by side, so that the sheet is about as wide as it is high, or a little wider.
+    """Return the number of tiles in a row, so that the sheet is about as wide as high, or a little wider.
 
     >>> [columns_of(count, 4 / 3) for count in (1, 2, 6, 16, 100)]
     [1, 2, 3, 4, 11]

@@ -1,4 +1,4 @@
-"""One compiled model before a camera."""
+"""Render one compiled model."""
 
 from __future__ import annotations
 
@@ -13,20 +13,21 @@ from composer.pictures.framing import camera, corners, has_sky, prepared
 
 _SHADOWS, _SHADOWS_OF_TILES = 4096, 1024
 _SAMPLES_OF_TILES = 2
-# How much finer than the picture the model is distinguished from what is behind it, so that its edges are smooth.
+# The mask of the model is this much finer than the picture, so that its edges are smooth.
 _FINER = 2
 
 
 class NoOpenGL(Exception):
-    """Whatever a system without OpenGL says."""
+    """OpenGL is not available; the text is the system's message."""
 
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """How a picture is made.
+    """The settings of a picture.
 
-    `background` is RGB of 255 and an opacity of 1 or 0; None is the model's sky, and a light grey where it has none.
-    `is_tile` says that the picture is one of many: smaller shadows, which cost most of the time without a GPU.
+    `background` is RGB of 255 and an opacity of 1 or 0; None is the model's sky, or light grey if it has none.
+    `is_tile` says that the picture is one of many: it gets smaller shadows, which take most of the time without a
+    GPU.
     """
 
     width: int = 640
@@ -40,7 +41,7 @@ class Look:
 
 
 class Stage:
-    """A model with its data and a renderer of its own. Raises `NoOpenGL` where there is none."""
+    """A model with its data and a renderer of its own. Raises `NoOpenGL` if that is not available."""
 
     def __init__(self, mujoco: Any, model: Any, key: str | int | None, look: Look) -> None:
         self.mujoco, self.model, self.look = mujoco, model, look
@@ -61,7 +62,7 @@ class Stage:
         self._scene = mujoco.MjvScene(model, maxgeom=_room(model))
 
     def _prepare_buffers(self) -> None:
-        """The model's limits are those of its author's window; shadows are as fine as this picture needs them."""
+        """Raise the model's limits, which are for its author's window, and limit shadows to what this picture needs."""
         limits, quality, look = self.model.vis.global_, self.model.vis.quality, self.look
         limits.offwidth = max(limits.offwidth, look.width * _FINER)
         limits.offheight = max(limits.offheight, look.height * _FINER)
@@ -70,11 +71,11 @@ class Stage:
             quality.offsamples = min(quality.offsamples, _SAMPLES_OF_TILES)
 
     def whole(self) -> Any:
-        """The camera that has the whole model in its picture."""
+        """Return the camera that shows the whole model."""
         return camera(self.mujoco, [(self.model, self.data)], self.look.aspect)
 
     def picture(self, view: Any) -> Any:
-        """What a camera sees, `(height, width, 3)` or with opacity `(height, width, 4)`, of bytes.
+        """Return the picture of a camera, `(height, width, 3)` or with opacity `(height, width, 4)`, in bytes.
 
         `view` is the name of a camera of the model, or an `MjvCamera`.
         """
@@ -91,7 +92,7 @@ class Stage:
             return drawn if sky else over(drawn, self._share_drawn(), look.background)
 
     def text(self, words: str, width: int, height: int, ink: Any, paper: Any) -> Any:
-        """A line of text in MuJoCo's own font, `(height, width, 3)`; paper and ink are RGB from 0 to 1."""
+        """Return a line of text in MuJoCo's own font, `(height, width, 3)`; paper and ink are RGB from 0 to 1."""
         self._window.make_current()
         strip = self.mujoco.MjrRect(0, 0, width, height)
         self.mujoco.mjr_rectangle(strip, *paper, 1.0)
@@ -108,7 +109,7 @@ class Stage:
         self._window.free()
 
     def _distance(self, view: Any) -> float:
-        """How far away what is looked at may be."""
+        """Return the largest possible distance of visible things."""
         if not isinstance(view, str):
             return float(view.distance)
         away = corners(self.mujoco, self.model, self.data) - self.data.camera(view).xpos
@@ -131,9 +132,9 @@ class Stage:
         return np.flipud(found).copy()
 
     def _share_drawn(self) -> Any:
-        """The share of each pixel that something is drawn in, `(height, width)`, from 0 to 1.
+        """Return the share of each pixel that is drawn, `(height, width)`, from 0 to 1.
 
-        MuJoCo's segmentation leaves out sites and tendons: what has a depth is drawn.
+        It uses depth, because MuJoCo's segmentation leaves out sites and tendons.
         """
         flags, kinds, look = self._scene.flags, self.mujoco.mjtRndFlag, self.look
         for costly in (kinds.mjRND_SHADOW, kinds.mjRND_REFLECTION):
@@ -150,5 +151,5 @@ class Stage:
 
 
 def _room(model: Any) -> int:
-    """How many things a scene may hold: every one of the model, and what decorates them."""
+    """Return the maximum number of objects in a scene: all of the model, and decorations."""
     return int(2 * (model.ngeom + model.nsite + model.nflex + model.nskin) + 100 * model.ntendon + 2000)

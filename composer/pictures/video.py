@@ -1,4 +1,4 @@
-"""Pictures as an MP4, by PyAV, which is an extra."""
+"""Write pictures as an MP4 with PyAV, which is an extra."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class NoEncoder(Exception):
 
 
 def encoder() -> Any:
-    """PyAV. Raises `NoEncoder`."""
+    """Return PyAV. Raises `NoEncoder`."""
     try:
         return import_module("av")
     except ImportError as error:
@@ -26,7 +26,7 @@ def encoder() -> Any:
 
 
 def write_mp4(path: Path, frames: Sequence[NDArray[Any]], rate: int) -> None:
-    """Write RGB arrays `(height, width, 3)` of one size; an odd row or column, which H.264 does not have, is cut."""
+    """Write RGB arrays `(height, width, 3)` of one size; an odd row or column, which H.264 does not allow, is cut."""
     av = encoder()
     height, width, _ = frames[0].shape
     height, width = height - height % 2, width - width % 2

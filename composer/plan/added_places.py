@@ -1,4 +1,4 @@
-"""The bodies, frames and sites that a recipe adds, on which its parts may hang."""
+"""The bodies, frames and sites that a recipe adds, to which its parts can be attached."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class AddedPlace:
 
 
 def added_places(steps: Sequence[Step], document: Located) -> dict[tuple[str, str], AddedPlace]:
-    """Every place that the steps add, by kind and name; of two of one name the first."""
+    """Return every place that the steps add, by kind and name; for duplicate names, the first one."""
     found: dict[tuple[str, str], AddedPlace] = {}
     for step in steps:
         if isinstance(step, AddElement):
@@ -35,9 +35,9 @@ def added_places(steps: Sequence[Step], document: Located) -> dict[tuple[str, st
 
 
 def makers(places: Mapping[tuple[str, str], AddedPlace], kind: str, name: str) -> tuple[AddElement, ...]:
-    """The steps that make a place, in the order in which they must be carried out; none if no step does.
+    """Return the steps that create a place, in the order in which they must run; none if no step does.
 
-    What is added to something that another step adds needs that one first.
+    A place on an added element needs the step that adds this element first.
     """
     found: list[AddElement] = []
     while (place := places.get((kind, name))) is not None and place.step not in found:

@@ -1,4 +1,4 @@
-"""Which warnings a plan's recipes acknowledge with `allow`, and where."""
+"""The warnings that a plan's recipes acknowledge with `allow`."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from composer.sources.source import Source
 
 Shown = Callable[[File], str]
 _BEYOND = ("licence-missing", "usd-loss", "target-loss", "store-unusable", "lock-stale")
-"""What is found outside of what one build of the model looks at, so that nobody can say that it is not found."""
+"""Warnings from outside of a single build, whose absence in a build proves nothing."""
 
 
 @dataclass(frozen=True, slots=True)
 class Allowance:
-    """A code that is allowed, at `span`: for all that has no file but these, or stands on one of these lines.
+    """An allowed code, written at `span`: for warnings without a file, in these files, or on one of these lines.
 
-    `everywhere` is for what the recipe that is built says at its top.
+    `everywhere` is set for codes at the top of the built recipe.
     """
 
     code: str
@@ -43,9 +43,9 @@ class Allowance:
 
 
 def acknowledge(plan: Plan, sink: Sink, shown: Shown, *, whole: bool) -> None:
-    """Drop the warnings that the recipes allow; with `whole`, warn of what is allowed and does not occur.
+    """Drop the warnings that the recipes allow; with `whole`, warn of allowed codes that do not occur.
 
-    `shown` gives a file the name that messages have for it. Errors stay.
+    `shown` returns a file's name in messages. Errors stay.
     """
     allowances = list(_allowances(plan, shown))
     if not allowances:
@@ -63,7 +63,7 @@ def acknowledge(plan: Plan, sink: Sink, shown: Shown, *, whole: bool) -> None:
 
 
 def allowed_everywhere(plan: Plan) -> tuple[str, ...]:
-    """The codes at the top of the recipe that is built."""
+    """Return the codes at the top of the built recipe."""
     node = find(plan.document, (ALLOW,))
     return tuple(code for code, _ in _codes(node))
 
@@ -82,7 +82,7 @@ def _allowances(plan: Plan, shown: Shown) -> Iterator[Allowance]:
 
 
 def _of_model(plan: Plan, at: Path, model: Source | Plan | None, shown: Shown) -> Iterator[Allowance]:
-    """What the base or a part allows: in what the recipe says of it, and in the files that it is made of."""
+    """Yield what the base or a part allows: in its entry of the recipe, and in its files."""
     files = [shown(model.path)] if isinstance(model, Source) else []
     if isinstance(model, Plan):
         files = [model.file, *_files(model, shown)]

@@ -1,4 +1,4 @@
-"""What bare angles and `euler` mean, by the file of a recipe and of what it extends that they are written in."""
+"""The meaning of bare angles and of `euler`, for each file of a recipe and of the recipes that it extends."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SETTINGS = ("angle", "eulerseq")
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """`angle` is the unit of angles without one (None: none may stand), `eulerseq` the sequence of `euler`."""
+    """`angle` is the unit of bare angles (None: they are not allowed), `eulerseq` the sequence of `euler`."""
 
     angle: str | None = None
     eulerseq: str = "xyz"
@@ -25,21 +25,21 @@ class Reading:
 
 @dataclass(frozen=True, slots=True)
 class Readings:
-    """The reading of a recipe, and those of its files that have another one than it has merged."""
+    """The reading of a recipe, and of those of its files that differ from the merged one."""
 
     document: Mapping
     whole: Reading = Reading()
     others: Map[str, Reading] = field(default_factory=dict)
 
     def at(self, path: Path) -> Reading:
-        """How what stands at a path is read."""
+        """Return the reading of the value at a path."""
         return self.others.get(locate(self.document, path).file, self.whole) if self.others else self.whole
 
 
 def readings_of(
     concrete: Concrete, document: Mapping, whole: Reading, files: Map[str, Node], sink: Sink
 ) -> Readings:
-    """The readings of what `document` has of a concrete recipe; `files` is what each file says of them."""
+    """Return the readings of a concrete recipe's `document`; `files` has the settings of each file."""
     others: dict[str, Reading] = {}
     for file, said in files.items():
         node = Substitution(concrete.scope, concrete.parameters, frozenset(), sink).of(said)
@@ -54,7 +54,7 @@ def readings_of(
 
 
 def check_bare_angles(readings: Readings, sink: Sink) -> None:
-    """Report angles without a unit in the files that do not say which they mean, although another one does."""
+    """Report bare angles in files that do not set `angle` if another file does."""
     if readings.whole.angle is None or all(each.angle is not None for each in readings.others.values()):
         return
     document = readings.document

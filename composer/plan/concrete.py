@@ -1,6 +1,6 @@
-"""A recipe file and values to a concrete, valid recipe: each pair is expanded and validated once in a run.
+"""Expand and validate a recipe file with given values, once for each pair in a run.
 
-A plan, the matrix, its samples and a recipe that is nested twice ask for the same pairs.
+A plan, the matrix, its samples and a recipe that is nested twice request the same pairs.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from composer.recipe.recipe import Recipe
 from composer.recipe.validate import validate_what_remains
 
 Given = Mapping[str, Node]
-"""Values of parameters and variants by name, each with the place where it is given."""
+"""Values of parameters and variants by name, each with the place that sets it."""
 
 Result = TypeVar("Result")
 _KEPT = 256
-"""How many results a run remembers: a matrix may have many more cells."""
+"""How many results a run keeps: a matrix may have many more cells."""
 
 
 class ValidRecipe(NamedTuple):
-    """A recipe without what is wrong in it, the tree that it was read from, and what it was expanded to.
+    """A recipe without its faulty pieces, the tree that it was read from, and its expansion.
 
-    `concrete` is None where the file is not a mapping. `lost` names what is left out.
+    `concrete` is None if the file is not a mapping. `lost` has the names of the pieces that were left out.
     """
 
     recipe: Recipe
@@ -40,7 +40,9 @@ class ValidRecipe(NamedTuple):
 
 
 def expanded(path: Path, given: Given, context: Context) -> Concrete | None:
-    """The concrete recipe; None for what is not a mapping. What is wrong goes to the context's sink each time."""
+    """Return the concrete recipe, or None if the file is not a mapping. Errors go to the context's sink on each
+    call.
+    """
 
     def work(own: Context) -> Concrete | None:
         node = read_recipe(path, own)
@@ -50,7 +52,7 @@ def expanded(path: Path, given: Given, context: Context) -> Concrete | None:
 
 
 def validated(path: Path, given: Given, context: Context) -> ValidRecipe | None:
-    """The valid recipe; None where nothing can be read. What is wrong goes to the context's sink each time."""
+    """Return the valid recipe, or None if the file is unreadable. Errors go to the context's sink on each call."""
 
     def work(own: Context) -> ValidRecipe | None:
         concrete = expanded(path, given, own)
@@ -70,7 +72,7 @@ def _values(given: Given) -> tuple[tuple[str, str], ...]:
 
 
 def _once(key: tuple[object, ...], context: Context, work: Callable[[Context], Result]) -> Result:
-    """What the work gives, done anew only if it was not done lately; what it found goes to the context's sink."""
+    """Return the result of the work, computed only if it is not kept; its diagnostics go to the context's sink."""
     known = context.concrete.pop(key, None)
     if known is None:
         own = replace(context, sink=Sink())

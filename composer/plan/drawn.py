@@ -1,4 +1,4 @@
-"""One value that was drawn."""
+"""Values that were drawn."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from composer.recipe.draw_field import DrawField
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """A draw of a field: of an element's attribute, or (`element` None) of a parameter called `attribute`.
+    """A draw for an attribute of an element, or (`element` None) for the parameter `attribute`.
 
-    `element` is what the draw goes by: a name, or for an element without one its place. `shared` says that the same
-    draw is that of every element. Angles are in radians, those of parameters in the parameter's unit; the first number
-    is component `start` of the attribute.
+    `element` identifies the draw: a name, or the place of an unnamed element. `shared` says that all elements have
+    the same draw. Angles are in radians, those of parameters in the parameter's unit; the first number is component
+    `start` of the attribute.
     """
 
     field: str
@@ -28,7 +28,7 @@ class Drawn:
     start: int = 0
 
     def columns(self) -> list[tuple[str, Value]]:
-        """The numbers, each with the name of its column in a table of samples.
+        """Return the numbers, each with the name of its column in a table of samples.
 
         >>> Drawn("camera", "top", "pos", "offset", (0.1, 0.2)).columns()
         [('camera[top][0]', 0.1), ('camera[top][1]', 0.2)]
@@ -41,11 +41,11 @@ class Drawn:
 
 @dataclass(frozen=True, slots=True)
 class Tabled:
-    """The draws of one element for all samples from 1, for a table; `first` is that of sample 1.
+    """The draws for one element in all samples from 1, for a table; `first` is that of sample 1.
 
-    `name` is the element's, if it has one; `place` the body that it stands in, which one of those of its tag it is
-    there and how many there are. `numbers` are the draws, those of each number of the attribute by themselves. `angles`
-    says which of the numbers are angles, `unit` what bare ones are in.
+    `name` is the element's name, if any; `place` is its body, its number among the elements with its tag there, and
+    their count. `numbers` are the draws, separately for each number of the attribute. `angles` says which of the
+    numbers are angles, `unit` is the unit of bare angles.
     """
 
     first: Drawn

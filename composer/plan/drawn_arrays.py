@@ -11,9 +11,9 @@ from composer.tree.selector import XPATH
 
 
 def arrays_of_draw(step: DrawValues) -> AbstractSet[str]:
-    """The arrays that follow from what is drawn."""
+    """Return the arrays that a draw affects."""
     name, _ = attribute_and_index(step.field.attr)
     tag = step.field.select.tag if step.field.select is not None else XPATH
-    # Actuators with `inheritrange` take over the range of their joint.
+    # Actuators with `inheritrange` copy the range of their joint.
     following = {"actuator_ctrlrange"} if name == "range" else set()
     return following.union(arrays_of(name, None if tag == XPATH else tag))

@@ -1,4 +1,4 @@
-"""The parameters of a recipe that `randomize` draws, whether they may have what is drawn, and which samples exist."""
+"""Draw the parameters of a recipe for `randomize`, and check that they accept the values and that the sample exists."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from composer.recipe.randomize import Randomize
 def drawn_parameters(
     randomize: Randomize, sample: int, concrete: Concrete, document: Mapping, sink: Sink
 ) -> tuple[dict[str, Node], tuple[Drawn, ...]]:
-    """The values of a sample by name; for sample 0, which has none, all others are checked."""
+    """Return the values of a sample by name; sample 0 has none, and all other samples are checked for it."""
     values: dict[str, Node] = {}
     drawn: list[Drawn] = []
     taken: dict[str, DrawField] = {}
@@ -52,7 +52,7 @@ def drawn_parameters(
 
 
 class _Source:
-    """Where the values of one parameter, or of a variant, come from."""
+    """The source of the values of one parameter or variant."""
 
     def __init__(self, field: DrawField, concrete: Concrete, document: Mapping, sink: Sink) -> None:
         self.field, self.concrete, self.document, self.sink = field, concrete, document, sink
@@ -61,11 +61,11 @@ class _Source:
         self.nominal: Value | None = concrete.scope.get(self.name)
 
     def is_there(self) -> bool:
-        """Whether there is such a parameter, and one of which such a draw can be made."""
+        """Return whether the parameter exists and can be drawn in this way."""
         field, drawing = self.field, self.field.drawing
         span = locate(self.document, (*field.at, "param"))
         if self.name in self.concrete.parameters and self.nominal is None:
-            return False  # that it has no value is reported already
+            return False  # its missing value is reported already
         if self.nominal is None:
             known = list(self.concrete.scope)
             message = f"the recipe has no parameter `{self.name}` to draw"
@@ -103,7 +103,7 @@ class _Source:
         return True
 
     def draw(self, seed: int, sample: int) -> Value:
-        """What is drawn: a number, one for each of a vector, or what was chosen."""
+        """Return the draw: a number, one for each component of a vector, or the chosen value."""
         drawing, field = self.field.drawing, self.field
         if isinstance(self.nominal, tuple) and not drawing.is_whole:
             return tuple(
@@ -113,7 +113,7 @@ class _Source:
         return tuple(chosen) if isinstance(chosen, list) else chosen
 
     def value(self, seed: int, sample: int) -> Value | None:
-        """The value that the parameter has in a sample; None where it cannot have it, which is reported."""
+        """Return the value of the parameter in a sample, or None if it does not accept it, which is reported."""
         drawn = self.draw(seed, sample)
         if isinstance(drawn, tuple):
             nominal = self.nominal if isinstance(self.nominal, tuple) else (self.nominal,) * len(drawn)
@@ -143,7 +143,7 @@ class _Source:
         return refused.help
 
     def _applied(self, nominal: Value | None, drawn: Value) -> Value:
-        """One component with what is drawn for it, in the parameter's unit."""
+        """Apply a draw to one component, in the parameter's unit."""
         unit = self.field.drawing.unit
         if unit is not None and self.parameter is not None and isinstance(drawn, int | float):
             drawn = Angle(drawn, unit).in_unit(str(self.parameter.unit))
@@ -154,7 +154,7 @@ class _Source:
 
 
 def check_sample(plan: Plan, sample: int, sink: Sink) -> bool:
-    """Whether the recipe draws this sample; the sink gets an error where it does not. 0 is the model without draws."""
+    """Return whether the recipe has this sample, and report it if not. 0 is the model without draws."""
     if sample <= (plan.randomize.samples if plan.randomize else 0):
         return True
     span = None if plan.randomize is None else locate(plan.document, ("randomize", "samples"))

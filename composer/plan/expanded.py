@@ -1,4 +1,6 @@
-"""A concrete recipe as text: what is left when variants, parameters and expressions are settled, and from where."""
+"""Write a concrete recipe as text: the result of variants, parameters and expressions, with the origin of each
+value.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,7 @@ _COLUMN = 60
 
 
 def expanded_text(plan: Plan) -> str:
-    """YAML, each line with the file and line of its value as a comment."""
+    """Return YAML, each line with the file and line of its value as a comment."""
     read = [
         f"# in {file}: angle: {each.angle or 'none'}, eulerseq: {each.eulerseq}"
         for file, each in plan.readings.others.items()
@@ -49,7 +51,7 @@ def _entry(start: str, value: Node, indent: str, span: Span) -> Iterator[tuple[s
 
 
 def _is_short(node: Node) -> bool:
-    """Whether it holds nothing but values, all of one line of one file."""
+    """Return whether a node contains only values from one line of one file."""
     if isinstance(node, Scalar):
         return True
     inside = list(node.items) if isinstance(node, List) else [value for _, value in node.entries.values()]
@@ -76,7 +78,7 @@ def _value(node: Scalar) -> str:
 
 
 def _text(text: str) -> str:
-    """Text that reads back as itself, quoted only where it must be."""
+    """Return text in YAML, quoted only if necessary."""
     plain = (
         text
         and text == text.strip()

@@ -1,4 +1,4 @@
-"""The matrix of a recipe file: its cells, all names, values and drawn parameters checked."""
+"""The matrix of a recipe file: its cells, with all names, values and drawn parameters checked."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _DRAWN = ("recipe", "randomize")
 
 
 class Matrix(NamedTuple):
-    """A recipe called `name`, merged over what it extends, and the cells of its matrix; none without one."""
+    """A recipe of this name, merged over the recipes that it extends, and the cells of its matrix, if any."""
 
     document: Mapping
     name: str
@@ -31,7 +31,7 @@ class Matrix(NamedTuple):
 
 
 def read_matrix(recipe: Path, context: Context, given: Map[str, Node] | None = None) -> Matrix | None:
-    """None where the recipe cannot be read; that and what is wrong with the matrix goes to the context's sink."""
+    """Return the matrix, or None if the recipe is unreadable. Errors go to the context's sink."""
     path = context.folder / recipe
     document = read_recipe(path, context)
     if not isinstance(document, Mapping):
@@ -47,10 +47,10 @@ def read_matrix(recipe: Path, context: Context, given: Map[str, Node] | None = N
 
 @dataclass(frozen=True, slots=True)
 class LikeCell:
-    """The values that a recipe is planned with where no cell is chosen.
+    """The values for planning a recipe without a chosen cell.
 
-    Parameters without a default take the values of the first cell: its name is `cell`, None where it is not needed, and
-    the parameters are `taken`.
+    Parameters without a default take the values of the first cell: `cell` is its name, None if it is not needed,
+    and `taken` are these parameters.
     """
 
     given: Map[str, Node]
@@ -59,7 +59,7 @@ class LikeCell:
 
 
 def like_first_cell(recipe: Path, context: Context, given: Map[str, Node]) -> LikeCell:
-    """The values that are given, and those of the first cell for the parameters that would have none."""
+    """Return the given values, with those of the first cell for parameters that would have none."""
     aside = replace(context, sink=Sink())
     document = read_recipe(context.folder / recipe, aside)
     if not isinstance(document, Mapping) or find(document, ("matrix",)) is None:
@@ -76,7 +76,7 @@ def like_first_cell(recipe: Path, context: Context, given: Map[str, Node]) -> Li
 
 
 def _draws_parameters(document: Mapping) -> bool:
-    """Whether a field of `randomize`, in the recipe or in a variant, draws a parameter."""
+    """Return whether a field of `randomize`, in the recipe or in a variant, draws a parameter."""
     variants = find(document, ("variants",))
     axes = [axis for _, axis in variants.entries.values()] if isinstance(variants, Mapping) else []
     pieces = [piece for axis in axes if isinstance(axis, Mapping) for _, piece in axis.entries.values()]
@@ -86,7 +86,7 @@ def _draws_parameters(document: Mapping) -> bool:
 
 
 def _check_draws(matrix: Matrix, path: Path, given: Map[str, Node], context: Context) -> None:
-    """Report what a cell would draw that its parameters may not be; what else is wrong is reported elsewhere."""
+    """Report draws in cells that their parameters do not accept; other errors are reported elsewhere."""
     found: dict[str, list[Diagnostic]] = {}
     for cell in matrix.cells:
         concrete = expanded(path, {**given, **cell.given}, replace(context, sink=Sink()))

@@ -1,4 +1,4 @@
-"""One source model in a composition: what the comparison of the composition with it needs."""
+"""The record of one source model in a composition, for comparing the two."""
 
 from __future__ import annotations
 
@@ -13,17 +13,16 @@ IN_PLACE = Pose()
 
 @dataclass(frozen=True, slots=True)
 class PartRecord:
-    """A source model, the prefix of its names (separator included), and where its own world stands.
+    """A source model, the prefix of its names (separator included), and the pose of its own world.
 
-    `part` is what a recipe calls it: the prefix without its last separator, `base` for the base, and both for
-    a part of a part. `body` is the body that the part's world is fixed to, None for the world, with `pose` in
-    the body's frame, None where it is not known. `keys` stands before the names of its keys; None where they
-    were left out. `welded` is whether free joints at its root were taken away, `stands` whether it is fixed in
-    the world, where the root link of URDF becomes one with it. `changed` are the arrays of
-    `mjModel` that the recipe changes in it on purpose, `replaced_keys` the keys of the composition that the recipe
-    writes itself, in place of the source's keys of those names. `obscure` says why it cannot be compared, if so, and
-    `reduced` why it is compared only where a check asks for it. Of a source of which one body was taken, `subtree` is
-    that body.
+    `part` is its name in a recipe: the prefix without its last separator, `base` for the base, and both for a part
+    of a part. `body` is the body that the part's world is fixed to, None for the world, with `pose` in the body's
+    frame, or None if the pose is unknown. `keys` starts the names of its keys; None if they were left out. `welded`
+    says that free joints at its root were removed, `stands` that it is fixed in the world, where the root link of a
+    URDF is fused with the world. `changed` are the arrays of `mjModel` that the recipe changes in it on purpose,
+    `replaced_keys` the keys that the recipe writes in place of the source's keys of these names. `obscure` says why
+    it cannot be compared, if so, and `reduced` why it is compared only if a check requests it. `subtree` is the
+    body that was taken from the source, if not all of it was.
     """
 
     part: str
@@ -42,12 +41,12 @@ class PartRecord:
 
     @property
     def called(self) -> str:
-        """What messages call it."""
+        """Its name in messages."""
         return self.prefix or self.part
 
 
 def of_part(members: Iterable[PartRecord], part: str | None, separator: str) -> list[PartRecord]:
-    """The members that a part has: one, or all of a nested recipe; with None every one."""
+    """Return the members of a part: one, or all of a nested recipe; with None every one."""
     return [
         member
         for member in members

@@ -1,4 +1,4 @@
-"""The parts of a recipe: their copies, their order, what they hang on, and who names them."""
+"""The parts of a recipe: their copies, their order, what they are attached to, and checks of their names."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Copy = tuple[int, ...]
 
 
 def copies(axes: Sequence[Axis]) -> Iterator[tuple[str, Copy]]:
-    """What each copy has behind the prefix of the part, and its numbers; the last axis runs first.
+    """Yield the suffix of each copy after the part's prefix, and its numbers; the last axis runs first.
 
     >>> [suffix for suffix, _ in copies([Axis(2), Axis(11)])][9:12]
     ['0_09', '0_10', '1_00']
@@ -34,10 +34,10 @@ def copies(axes: Sequence[Axis]) -> Iterator[tuple[str, Copy]]:
 
 
 def in_order(parts: Mapping[str, Attachment], document: Located, sink: Sink) -> list[str]:
-    """The keys of the parts in their order.
+    """Return the keys of the parts in their order.
 
-    A part that is moved stands right before, or right after, the other one and what was moved there earlier in the
-    file. What cannot be is reported, and that part stays where it is written.
+    A part with `before` or `after` is placed directly before or after the other part, and after parts that were
+    moved there earlier in the file. Contradictions are reported, and these parts keep their place.
     """
     asked = {key: dict(_asked(key, parts, document, sink)) for key in parts}
     order = [key for key in parts if not asked[key]]
@@ -118,7 +118,7 @@ def _contradiction(key: str, before: str, after: str, document: Located, sink: S
 
 
 def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> tuple[AttachPart, ...]:
-    """Report parts that hang on one another in a ring, which hang on nothing; the others remain."""
+    """Report parts that are attached to one another in a ring; return the others."""
     hangs_on = {part.prefix: _mount_of(part, parts) for part in parts}
     reported: set[str] = set()
     for part in parts:
@@ -142,7 +142,9 @@ def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> 
 
 
 def _mount_of(part: AttachPart, parts: tuple[AttachPart, ...]) -> str | None:
-    """The prefix of the part that this one hangs on, the longest that fits; None for the base and the world."""
+    """Return the prefix of the part that this one is attached to, the longest match; None for the base and the
+    world.
+    """
     attachment = part.attachment
     place = attachment.site or attachment.body or attachment.frame or ""
     if not place:
@@ -152,14 +154,14 @@ def _mount_of(part: AttachPart, parts: tuple[AttachPart, ...]) -> str | None:
 
 
 def check_part_names(plan: Plan, sink: Sink) -> None:
-    """Report those that are not parts of the recipe, or may be two."""
+    """Report names that are not parts of the recipe, or are ambiguous."""
     parts = list(plan.part_names)
     _of_checks(plan, parts, sink)
     _of_keys(plan, parts, sink)
 
 
 def _of_checks(plan: Plan, parts: list[str], sink: Sink) -> None:
-    """What a check is about must be a part."""
+    """Report checks about something that is not a part."""
     for check in plan.checks:
         if not isinstance(check, Unchanged) or check.part is None or check.part in parts:
             continue
@@ -179,7 +181,7 @@ def _of_checks(plan: Plan, parts: list[str], sink: Sink) -> None:
 
 
 def _of_keys(plan: Plan, parts: list[str], sink: Sink) -> None:
-    """Report parts that keys are to be made of and that do not exist."""
+    """Report keys that are made from parts that do not exist."""
     for step in plan.keyframes:
         for part in step.key.sources:
             if parts.count(part) > 1:

@@ -1,4 +1,4 @@
-"""What a recipe has for other builds: faults in it are reported all the same, and whether it has other models."""
+"""The pieces of a recipe for other builds: report their faults, and find out whether the recipe has other models."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from composer.expand.when import has_conditions
 from composer.expr.opening import is_template
 from composer.recipe.validate import validate_what_remains
 
-# What may be right in a build that chooses another piece as well.
+# These may be correct in a build that also chooses another piece.
 _MAY_BE_ELSEWHERE = ("missing-key", "expression", "unknown-name")
 
 
 def check_pieces(document: Mapping, given: Map[str, Node], sink: Sink) -> None:
-    """Judge what a build leaves out: the items that `when` keeps to others, and every piece of `variants` that is not
-    chosen, each over the recipe. Report the faults that lie in it.
+    """Validate what a build leaves out: items that `when` limits to others, and each piece of `variants` that is
+    not chosen, merged over the recipe. Report the faults in them.
     """
     if has_conditions(document):
         _judge(document, given, None, sink)
@@ -44,7 +44,7 @@ def _judge(document: Mapping, given: Map[str, Node], places: Set[Span] | None, s
 
 
 def _computed(node: Node) -> Iterator[Span]:
-    """Where values are computed, which are others in the build that has them, and lists of such values."""
+    """Yield the places of computed values, which differ in their own build, and of lists of such values."""
     if isinstance(node, Scalar):
         if isinstance(node.value, str) and is_template(node.value):
             yield node.span
@@ -63,10 +63,7 @@ _OF_PIECES = ("variants", "matrix")
 
 
 def parameters_choose(recipe: Node | None) -> bool:
-    """Whether another value of a parameter may give other models: by `when`, or an expression that names them.
-
-    No I/O.
-    """
+    """Return whether a parameter can change the models: by `when`, or by an expression in a reference. No I/O."""
     waiting = [(recipe, False)]
     while waiting:
         node, naming = waiting.pop()
@@ -83,6 +80,6 @@ def parameters_choose(recipe: Node | None) -> bool:
 
 
 def is_one_choice(recipe: Node | None) -> bool:
-    """Whether a recipe is made of the same models however it is built. No I/O."""
+    """Return whether a recipe has the same models in all its builds. No I/O."""
     pieces = isinstance(recipe, Mapping) and any(name in recipe.entries for name in _OF_PIECES)
     return not pieces and not parameters_choose(recipe)

@@ -1,4 +1,4 @@
-"""A recipe file to its located tree, merged over the recipes that it extends."""
+"""Read a recipe file to its located tree, merged over the recipes that it extends."""
 
 from __future__ import annotations
 
@@ -30,7 +30,11 @@ _EMPTY = "write `recipe: 1` as its first line; `mjcompose new NAME.yaml` writes 
 
 
 def read_recipe(path: Path, context: Context) -> Node | None:
-    """The tree of a recipe with all that it extends, read once a run; faults go to the context's sink and give None."""
+    """Return the tree of a recipe merged with all that it extends, or None after errors, which go to the context's
+    sink.
+
+    Each recipe is read once in a run.
+    """
     fetching = context.fetching = context.fetching or Fetching()
     fetching.outer = fetching.outer or path
     known = context.recipes.get(path)
@@ -42,7 +46,7 @@ def read_recipe(path: Path, context: Context) -> Node | None:
         known = ReadRecipe(node, tuple(own.sink.diagnostics), tuple(extended), said, fetching.trust)
         fetching.trust = before
         context.recipes[path] = known
-    if path == fetching.outer:  # what is nested in it says nothing of itself
+    if path == fetching.outer:  # nested recipes cannot set trust
         fetching.trust = fetching.trust.with_more(known.trust)
     for diagnostic in known.found:
         context.sink.add(diagnostic)
@@ -87,7 +91,7 @@ def _read(
 
 
 def _take_trust(node: Mapping, path: Path, context: Context, top: Path) -> None:
-    """Let count what an own recipe says, if the one at the `top` of those that extend it is the outer one."""
+    """Apply the `trust` of a local recipe, if the `top` of its `extends` chain is the outermost recipe."""
     fetching = context.fetching
     if TRUST not in node.entries or fetching is None:
         return
@@ -100,7 +104,7 @@ def _take_trust(node: Mapping, path: Path, context: Context, top: Path) -> None:
 
 
 def folder_of(span: Span, context: Context) -> Path:
-    """The folder against which a path counts that is written at a place."""
+    """Return the folder that a path written at a place is relative to."""
     return (context.folder / span.file).parent
 
 
@@ -169,7 +173,7 @@ def _text(path: Path, context: Context) -> bytes | None:
 
 
 def _is_given_by_the_shell(path: Path) -> bool:
-    """Whether it is standard input, or the output of `<(command)`."""
+    """Return whether a path is standard input, or the output of `<(command)`."""
     return str(path) == "/dev/stdin" or str(path.parent) in ("/dev/fd", "/proc/self/fd")
 
 

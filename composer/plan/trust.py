@@ -1,6 +1,6 @@
 """The section `trust`: what the outer recipe lets models and fetched recipes reach on this machine.
 
-It is read before anything else is, since it decides what may be read: so it has no expressions and no conditions.
+It is read first, because it decides what may be read; so it allows no expressions and no conditions.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ KEYS = (FILES, REFERENCES)
 
 
 def read_trust(node: Mapping, folder: Path, sink: Sink) -> Trust:
-    """What the section of a recipe in `folder` says; what is wrong with it goes to the sink and allows nothing."""
+    """Return the section of a recipe in `folder`; faulty entries go to the sink and allow nothing."""
     written = node.entries[TRUST][1]
     if not isinstance(written, Mapping):
         message = f"`{TRUST}` expects a mapping, got {kind_of(to_python(written))}"
@@ -40,7 +40,7 @@ def read_trust(node: Mapping, folder: Path, sink: Sink) -> Trust:
 
 
 def refuse_trust(node: Mapping, origin: Origin, sink: Sink) -> None:
-    """Report the section in a recipe that came from elsewhere: nobody says of oneself that one is trusted."""
+    """Report the section in a recipe from elsewhere, which cannot grant trust to itself."""
     sink.error(
         "source-outside",
         f"`{TRUST}` in a recipe of `{origin.id}` counts for nothing: only your own recipe says what it trusts",
@@ -88,7 +88,7 @@ def _folder(text: str, span: Span, folder: Path, sink: Sink) -> Path | None:
 
 
 def _is_narrow(text: str, span: Span, sink: Sink) -> bool:
-    """Whether a reference names something, and not a whole kind of server."""
+    """Return whether a reference names something specific, and not a whole kind of server."""
     if text.strip("/:+@#").lower() not in ("", "http", "https", "git+https", "git+ssh"):
         return True
     message = f"`{text}` in `{TRUST}.{REFERENCES}` would allow everything"

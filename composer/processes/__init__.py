@@ -1,1 +1,1 @@
-"""Other programs that run for this one, and that end when it ends, however that happens."""
+"""Child processes that end with this process, however it ends."""

@@ -1,4 +1,4 @@
-"""How often Python looks for what refers to itself and to nothing else, in a process of this project's own."""
+"""How often Python's garbage collector runs in processes of this project."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ _NEW, _YOUNG, _OLD = 50_000, 20, 50
 
 
 def rarely_collecting() -> None:
-    """Let Python look less often: imports and models make many objects that stay.
+    """Run the garbage collector less often: imports and models create many objects that stay.
 
-    A cold build takes a little less time for it, and no more memory.
+    A cold build takes a little less time and no more memory.
     """
     gc.set_threshold(_NEW, _YOUNG, _OLD)

@@ -1,6 +1,7 @@
-"""Signals that ask a process to end wait until what it has begun is whole, and counted: `with deferring()`.
+"""Defer signals that end a process until its current output is complete and counted: `with deferring()`.
 
-Within it, what takes long and leaves nothing behind is `interruptible`: a model is built so, then written and noted.
+Inside of it, long work that leaves nothing behind is `interruptible`, such as building a model; writing and noting
+it is not.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from types import FrameType
 
 
 class _State(threading.local):
-    """Of the main thread, the only one in which handlers run; in others it has no effect."""
+    """State of the main thread, the only one in which handlers run; it has no effect in others."""
 
     def __init__(self) -> None:
         self.defers = [False]
@@ -25,9 +26,9 @@ _state = _State()
 
 @contextmanager
 def deferring() -> Iterator[None]:
-    """Let signals wait until the block ends, or one that is `interruptible`; the second of them does not wait.
+    """Defer a signal until the block ends or reaches an `interruptible` block; a second signal is not deferred.
 
-    Only handlers that call `deferred` know of it.
+    It affects only handlers that call `deferred`.
     """
     try:
         with _set(True):
@@ -38,20 +39,20 @@ def deferring() -> Iterator[None]:
 
 @contextmanager
 def interruptible() -> Iterator[None]:
-    """Within a block that defers signals: hear them at once."""
+    """Within a block that defers signals, handle them at once."""
     with _set(False):
         _send_again()
         yield
 
 
 def hear_signals() -> None:
-    """Hear the signal that waits, if there is one."""
+    """Handle the deferred signal, if there is one."""
     with interruptible():
         pass
 
 
 def deferred(number: int) -> bool:
-    """Whether a signal that has come is to wait, which it then does: for a handler, before anything else."""
+    """Return whether a signal is to be deferred, and remember it if so. A handler calls this first."""
     waits = _state.defers[-1] and not _state.waiting
     _state.waiting[:] = [number] if waits else []
     return waits
@@ -60,7 +61,7 @@ def deferred(number: int) -> bool:
 def with_deferring(
     handler: Callable[[int, FrameType | None], None],
 ) -> Callable[[int, FrameType | None], None]:
-    """A handler that is called once nothing defers its signal."""
+    """Return a handler that is called once its signal is no longer deferred."""
 
     def handle(number: int, frame: FrameType | None) -> None:
         if not deferred(number):

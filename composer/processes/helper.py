@@ -1,4 +1,4 @@
-"""A warm process that does tasks of one kind, one after another, for the process that started it."""
+"""A warm process that does tasks of one kind, one after another, for its parent."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from composer.processes.process import Process, module_path
 Task = TypeVar("Task")
 Result = TypeVar("Result")
 Opening = Callable[[], AbstractContextManager[Callable[[Task], Result]]]
-"""What a process calls once, for the function that does its tasks. It is pickled, as are tasks and results."""
+"""Called once in a process, it returns the function that does its tasks. It is pickled, as are tasks and results."""
 
 _SCRIPT = str(Path(__file__).with_name("worker.py"))
 _TRIES = 2
@@ -28,22 +28,22 @@ _SECONDS_TO_END = 5.0
 
 @dataclass(frozen=True, slots=True)
 class Died:
-    """There is no result: `how` the two processes ended that had the task, one after the other."""
+    """There is no result; `how` describes the end of the two processes that had the task, one after the other."""
 
     how: str
 
 
 @dataclass(frozen=True, slots=True)
 class Undone:
-    """A task that could not be done: there is no process to do it, or it raised an exception there."""
+    """A task that could not be done: no process could be started for it, or it raised an exception."""
 
     task: Any
 
 
 class Helper:
-    """Starts a process where there is none, which imports `modules`, and tries a task of which it dies once more.
+    """Starts a process if there is none, which imports `modules`; a task whose process dies is tried once more.
 
-    `folder` is where it runs. One thread at a time has tasks done; any other may end it.
+    `folder` is its working folder. Only one thread at a time may have tasks done; any thread may end it.
     """
 
     def __init__(self, modules: Sequence[str] = (), folder: str | None = None) -> None:
@@ -54,7 +54,7 @@ class Helper:
         self.ends = False
 
     def start(self) -> None:
-        """See that there is a process. Raises OSError."""
+        """Start the process unless it runs. Raises OSError."""
         with self._lock:
             if self._process is not None or self.ends:
                 return
@@ -71,7 +71,7 @@ class Helper:
         self._process.stdin.flush()
 
     def result(self, opening: bytes, task: Any) -> Any:
-        """What comes of a task, Died or Undone; `opening` is the pickled Opening of all tasks."""
+        """Return the result of a task, Died or Undone; `opening` is the pickled Opening of all tasks."""
         content = pickle.dumps(task)
         died: list[str] = []
         while len(died) < _TRIES and not self.ends:
@@ -84,7 +84,7 @@ class Helper:
         return Died(" and then ".join(ways)) if ways else Undone(task)
 
     def ask_to_end(self) -> None:
-        """Have it remove what it has begun, and end."""
+        """Ask the process to clean up and end."""
         with self._lock:
             self.ends = True
             if self._process is not None:
@@ -92,19 +92,19 @@ class Helper:
                     self._process.send_signal(signal.SIGTERM)
 
     def end(self) -> None:
-        """End it, now or a little later."""
+        """End the process, after a short wait at most."""
         if self._process is not None:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._process.wait(_SECONDS_TO_END)
             self._process.end()
 
     def close(self) -> None:
-        """Once nobody waits for a result any more: let go of what led to the process."""
+        """Close the pipes to the process, once nobody waits for a result."""
         if self._process is not None:
             _close(self._process)
 
     def _asked(self, opening: bytes, task: bytes) -> tuple[bool, Any]:
-        """Whether the task was done, and the result. Raises OSError, EOFError and UnpicklingError."""
+        """Return whether the task was done, and the result. Raises OSError, EOFError and UnpicklingError."""
         self.start()
         process = self._process
         assert process is not None and process.stdin is not None and process.stdout is not None
@@ -117,7 +117,7 @@ class Helper:
         return answer
 
     def _buried(self) -> str:
-        """How the process ended, in words, empty if it never began; the next task starts another."""
+        """Return how the process ended, in words, empty if it never started; the next task starts another one."""
         with self._lock:
             process = self._process
             if process is None:
@@ -138,5 +138,5 @@ class Helper:
 def _close(process: Process) -> None:
     for pipe in (process.stdin, process.stdout):
         if pipe is not None:
-            with contextlib.suppress(OSError):  # what was not yet sent has no receiver any more
+            with contextlib.suppress(OSError):  # unsent data has no receiver any more
                 pipe.close()

@@ -1,4 +1,4 @@
-"""Windows: a job that ends its processes with the one that made it, when the system closes its handle."""
+"""Windows: a job object that ends its processes when the system closes the handle of the process that created it."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from functools import cache
 from typing import Any
 
 _EXTENDED_LIMITS, _KILL_ON_JOB_CLOSE = 9, 0x2000
-# sizeof(JOBOBJECT_EXTENDED_LIMIT_INFORMATION) in pointers is 18 on 64 bits; its flags stand after two 64-bit times
+# sizeof(JOBOBJECT_EXTENDED_LIMIT_INFORMATION) in pointers is 18 on 64 bits; the flags follow two 64-bit times
 _SIZE, _FLAGS_AT = 144, 16
 
 
 def tie(handle: int) -> None:
-    """Have a process, with all that it starts, end with this one. What the system refuses is left."""
+    """End a process and all its children together with this one. Errors of the system are ignored."""
     kernel = _kernel()
     job = _job()
     if job:

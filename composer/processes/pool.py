@@ -1,4 +1,4 @@
-"""Warm processes that do many tasks of one kind, beside this one: the results come in order, for any number of them."""
+"""Warm processes that do many tasks of one kind in parallel; the results are in order for any number of processes."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from composer.processes.helper import Died, Helper, Opening, Result, Task, Undon
 
 _AHEAD = 8
 _SECONDS_TO_END = 5.0
-_LOOK_AGAIN = 0.1  # a longer wait is not interrupted on Windows, nor where signals are deferred
+_LOOK_AGAIN = 0.1  # a longer wait cannot be interrupted on Windows, or while signals are deferred
 
 
 class Pool(Generic[Task, Result]):
-    """So many workers, which import `modules` as soon as there is a pool, and end with the block.
+    """Runs this many workers, which import `modules` when the pool is created, and end with the block.
 
-    A worker that dies is replaced, and its task is tried once more. At most `_AHEAD` tasks for each process are begun
-    before the result of the first is taken, so that memory is bounded by the workers.
+    A worker that dies is replaced, and its task is tried once more. For each process, at most `_AHEAD` tasks are
+    started before the first result is taken, so that memory depends only on the number of workers.
     """
 
     def __init__(self, workers: int, modules: Sequence[str] = ()) -> None:
@@ -44,10 +44,10 @@ class Pool(Generic[Task, Result]):
     def results(
         self, opening: Opening[Task, Result], tasks: Iterable[Task], do: Callable[[Task], Result]
     ) -> Iterator[Result | Died]:
-        """The result of each task, in the order of the tasks.
+        """Yield the result of each task, in the order of the tasks.
 
-        `do` does a task in this process: where workers are busy with others, and where one of them could not do it, so
-        that exceptions are raised here.
+        `do` does a task in this process: if all workers are busy, and if a worker failed, so that exceptions are
+        raised here.
         """
         if self._workers:
             self._shared.opening = pickle.dumps(opening)
@@ -67,7 +67,7 @@ class Pool(Generic[Task, Result]):
             yield self._ready.pop(taken)
 
     def finished(self) -> Iterator[Result]:
-        """For a run that is interrupted: end the workers; gives the results that nobody has taken."""
+        """End the workers of an interrupted run, and yield the results that were not taken."""
         self.end()
         with contextlib.suppress(queue.Empty):
             while True:
@@ -79,7 +79,7 @@ class Pool(Generic[Task, Result]):
                 yield result
 
     def end(self) -> None:
-        """End all workers: what they have begun they remove again."""
+        """End all workers, which remove unfinished work."""
         for worker in self._workers:
             worker.ask_to_end()
         for worker in self._workers:
@@ -88,7 +88,7 @@ class Pool(Generic[Task, Result]):
         self._workers = []
 
     def _go_on(self, do: Callable[[Task], Result]) -> None:
-        """Take a result of a worker; do a task here where there is none."""
+        """Take a result of a worker; if there is none, do a task here."""
         shared = self._shared
         try:
             number, result = shared.done.get_nowait()
@@ -108,7 +108,7 @@ class Pool(Generic[Task, Result]):
 
 
 class _Shared:
-    """What the workers of a pool have in common."""
+    """The state that the workers of a pool share."""
 
     def __init__(self, modules: tuple[str, ...]) -> None:
         self.modules = modules
@@ -118,7 +118,7 @@ class _Shared:
 
 
 class _Worker:
-    """A process, and the thread that hands it tasks."""
+    """A process, and the thread that gives it tasks."""
 
     def __init__(self, shared: _Shared) -> None:
         self._shared = shared
@@ -144,7 +144,7 @@ class _Worker:
 
 
 def cores() -> int:
-    """How many processes can run at once on what this one may use."""
+    """Return how many processes can run at once on the cores available to this process."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

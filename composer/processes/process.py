@@ -1,4 +1,4 @@
-"""Start a program that ends with this one."""
+"""Start a program that ends with this process."""
 
 from __future__ import annotations
 
@@ -17,11 +17,12 @@ _POSIX = os.name == "posix"
 
 
 class Process(subprocess.Popen[Any]):
-    """A program in a group of its own, which is killed when this process ends, even by `kill -9`.
+    """A program in its own process group, which is killed when this process ends, even by `kill -9`.
 
-    `memory` and `size` bound its data and each file that it writes, in bytes, on POSIX; 0 means no limit. With
-    `watches` the program is Python that calls `guard.end_with` itself, with the last two numbers of its command line.
-    Takes the other arguments of `subprocess.Popen`. On Windows a job does it, without the limits.
+    `memory` and `size` limit its data and each file that it writes, in bytes, on POSIX; 0 means no limit. With
+    `watches` the program is Python that calls `guard.end_with` itself, with the last two numbers of its command
+    line. Takes the other arguments of `subprocess.Popen`. On Windows a job object is used instead, without the
+    limits.
     """
 
     def __init__(
@@ -51,7 +52,7 @@ class Process(subprocess.Popen[Any]):
             os.close(reading)
 
     def end(self) -> None:
-        """Kill the program and all that it started, and wait for it."""
+        """Kill the program and all its children, and wait for it."""
         if self.poll() is None:
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 if _POSIX:
@@ -61,7 +62,7 @@ class Process(subprocess.Popen[Any]):
         self.release()
 
     def release(self) -> None:
-        """Let go of what watches: the program has ended, or is killed now."""
+        """Stop the guard: the program has ended, or is killed now."""
         life, self._life = self._life, None
         if life is not None:
             os.close(life)
@@ -82,7 +83,7 @@ class Process(subprocess.Popen[Any]):
 
 
 def module_path() -> list[str]:
-    """This process's sys.path, absolute, and at its end the folder this package stands in: for another Python."""
+    """Return this process's sys.path for another Python: absolute, with the folder of this package at the end."""
     path = [str(Path(entry).absolute()) for entry in sys.path]
     root = str(Path(__file__).resolve().parents[2])
     return path if root in path else [*path, root]

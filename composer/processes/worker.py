@@ -1,8 +1,8 @@
 """A helper process: `python worker.py LIFE PARENT`, run by its path by `helper.py`.
 
-It reads pickled objects from standard input, which only `helper.py` writes: the module path with what to import, what
-opens the work, and tasks. It answers each task with whether it could be done, and with the result. What is printed
-meanwhile goes to standard error.
+It reads pickled objects from standard input, which only `helper.py` writes: the module path with the modules to
+import, the opening, and tasks. It answers each task with whether it could be done, and with the result. Output of
+`print` goes to standard error.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ def main() -> None:
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     sys.path[:], modules = pickle.load(sys.stdin.buffer)
-    if os.name == "posix":  # elsewhere a job does it
+    if os.name == "posix":  # on Windows, a job object does it
         from composer.processes.guard import end_with
 
         end_with(*map(int, sys.argv[1:]))
@@ -34,7 +34,7 @@ def main() -> None:
         import_module(each)
     with contextlib.suppress(EOFError):
         opening = pickle.load(sys.stdin.buffer)
-        with opening() as do, deferring():  # what a task has written is reported
+        with opening() as do, deferring():  # a task's output is always reported
             while True:
                 with interruptible():
                     task = pickle.load(sys.stdin.buffer)
@@ -45,12 +45,12 @@ def main() -> None:
 def _answer(do: Callable[[Any], Any], task: Any) -> bytes:
     try:
         return pickle.dumps((True, do(task)))
-    except Exception:  # which the process that asks meets when it does the task itself
+    except Exception:  # the parent meets it when it does the task itself
         return pickle.dumps((False, None))
 
 
 def _end(signum: int, frame: object) -> None:
-    """In order: what was begun is removed again."""
+    """Exit in order, so that unfinished work is removed."""
     sys.exit(128 + signum)
 
 

@@ -1,1 +1,1 @@
-"""What may be read: every file that a model, a recipe or a bundle names comes through a door."""
+"""Access control for reading: every file that a model, a recipe or a bundle names passes a door."""

@@ -1,7 +1,7 @@
-"""The door through which a reader's files come: it knows which folders the reader may see.
+"""The door limits which folders a reader may see.
 
-Whoever follows a path that a model or a recipe names asks the door of the one that names it. A path is judged where it
-really leads: symbolic links are followed first.
+Code that follows a path from a model or a recipe asks the door of that model or recipe. A path is judged by its
+real target: symbolic links are resolved first.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ Passed = NewType("Passed", str)
 
 @dataclass(frozen=True, slots=True)
 class Door:
-    """The folders that a reader may see, and how messages speak of them.
+    """The folders that a reader may see, and their wording in messages.
 
-    `roots` are real paths. `sees_all` is for text that the user writes, who may name any file. `whose` is how messages
-    call what the reader may see; `help` says what to do about a file outside, with `{folder}` for the folder that it is
-    in and `{absolute}` for its whole path. `start` is the folder that the path in `{folder}` counts from.
+    `roots` are real paths. `sees_all` is for text from the user, who may name any file. `whose` describes the
+    readable files in messages; `help` says what to do about a file outside, with `{folder}` for its folder and
+    `{absolute}` for its whole path. The path in `{folder}` is relative to `start`.
 
     >>> Door.of(["/srv/robots"]).sees("/srv/robots/../secret.obj")
     False
@@ -48,28 +48,28 @@ class Door:
         help: str | None = None,
         start: str | None = None,
     ) -> Door:
-        """A door to some folders, as they are called by anyone."""
+        """Return a door to some folders, whose paths may contain links."""
         roots = dict.fromkeys(real_folder(os.fspath(each)) for each in folders)
         return cls(tuple(roots), whose, help, start)
 
     def wider(self, folders: tuple[str | os.PathLike[str], ...]) -> Door:
-        """The same door with more folders behind it."""
+        """Return the same door with more folders."""
         if not folders:
             return self
         roots = dict.fromkeys((*self.roots, *map(os.path.realpath, folders)))
         return replace(self, roots=tuple(roots), _folders={})
 
     def sees(self, path: str | os.PathLike[str]) -> bool:
-        """Whether a path leads to a place that the reader may see, be there something or not."""
+        """Return whether a path leads to a place that the reader may see, whether or not it exists."""
         text = os.fspath(path)
         return self.sees_all or self._leads_inside(text, _mode(text))
 
     def exists(self, path: str | os.PathLike[str]) -> bool:
-        """Whether there is something that the reader may see."""
+        """Return whether a path exists and the reader may see it."""
         return self.sees(path) and os.path.exists(path)
 
     def admit(self, path: str | os.PathLike[str]) -> Passed:
-        """The path, which may now be followed. Raises Refused, also for a pipe and other special files."""
+        """Return the path, which may now be opened. Raises Refused, also for pipes and other special files."""
         text = os.fspath(path)
         mode = _mode(text)
         if not (self.sees_all or self._leads_inside(text, mode)):
@@ -79,7 +79,7 @@ class Door:
         return Passed(text)
 
     def admit_listed(self, paths: Iterable[str]) -> dict[str, Passed]:
-        """Those of some paths that one look at each folder shows to be ordinary files; `admit` judges the others."""
+        """Return those paths that one look at each folder shows to be ordinary files; `admit` judges the others."""
         return {
             path: Passed(path)
             for folder, found in files_among(paths)
@@ -88,11 +88,11 @@ class Door:
         }
 
     def read(self, path: str | os.PathLike[str], most: int | None = None) -> bytes:
-        """The bytes of a file. Raises Refused, and OSError as `read_regular` does."""
+        """Return the bytes of a file. Raises Refused, and OSError as `read_regular` does."""
         return read_regular(self.admit(path), most)
 
     def outside(self, path: str) -> Refused:
-        """The refusal of a path that the reader may not see."""
+        """Return the refusal of a path that the reader may not see."""
         real = os.path.realpath(path)
         help = self.help
         if help is not None:
@@ -102,7 +102,7 @@ class Door:
         return Refused(path, OUTSIDE.format(self.whose), help, real)
 
     def _leads_inside(self, path: str, mode: int) -> bool:
-        """Whether a path with that mode leads to a place behind the door; each folder is followed once."""
+        """Return whether a path with that mode leads inside; the links of each folder are resolved once."""
         folder, name = parted(path)
         if name in _NO_NAMES or stat.S_ISLNK(mode):
             return self._is_inside(os.path.realpath(path))
@@ -121,7 +121,7 @@ class Door:
 
 
 def _mode(path: str) -> int:
-    """The mode of what stands there, not of what a link leads to; 0 where there is nothing."""
+    """Return the mode of a path without following a link; 0 if it does not exist."""
     try:
         return os.lstat(path).st_mode
     except (OSError, ValueError):
@@ -129,18 +129,18 @@ def _mode(path: str) -> int:
 
 
 ALL = Door(sees_all=True)
-"""For what the user writes: a recipe of one's own, an argument of the command."""
+"""For text from the user: a local recipe, or an argument of the command."""
 NOTHING = Door()
-"""For what has all its files in memory."""
+"""For readers whose files are all in memory."""
 
 
 def held(path: str | os.PathLike[str]) -> Passed:
-    """A path that passed a door before, as all do that a unit holds (`Unit.contents`)."""
+    """Return a path that passed a door before, such as those in `Unit.contents`."""
     return Passed(os.fspath(path))
 
 
 def _relative(folder: str, start: str) -> str:
-    """As a recipe in `start` writes the folder."""
+    """Return the folder as a recipe in `start` writes it."""
     try:
         relative = os.path.relpath(folder, os.path.realpath(start)).replace(os.sep, "/")
     except ValueError:  # on another drive

@@ -1,7 +1,7 @@
-"""Where folders really are and what is in them: looked up once, and again as soon as a folder has changed.
+"""Resolve and list folders, cached until a folder changes.
 
-Each model has a door of its own. To follow the links of six folders and to look in each for what makes it a project
-takes longer than all else of reading a model of 3 kB; one look at a folder (`stat`) says whether it is still the same.
+Each model has its own door. Resolving the links of six folders and searching each for markers of a project takes
+longer than the rest of reading a 3 kB model; one `stat` of a folder shows whether it is unchanged.
 """
 
 from __future__ import annotations
@@ -13,17 +13,17 @@ from itertools import islice
 from composer.reading.memory import Memory
 
 _FEW, _LISTED = 4, 16
-"""Files of a folder for which it is listed, and how many entries of it are looked at for each."""
+"""The least number of files for which a folder is listed, and how many entries are looked at for each of them."""
 _real = Memory(os.path.realpath, os.path.realpath)
 
 
 def real_folder(folder: str) -> str:
-    """Where a folder really is, links followed; also one that does not exist."""
+    """Return the real path of a folder, which need not exist."""
     return _real.ask(folder)
 
 
 def parted(path: str) -> tuple[str, str]:
-    """The folder of a path, with what parts it from the name, and the name."""
+    """Split a path into its folder, including the separator, and the name."""
     if os.altsep is not None:
         return os.path.split(path)
     at = path.rfind(os.sep) + 1
@@ -31,10 +31,10 @@ def parted(path: str) -> tuple[str, str]:
 
 
 def files_among(paths: Iterable[str]) -> Iterator[tuple[str, list[str]]]:
-    """Folders, and those of some paths in them that one look at the folder shows to be ordinary files, no links.
+    """Yield folders, and those of the paths in them that one look at the folder shows to be ordinary files.
 
-    Others may be, too: links, what is alone in its folder, and what is far down in a long list are not looked at. To
-    ask for sixty files one by one takes ten times as long.
+    It misses links, single files in a folder, and files far down in a long folder. Asking for sixty files one by
+    one takes ten times as long.
     """
     wanted: dict[str, dict[str, str]] = {}
     for path in paths:
@@ -55,7 +55,7 @@ def files_among(paths: Iterable[str]) -> Iterator[tuple[str, list[str]]]:
 
 
 def real_path(path: str | os.PathLike[str]) -> str:
-    """Where a path leads, links followed, also where there is nothing."""
+    """Return the real path of a path, which need not exist."""
     text = os.fspath(path)
     folder, name = os.path.split(text)
     if name in ("", os.curdir, os.pardir) or os.path.islink(text):
@@ -64,10 +64,10 @@ def real_path(path: str | os.PathLike[str]) -> str:
 
 
 def memory_of(names: tuple[str, ...]) -> Callable[[str], bool]:
-    """A function that says whether something of one of these names is in a folder."""
+    """Return a cached function that says whether a folder has an entry with one of these names."""
 
     def holds_any(folder: str) -> bool:
-        # `exists` raises and catches an exception for each name that is not there.
+        # `exists` raises and catches an exception for each missing name.
         return any(os.access(f"{folder}{os.sep}{name}", os.F_OK) for name in names)
 
     return Memory(holds_any, lambda _: False).ask

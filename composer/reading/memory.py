@@ -1,4 +1,4 @@
-"""What was found out of a file or folder, as long as it stays the same."""
+"""Cache facts about a file or folder until it changes."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from collections.abc import Callable
 from typing import Generic, TypeVar
 
 _MOST = 4096
-"""Files and folders that one memory keeps; when there are more, all are looked up anew."""
+"""The maximum number of paths in one memory; beyond it, all are looked up again."""
 _SETTLED = 2_000_000_000
-"""Nanoseconds: changes that are nearer to one another than this may have one time, as on FAT."""
+"""Nanoseconds: changes closer to each other than this may have the same time, as on FAT."""
 
 T = TypeVar("T")
 
 
 class Memory(Generic[T]):
-    """What `look_up` says of paths: asked once, and again as soon as one look (`stat`) says that something changed.
+    """Caches what `look_up` returns for paths, until `stat` shows a change, as git does.
 
-    That is what git does. `missing` says what holds for a path that cannot be looked at.
+    `missing` returns the value for a path without a `stat`.
     """
 
     def __init__(self, look_up: Callable[[str], T], missing: Callable[[str], T]) -> None:

@@ -1,4 +1,4 @@
-"""Whose a folder is: what another user can change is not trusted."""
+"""Check the owner of a folder: folders that another user can change are not trusted."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import stat
 
 
 def untrusted(folder: str | os.PathLike[str]) -> str | None:
-    """Why a folder for this user alone is not trusted; None if it is, or does not exist.
+    """Return why a private folder is not trusted; None if it is, or if it does not exist.
 
     >>> untrusted("/no/such/folder") is None
     True
@@ -21,7 +21,7 @@ def untrusted(folder: str | os.PathLike[str]) -> str | None:
 
 
 def untrusted_for_temporary(folder: str | os.PathLike[str] | None = None) -> str | None:
-    """The same of the folder for temporary files, which may be the system's if none removes what others have there."""
+    """Return why a folder for temporary files is not trusted. It may be the system's if its sticky bit is set."""
     if folder is None:
         import tempfile  # the store, whose owner is asked by every build, is elsewhere
 
@@ -36,7 +36,7 @@ def untrusted_for_temporary(folder: str | os.PathLike[str] | None = None) -> str
 
 
 def _status(folder: str | os.PathLike[str]) -> os.stat_result | None:
-    """None also where files have no owner of this kind, as on Windows."""
+    """Return the status; None also on systems without such owners, as on Windows."""
     if not hasattr(os, "geteuid"):
         return None
     try:

@@ -1,4 +1,4 @@
-"""Which folders a model of one's own may see: the project that it is in."""
+"""The folders that the user's own model may see: those of its project."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from composer.reading.door import Door
 from composer.reading.folders import memory_of, real_folder
 
 MARKERS = (".git", ".hg", "pyproject.toml", "package.xml", "mjcompose.lock")
-"""What the top folder of a project holds."""
+"""Entries that mark the top folder of a project."""
 _is_top = memory_of(MARKERS)
 _HELP = "if it is meant, write in the recipe `trust: {files: [{folder}]}`"
 _IN_PYTHON = "if it is meant, open the folder: `trust=['{absolute}']`"
 
 
 def project_of(folder: str | os.PathLike[str]) -> str | None:
-    """The nearest folder, this one or one above it, that a marker makes the top of a project; None without one.
+    """Return the nearest folder, this one or one above it, with a project marker, or None.
 
-    A home folder is none, nor is anything above it: a `.git` there is for somebody's settings.
+    Home folders and folders above them do not count: a `.git` there is for somebody's settings.
     """
     at, too_wide = os.path.abspath(folder), _too_wide(_home())
     while at not in too_wide:
@@ -30,11 +30,11 @@ def project_of(folder: str | os.PathLike[str]) -> str | None:
 
 
 def folders_of_model(path: str | os.PathLike[str]) -> list[str]:
-    """The folders that a model file may see: its project, as it is called and where it really is.
+    """Return the folders that a model file may see: its project, by its given and its real path.
 
-    Without a project it is the folder above its own: 353 of 361 models of the corpus need no more, as with
-    `robot/mjcf/arm.xml` and `robot/meshes/`; the other 8 are in repositories, and reach to their top. The folder above
-    does not count if it is a home folder, the one for temporary files, or above one of these.
+    Without a project it is the folder above its own: 353 of 361 models of the corpus need no more, as in
+    `robot/mjcf/arm.xml` and `robot/meshes/`; the other 8 are in repositories, and reach to their top. The folder
+    above does not count if it is a home folder, the one for temporary files, or above one of these.
     """
     called = os.path.abspath(path)
     folder = os.path.dirname(called)
@@ -43,7 +43,7 @@ def folders_of_model(path: str | os.PathLike[str]) -> list[str]:
 
 
 def folder_of_recipe(path: str | os.PathLike[str]) -> str:
-    """The folder that the models of a recipe may see: its project, or without one its own folder."""
+    """Return the folder that the models of a recipe may see: its project, or without one its own folder."""
     own = os.path.dirname(os.path.abspath(path))
     return project_of(own) or own
 
@@ -51,9 +51,10 @@ def folder_of_recipe(path: str | os.PathLike[str]) -> str:
 def own_door(
     model: str | os.PathLike[str], also: Iterable[str | os.PathLike[str]] = (), recipe: str | None = None
 ) -> Door:
-    """The door of a model of one's own; `also` are more folders, `recipe` the folder of the recipe that names it.
+    """Return the door of the user's own model; `also` are more folders, `recipe` the folder of the recipe that
+    names it.
 
-    Without a recipe it is a program that names it.
+    Without a recipe a program names it.
     """
     folders = folders_of_model(model)
     return Door.of(
@@ -73,13 +74,13 @@ def _around(folder: str) -> str:
 
 
 def _home() -> str:
-    # `expanduser` takes as long as three looks at folders.
+    # `expanduser` takes as long as three calls of `stat`.
     return (os.environ.get("HOME") if os.name == "posix" else None) or os.path.expanduser("~")
 
 
 @cache
 def _too_wide(home: str) -> frozenset[str]:
-    """Folders with the files of everybody or of everything: homes, the one for temporary files, all above these."""
+    """Return folders that are too general: homes, the one for temporary files, and all folders above these."""
     import tempfile  # a model that the cache knows needs no folder of its own
 
     found: set[str] = set()

@@ -1,4 +1,4 @@
-"""Why a file is not read: the reader may not see it, or it is not an ordinary file."""
+"""The refusal to read a file: the reader may not see it, or it is not an ordinary file."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ OUTSIDE = "is outside {}"
 
 
 class Refused(OSError):
-    """A file that a door does not let through; `why` follows its name in a message, `help` says what to do."""
+    """A file that a door does not admit; `why` follows its name in a message, `help` says what to do."""
 
     def __init__(self, path: str, why: str, help: str | None = None, real: str | None = None) -> None:
         super().__init__(errno.EACCES, why, path)
         self.path, self.why, self.help, self.real = path, why, help, real
 
     def message(self, shown: Callable[[Path], str] | None = None) -> str:
-        """One sentence; `shown` gives the file as messages name it."""
+        """Return one sentence; `shown` returns the file's name in messages."""
         from pathlib import Path
 
         call = shown or str
@@ -41,5 +41,5 @@ class Refused(OSError):
         notes: Iterable[Note] = (),
         shown: Callable[[Path], str] | None = None,
     ) -> None:
-        """Put it into the sink, at the place that names the file."""
+        """Report it to the sink, at the place that names the file."""
         sink.error(CODE, self.message(shown), span, notes=tuple(notes), help=self.help)

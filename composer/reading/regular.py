@@ -1,4 +1,4 @@
-"""The bytes of ordinary files: what could make a reader wait, such as a pipe or a device, is refused at once."""
+"""Read ordinary files; pipes, devices and other files that could block are refused at once."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from composer.limits import written
 from composer.reading.refused import Refused
 from composer.reading.unsaved import unsaved_text
 
-# Neither waits for the other end of a pipe, nor becomes the terminal of this process.
+# Opening does not wait for the other end of a pipe, and does not acquire a controlling terminal.
 _FLAGS = (
     os.O_RDONLY
     | getattr(os, "O_BINARY", 0)
@@ -26,7 +26,7 @@ _KINDS = (
 
 
 class TooLarge(OSError):
-    """A file of more bytes than may be read; `size` is how many it has, or how many were read."""
+    """A file with more bytes than allowed; `size` is its size, or how many bytes were read."""
 
     def __init__(self, size: int, most: int, what: str = "it is") -> None:
         super().__init__(f"{what} larger than {written('xml-size', most)}")
@@ -34,7 +34,7 @@ class TooLarge(OSError):
 
 
 def is_irregular(path: str) -> str | None:
-    """Why a path leads to something that has no end or no bytes; None for a file, a folder, and what does not exist."""
+    """Return why a path is neither a file nor a folder; None if it is one or does not exist."""
     try:
         return _irregular(os.stat(path).st_mode)
     except (OSError, ValueError):  # reported where it is read
@@ -49,9 +49,9 @@ def _irregular(mode: int) -> str | None:
 
 
 def read_regular(path: str | os.PathLike[str], most: int | None = None) -> bytes:
-    """The bytes of an ordinary file, as an editor has it where it is not saved.
+    """Return the bytes of an ordinary file, or the text of an editor that has not saved it.
 
-    Raises Refused for another one, and OSError, also for more than `most` bytes.
+    Raises Refused for other kinds of files, and OSError, also for more than `most` bytes.
     """
     text = os.fspath(path)
     if (kept := unsaved_text(text)) is not None:
@@ -62,12 +62,12 @@ def read_regular(path: str | os.PathLike[str], most: int | None = None) -> bytes
     file = os.open(text, _FLAGS)
     try:
         status = os.fstat(file)
-        if (what := _irregular(status.st_mode)) is not None:  # another one than a moment ago
+        if (what := _irregular(status.st_mode)) is not None:  # replaced since the first check
             raise Refused(text, what)
         size = status.st_size
         _bound(size, most)
         data = piece = os.read(file, size + 1)
-        while piece and len(data) != size:  # a file that is being written, or of more than one call can read
+        while piece and len(data) != size:  # a file that is growing, or too large for one call
             piece = os.read(file, 1 << 20)
             data += piece
             _bound(len(data), most)

@@ -1,4 +1,4 @@
-"""Text that an editor has and the disk does not: it is read in place of the file."""
+"""Text from an editor that is not saved yet: it is read in place of the file."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _TEXTS: ContextVar[Mapping[str, bytes] | None] = ContextVar("composer.reading.un
 
 @contextmanager
 def unsaved(texts: Mapping[str, bytes]) -> Iterator[None]:
-    """In the block, files are read as `texts` has them, by their real paths.
+    """Within the block, read `texts`, by real path, in place of files.
 
     >>> import tempfile
     >>> with tempfile.NamedTemporaryFile() as file, unsaved({os.path.realpath(file.name): b"new"}):
@@ -27,6 +27,6 @@ def unsaved(texts: Mapping[str, bytes]) -> Iterator[None]:
 
 
 def unsaved_text(path: str | os.PathLike[str]) -> bytes | None:
-    """What an editor has of a file; None where the disk is right."""
+    """Return the editor's text of a file, or None if there is none."""
     texts = _TEXTS.get()
     return texts.get(os.path.realpath(path)) if texts else None

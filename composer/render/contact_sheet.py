@@ -1,4 +1,4 @@
-"""A contact sheet: a picture of each of many cells, drawn by several processes."""
+"""Draw a contact sheet: a picture of each of many cells, with several processes."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ TILE = (320, 240)
 _KEPT = "tile"
 _CELLS_A_PROCESS = 2
 _ENDS = ("no-rendering", "mujoco-missing")
-"""What is true of all cells if it is true of one."""
+"""Errors that apply to all cells if they apply to one."""
 _MODULES = ("composer.render.contact_sheet",)
 Drawn = tuple[bool, tuple[Diagnostic, ...]]
-"""Whether there is a picture of a cell, and what was found in it."""
+"""Whether a cell was drawn, and its diagnostics."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,7 @@ class _Job:
 
     @contextmanager
     def opened(self) -> Iterator[Callable[[tuple[int, Cell]], Drawn]]:
-        """In a process of its own: what draws a cell, by its number."""
+        """Yield, in a worker process, the function that draws a cell, by its number."""
         with allow(**asdict(self.limits)), engine.Session(rendering=True) as session:
             yield partial(self.draw, session, {})
 
@@ -77,10 +77,11 @@ def render_sheet(
     tell: Callable[[str], None],
     jobs: int | None = None,
 ) -> int:
-    """Write one picture of all `cells`, each with its name below it; how many are in it.
+    """Write one picture of all `cells`, each with its name below it; return how many are in it.
 
-    Cells that cannot be built are left out, and their faults reported; without any nothing is written. `tell` is called
-    with the name of each cell when it is done. `jobs` is the number of processes, without one as many as pay.
+    Cells that cannot be built are left out, and their errors reported; if none is left, nothing is written. `tell`
+    is called with the name of each finished cell. `jobs` is the number of processes; the default is as many as pay
+    off.
     """
     context, tiles = operand.context, []
     workers = min(len(cells), jobs or min(cores(), max(1, len(cells) // _CELLS_A_PROCESS))) - 1

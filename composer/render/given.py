@@ -1,4 +1,4 @@
-"""Values of parameters for a model that may have none."""
+"""Check values of parameters for a model that may have none."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from composer.plan.concrete import Given
 
 
 def check_given(operand: Operand, given: Given) -> bool:
-    """Whether the values can be given to what was named; that a model has no parameters is reported."""
+    """Return whether the target accepts values; report that a model has no parameters."""
     if operand.kind is Kind.RECIPE:
         return True
     for name, node in given.items():

@@ -1,4 +1,4 @@
-"""A picture or a film, in a file."""
+"""Write a picture or a film to a file."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ HELP = "without a display set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and install
 
 
 class _NotDrawn(Exception):
-    """There is nothing to write, which was reported: an older picture stays."""
+    """There is nothing to write, which was reported; an older picture stays."""
 
 
 def render(kept: str, out: Path, wish: Wish, context: Context, session: Session) -> bool:
-    """Write a picture or a film of a model that `session` keeps; False where that cannot be, which is reported."""
+    """Write a picture or a film of a model that `session` keeps; return False after an error, which is reported."""
     try:
         suffix = format_of(out, wish)
         with staged_file(context.folder / out) as stage:
@@ -44,7 +44,7 @@ def render(kept: str, out: Path, wish: Wish, context: Context, session: Session)
 
 
 def drawn(kept: str, asked: dict[str, Any], context: Context, session: Session) -> bool:
-    """Let the child draw a model that it keeps; False where it could not, which is reported."""
+    """Draw a kept model in the child; return False after an error, which is reported."""
     answer = engine.call(session, draw, [kept], asked)
     if not answer.ok:
         context.sink.error("no-rendering", f"no picture could be made: {answer.error or answer.crash}")

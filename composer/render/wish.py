@@ -1,4 +1,4 @@
-"""What a picture shall show."""
+"""The settings of a requested picture."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MOST_PIXELS = 8192
 
 
 class Format(StrEnum):
-    """The files that a picture or a film is written to, by their suffix."""
+    """The file formats of pictures and films, by suffix."""
 
     PNG = ".png"
     GIF = ".gif"
@@ -31,10 +31,11 @@ class Format(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """`size` is width and height in pixels, `background` RGB of 255 and an opacity of 0 or 1; None is the model's own.
+    """`size` is width and height in pixels, `background` RGB of 255 and an opacity of 0 or 1; None is the model's
+    own.
 
-    `key` and `camera` are names; None is the first keyframe, and a camera that has the whole model in its picture.
-    `play` are the seconds of physics in a film, None stands still.
+    `key` and `camera` are names; None is the first keyframe, and a camera that shows the whole model. `play` are
+    the seconds of physics in a film; None is no physics.
     """
 
     size: tuple[int, int] = (960, 720)
@@ -49,7 +50,9 @@ class Wish:
 
 
 def format_of(out: Path, wish: Wish) -> Format:
-    """The form of a file by its name; raises `OutputError` for a name or a wish that has none."""
+    """Return the format for a file's name; raises `OutputError` for an unknown one, or one that does not fit the
+    wish.
+    """
     suffix = out.suffix.lower()
     known = [each.value for each in Format]
     if suffix not in known:
@@ -69,7 +72,7 @@ def format_of(out: Path, wish: Wish) -> Format:
 
 
 def colour_of(text: str) -> Colour | None:
-    """A colour by its name or as `#RRGGBB`; None for anything else.
+    """Return a colour by its name or as `#RRGGBB`; None for anything else.
 
     >>> colour_of("#ff8000")
     (255, 128, 0, 1)
@@ -87,7 +90,7 @@ def colour_of(text: str) -> Colour | None:
 
 
 def size_of(text: str) -> tuple[int, int] | None:
-    """`WIDTHxHEIGHT` in pixels, from 16 to 8192; None for anything else.
+    """Parse `WIDTHxHEIGHT` in pixels, from 16 to 8192; return None for anything else.
 
     >>> size_of("640x480")
     (640, 480)

@@ -1,1 +1,1 @@
-"""A compiled model as data that a browser draws. Runs in the engine's child process."""
+"""A compiled model as data for a browser. Runs in the engine's child process."""

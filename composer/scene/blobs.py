@@ -1,4 +1,4 @@
-"""Bytes by their content: what two models have in common is stored and sent once."""
+"""Content-addressed bytes: what two models have in common is stored and sent once."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Blobs:
         self.used: dict[str, None] = {}
 
     def put(self, form: str, arrays: Iterable[Any], encode: Callable[[], bytes]) -> str:
-        """The hash of some arrays that are written as `form`; `encode` gives their bytes where they are new."""
+        """Return the hash of some arrays in the format `form`; `encode` returns their bytes if they are new."""
         digest = hashlib.sha256(form.encode())
         for each in arrays:
             array = np.ascontiguousarray(each)
@@ -34,7 +34,7 @@ class Blobs:
 
 
 def packed(*arrays: Any) -> bytes:
-    """Arrays behind each other, each padded so that the next begins at a multiple of four bytes."""
+    """Concatenate arrays, each padded so that the next one begins at a multiple of four bytes."""
     found = bytearray()
     for each in arrays:
         found += np.ascontiguousarray(each).tobytes()
@@ -43,7 +43,9 @@ def packed(*arrays: Any) -> bytes:
 
 
 def steps(values: Any, bits: int = 16) -> tuple[Any, list[float], list[float]]:
-    """Rows of numbers as whole steps between the least and the greatest of each column, that and the size of a step."""
+    """Quantize rows of numbers between the least and the greatest of each column; return the steps, the least and
+    the step.
+    """
     low, high = values.min(axis=0), values.max(axis=0)
     most = (1 << bits) - 1
     step = np.where(high > low, (high - low) / most, 1.0)
@@ -52,7 +54,7 @@ def steps(values: Any, bits: int = 16) -> tuple[Any, list[float], list[float]]:
 
 
 def short(values: Any) -> list[Any]:
-    """Numbers with nine digits, which is all that single precision has; lists of lists as one list."""
+    """Return numbers with nine digits, which is all that single precision has, as a flat list."""
     flat = np.asarray(values).ravel()
     if flat.dtype.kind != "f":
         return flat.astype(int).tolist() if flat.dtype.kind == "b" else flat.tolist()

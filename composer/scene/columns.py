@@ -1,4 +1,4 @@
-"""Which arrays of `mjModel` a page gets, by kind of element. A name of this side, and the array."""
+"""The arrays of `mjModel` for a page, by kind of element: the name in the page, and the array."""
 
 from __future__ import annotations
 
@@ -48,11 +48,11 @@ COLUMNS: dict[str, dict[str, str]] = {
     },
     "key": {"time": "key_time", "qpos": "key_qpos", "ctrl": "key_ctrl", "mpos": "key_mpos", "mquat": "key_mquat"},
 }  # fmt: skip
-"""A kind's names come with them as `name`; every column is one flat list."""
+"""A kind's names are added as `name`; every column is one flat list."""
 
 
 def columns(model: Any) -> dict[str, dict[str, list[Any]]]:
-    """The columns of every kind."""
+    """Return the columns of every kind."""
     table = NameTable(model)
     found = {
         kind: {
@@ -66,7 +66,7 @@ def columns(model: Any) -> dict[str, dict[str, list[Any]]]:
 
 
 def _controls(model: Any) -> dict[str, list[Any]]:
-    """Where an actuator's controls are: one each before MuJoCo 4.0."""
+    """Return the addresses of an actuator's controls: one each before MuJoCo 4.0."""
     count = len(model.actuator_trntype)
     first = getattr(model, "actuator_ctrladr", None)
     return {

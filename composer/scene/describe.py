@@ -1,4 +1,4 @@
-"""A compiled model as one JSON file and the bytes that it refers to by their hashes."""
+"""Describe a compiled model as one JSON file and blobs that it refers to by their hashes."""
 
 from __future__ import annotations
 
@@ -20,10 +20,11 @@ FILE = "scene.json"
 
 
 def describe(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
-    """Write `scene.json` and its blobs into ``folder``, for `composer.engine.call`; `blobs` are all it refers to.
+    """Write `scene.json` and its blobs into ``folder``; runs under `composer.engine.call`.
 
-    Those in ``known`` are not written again. Lengths are metres, angles radians, quaternions w x y z, and what stands
-    on a body is in its frame, as in `mjModel`. Equal models give equal bytes.
+    The answer's `blobs` are all that it refers to; those in ``known`` are not written again. Lengths are in metres,
+    angles in radians, quaternions are w x y z, and elements on a body are in its frame, as in `mjModel`. Equal
+    models give equal bytes.
     """
     folder = Path(asked["folder"])
     blobs = Blobs(folder, asked.get("known", ()))
@@ -47,7 +48,7 @@ def describe(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any
 
 
 def _look(model: Any) -> dict[str, Any]:
-    """How the author of the model looks at it."""
+    """Return the view that the author of the model has set."""
     settings, light = model.vis.global_, model.vis.headlight
     return {
         "center": short(model.stat.center), "extent": float(model.stat.extent), "azimuth": float(settings.azimuth),

@@ -1,4 +1,4 @@
-"""Meshes and height fields: corners as whole steps in their box, directions in two bytes."""
+"""Encode meshes and height fields: vertices as whole steps in their box, directions in two bytes."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from composer.scene.blobs import Blobs, packed, short, steps
 
 
 def meshes(model: Any, blobs: Blobs) -> list[str]:
-    """The hash of each mesh's bytes.
+    """Return the hash of each mesh's bytes.
 
-    They are a head of three uint32 (corners, triangles, whether there are texture coordinates) and six float32 (the
-    least corner and the size of a step), then corners (three uint16 each), normals (two int8 each, octahedral), texture
-    coordinates (two float32 each) and triangles (three uint32, or uint16 where there are fewer corners than that).
+    These are a head of three uint32 (vertices, triangles, whether there are texture coordinates) and six float32
+    (the least vertex and the step), then vertices (three uint16 each), normals (two int8 each, octahedral), texture
+    coordinates (two float32 each) and triangles (three uint32, or uint16 if there are fewer vertices than that).
     """
     return [_mesh(model, number, blobs) for number in range(model.nmesh)]
 
@@ -53,9 +53,10 @@ def _encoded(corners: Any, normals: Any, faces: Any, of_normals: Any, flat: Any,
 
 
 def _unified(faces: list[Any]) -> tuple[Any, list[Any]]:
-    """One number for each combination of corner, normal and texture coordinate that a triangle has.
+    """Return one number for each combination of vertex, normal and texture coordinate that a triangle uses.
 
-    Gives the triangles in these numbers, and for each the row of corners, of normals and of texture coordinates.
+    The result has the triangles in these numbers, and for each number the rows of vertices, normals and texture
+    coordinates.
     """
     flat = [each.ravel().astype(np.int64) for each in faces]
     if all((each == flat[0]).all() for each in flat[1:]):
@@ -69,7 +70,7 @@ def _unified(faces: list[Any]) -> tuple[Any, list[Any]]:
 
 
 def _octahedral(directions: Any) -> Any:
-    """Unit vectors in two bytes each: the sphere folded into a square."""
+    """Return unit vectors in two bytes each, by folding the sphere into a square."""
     length = np.abs(directions).sum(axis=1, keepdims=True)
     flat = directions[:, :2] / np.maximum(length, 1e-12)
     turned = (1 - np.abs(flat[:, ::-1])) * np.where(flat >= 0, 1, -1)
@@ -78,7 +79,7 @@ def _octahedral(directions: Any) -> Any:
 
 
 def height_fields(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
-    """Each height field: rows times columns of uint16, of which 65535 is its full height."""
+    """Return each height field: rows times columns of uint16, where 65535 is its full height."""
     found = []
     for number in range(model.nhfield):
         rows, columns, first = (

@@ -1,4 +1,4 @@
-"""Where things are at the start and at each keyframe, as MuJoCo has it: what a page cannot work out by itself."""
+"""Contacts and tendon paths at the start and at each keyframe, which a page cannot compute itself."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from composer.compiled.placed import place
 from composer.scene.blobs import short
 
 _MOST_CONTACTS = 500
-# What `wrap_obj` has for a pulley, at which the way of a tendon is cut.
+# The value of `wrap_obj` for a pulley, which cuts a tendon's path.
 _PULLEY = -2
 
 
 def poses(mujoco: Any, model: Any, data: Any) -> Iterator[dict[str, Any]]:
-    """The reference configuration, then each keyframe: contacts and the ways of tendons.
+    """Yield contacts and tendon paths at the reference configuration, then at each keyframe.
 
     `data` is at the reference configuration again afterwards.
     """
@@ -28,7 +28,7 @@ def poses(mujoco: Any, model: Any, data: Any) -> Iterator[dict[str, Any]]:
 
 
 def contacts(data: Any) -> list[list[Any]]:
-    """Each contact: its two geoms, where it is and its normal; a flex is geom -1."""
+    """Return each contact: its two geoms, its position and its normal; a flex is geom -1."""
     shown = min(int(data.ncon), _MOST_CONTACTS)
     return [
         [*(int(geom) for geom in each.geom), *short(each.pos), *short(each.frame[:3])]
@@ -37,7 +37,7 @@ def contacts(data: Any) -> list[list[Any]]:
 
 
 def _ways(data: Any) -> list[list[float]]:
-    """The straight pieces of each tendon, from and to: six numbers each."""
+    """Return the straight segments of each tendon, from and to: six numbers each."""
     points, objects = data.wrap_xpos.reshape(-1, 3), data.wrap_obj.ravel()
     found = []
     for first, count in zip(data.ten_wrapadr, data.ten_wrapnum, strict=True):

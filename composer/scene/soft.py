@@ -1,4 +1,4 @@
-"""Skins, flexes and tendons: what is not rigid."""
+"""Skins, flexes and tendons: everything that is not rigid."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from composer.scene.blobs import Blobs, packed, short
 
 
 def skins(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
-    """Each skin: its bones, and bytes with corners, triangles, and for each bone the corners it moves and how much."""
+    """Return each skin: its bones, and bytes with vertices, triangles, and for each bone its vertices and weights."""
     return [_skin(model, number, blobs) for number in range(model.nskin)]
 
 
@@ -49,10 +49,11 @@ def _skin(model: Any, number: int, blobs: Blobs) -> dict[str, Any]:
 
 
 def flexes(model: Any, data: Any, blobs: Blobs) -> list[dict[str, Any]]:
-    """Each flex at rest: its corners in the frames of their bodies, and what is drawn of it.
+    """Return each flex at rest: its vertices in the frames of their bodies, and the drawn parts.
 
-    `shell` are triangles: the elements of a flex of two dimensions, the surface of one of three. One of one dimension
-    has `edges` alone. `nodes` are bodies whose corners make a flex that MuJoCo interpolates; it stays as it is.
+    `shell` are triangles: the elements of a two-dimensional flex, the surface of a three-dimensional one. A
+    one-dimensional flex has only `edges`. `nodes` are the bodies of a flex that MuJoCo interpolates; it is drawn at
+    rest.
     """
     return [_flex(model, data, number, blobs) for number in range(model.nflex)]
 
@@ -90,7 +91,7 @@ def _flex(model: Any, data: Any, number: int, blobs: Blobs) -> dict[str, Any]:
 
 
 def wraps(model: Any) -> dict[str, list[Any]]:
-    """What spatial tendons run along: sites, geoms, pulleys and joints, and their numbers."""
+    """Return the path of spatial tendons: sites, geoms, pulleys and joints, and their parameters."""
     return {
         "type": short(model.wrap_type), "object": short(model.wrap_objid),
         "parameter": [float(each) for each in model.wrap_prm],

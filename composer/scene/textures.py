@@ -1,4 +1,4 @@
-"""Textures as PNG files, and which of them a material has."""
+"""Textures as PNG files, and the textures of materials."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from composer.scene.blobs import Blobs
 
 FLAT, CUBE, SKY = 0, 1, 2
 _KINDS = {FLAT: "2d", CUBE: "cube", SKY: "skybox"}
-# mjTEXROLE_RGB and mjTEXROLE_RGBA of MuJoCo's roles.
+# mjTEXROLE_RGB and mjTEXROLE_RGBA.
 _COLOUR_ROLES = (1, 8)
 
 
 def textures(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
-    """Each texture; the faces of a cube are below each other: right, left, up, down, front, back."""
+    """Return each texture; the faces of a cube are below each other: right, left, up, down, front, back."""
     found = []
     for number in range(model.ntex):
         width, height = int(model.tex_width[number]), int(model.tex_height[number])
@@ -35,6 +35,6 @@ def textures(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
 
 
 def of_materials(model: Any) -> list[int]:
-    """The texture that gives each material its colours, -1 for none."""
+    """Return the texture for the colour of each material, -1 for none."""
     roles: Any = np.asarray(model.mat_texid).reshape(model.nmat, -1) if model.nmat else []
     return [next((int(row[role]) for role in _COLOUR_ROLES if row[role] >= 0), -1) for row in roles]

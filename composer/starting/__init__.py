@@ -1,1 +1,1 @@
-"""What a newcomer starts from: a recipe, or a repository with everything around it."""
+"""Starting points for newcomers: a recipe, or a complete repository."""

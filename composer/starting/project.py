@@ -10,7 +10,7 @@ from pathlib import Path
 from composer.starting.recipe import yaml_name
 from composer.version import __version__
 
-# Where each template goes. In the templates PROJECT, MODEL, VERSION and MUJOCO stand for what is given.
+# The path of each template. In templates, PROJECT, MODEL, VERSION and MUJOCO are placeholders.
 _FILES = {
     "README.md": "README.md",
     "gitignore": ".gitignore",
@@ -21,20 +21,20 @@ _FILES = {
     "pendulum.xml": "models/pendulum/pendulum.xml",
     "pendulum_license": "models/pendulum/LICENSE",
 }
-# What the lock pins: with another content of one of them the project does not build.
+# Files that the lock pins: with another content of one of them the project does not build.
 _NEEDED = (
     "recipes/MODEL.yaml",
     "recipes/MODEL.lock",
     "models/pendulum/pendulum.xml",
     "models/pendulum/LICENSE",
 )
-# Files to which others add lines of their own.
+# Files to which users add lines of their own.
 _SHARED = ("requirements.txt", ".gitignore")
 _ACTION = ".github/actions/mjcompose/action.yml"
 
 
 def project(title: str, model: str, mujoco: str, schema: str) -> dict[str, str]:
-    """The files of a project by their paths in it. `model` is the name of its first model, `schema` that of recipes."""
+    """Return the files of a project by path. `model` is the name of its first model, `schema` the schema of recipes."""
     package = resources.files(__package__)
     given = {"PROJECT": title, "VERSION": __version__, "MUJOCO": mujoco}
     files = {
@@ -48,12 +48,12 @@ def project(title: str, model: str, mujoco: str, schema: str) -> dict[str, str]:
 
 
 def needed(model: str) -> frozenset[str]:
-    r"""The paths of what cannot be kept where it is there with another content."""
+    r"""Return the paths of files that cannot be kept with another content."""
     return frozenset(_filled(path, {"MODEL": model}) for path in _NEEDED)
 
 
 def lacking(path: str, there: str, own: str) -> list[str]:
-    r"""The lines that a file of the project has and the one that is kept in its place has not.
+    r"""Return the lines of the project's file that an existing file in its place lacks.
 
     >>> lacking("requirements.txt", "numpy\n", "mujoco==4.0.0\n")
     ['mujoco==4.0.0']
@@ -63,11 +63,11 @@ def lacking(path: str, there: str, own: str) -> list[str]:
 
 
 def _filled(text: str, given: Mapping[str, str]) -> str:
-    """In one go: what is given may hold one of the words itself. `MUJOCO_LOG` is another word than `MUJOCO`."""
+    """Fill in all placeholders at once, because values may contain one. `MUJOCO_LOG` is another word than `MUJOCO`."""
     return re.sub(rf"\b({'|'.join(given)})\b", lambda found: given[found[0]], text)
 
 
 def _action() -> str:
-    """The GitHub action: beside this file in an installed package, at the top of a clone."""
+    """Return the GitHub action: next to this file in an installed package, at the top of a clone."""
     installed = Path(__file__).with_name("action.yml")
     return (installed if installed.exists() else Path(__file__).parents[2] / "action.yml").read_text("utf-8")

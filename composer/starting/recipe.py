@@ -1,4 +1,4 @@
-"""A commented recipe that builds as it stands."""
+"""A commented starter recipe that builds as it is."""
 
 from __future__ import annotations
 
@@ -49,11 +49,11 @@ sensor:
 
 
 def starter(name: str) -> str:
-    """The text of a recipe for a model of that name."""
+    """Return the text of a recipe for a model of that name."""
     return _STARTER.format(name=yaml_name(name))
 
 
 def yaml_name(name: str) -> str:
-    """A name as YAML text: as it stands where it reads as a name, else quoted."""
+    """Return a name as YAML text, quoted if necessary."""
     plain = re.fullmatch(r"[A-Za-z_][\w-]*", name, re.ASCII) and name.lower() not in ("true", "false", "null")
     return name if plain else json.dumps(name, ensure_ascii=False)

@@ -1,4 +1,4 @@
-"""Put a project into a folder: all that does not exist yet, or nothing."""
+"""Write a project into a folder: all files that do not exist yet, or nothing."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from composer.bundle.staging import parents, real, stage_beside
 def write_project(
     files: Mapping[str, str], needed: Collection[str], folder: Path, finish: Callable[[Path], object]
 ) -> tuple[list[str], list[str]]:
-    """Write files below `folder`, which may exist; `finish` adds to them before anything is seen there.
+    """Write files below `folder`, which may exist; `finish` adds to them before they become visible.
 
-    Gives the paths of those written, and of those that exist already and are kept as they are. Raises
-    OutputError, also where one that is `needed` is there with another content; what `finish` raises goes through.
+    Return the paths of the written files, and of existing ones that are kept. Raises OutputError, also if a
+    `needed` file exists with another content; exceptions of `finish` propagate.
     """
     target = real(folder)
     try:
@@ -35,7 +35,7 @@ def write_project(
 
 
 def _is_kept(place: Path, made: Path, folder: Path, needed: bool) -> bool:
-    """Whether a file exists already. Raises OutputError for what stands in the way of the project."""
+    """Return whether a file exists already. Raises OutputError for anything that blocks the project."""
     above = place.parent
     while above != folder:
         if os.path.lexists(above) and not above.is_dir():

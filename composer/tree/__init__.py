@@ -1,1 +1,1 @@
-"""MJCF as bare lxml trees: units, and what must be known of them."""
+"""MJCF as bare lxml trees: units and operations on them."""

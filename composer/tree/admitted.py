@@ -1,4 +1,4 @@
-"""Whether a model names only files that it may read: asked before MuJoCo, which opens them by itself, has it."""
+"""Check that a model names only files that it may read, before MuJoCo opens them itself."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class _Use(NamedTuple):
 
 
 def all_admitted(unit: Unit, sink: Sink, shown: Callable[[Path], str] | None = None) -> bool:
-    """Whether the door of a model lets through all that it names; what it does not is reported at its place.
+    """Return whether the door of a model admits all files that it names; report the others at their places.
 
-    Included files have been read with the model. Those that it attaches are read here, with all that they name.
+    Included files were read with the model. Attached models are read here, with all files that they name.
     """
     before = sink.error_count
     for use in _named(unit, sink, shown or str, set()):
@@ -59,13 +59,13 @@ def _named(unit: Unit, sink: Sink, shown: Callable[[Path], str], seen: set[str])
             inner = parse_file(Path(path), aside, file=shown(Path(path)), door=unit.door)
             for each in aside.errors:
                 if each.code == "source-outside":
-                    sink.add(each)  # an include; what else is wrong is reported where the model is linked
+                    sink.add(each)  # an include; other errors are reported when the model is linked
             if inner is not None:
                 yield from _named(inner, sink, shown, seen)
 
 
 def includes_admitted(urdf: Unit, sink: Sink, shown: Callable[[Path], str] | None = None) -> bool:
-    """Whether a URDF includes only files that it may read; some versions of MuJoCo read what it includes."""
+    """Return whether a URDF includes only files that it may read; some versions of MuJoCo read its includes."""
     before = sink.error_count
     waiting = [(urdf.root, urdf.file, urdf.directory)]
     seen: set[Path] = set()
@@ -79,7 +79,7 @@ def includes_admitted(urdf: Unit, sink: Sink, shown: Callable[[Path], str] | Non
             except Refused as refused:
                 refused.report(sink, urdf.origins.span(element, file, "file"), shown=shown)
                 continue
-            except OSError:  # which MuJoCo reports, if it looks
+            except OSError:  # MuJoCo reports it if it reads the file
                 continue
             seen.add(path)
             inner = parse_xml(data, str(path), Sink()) if data else None

@@ -1,4 +1,4 @@
-"""A setting of a composition that its parts agree on, and who they are."""
+"""A setting of a composition that its parts agree on."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ _NAMED = 4
 class Adopted(NamedTuple):
     """The value of a setting that neither the base nor the recipe writes.
 
-    `path` is that of the attribute (`option/cone`), `parts` are the prefixes of those that write it, and `at` finds
-    where the first of them does. A value that is MuJoCo's default is not written into the model (`is_written`): it
-    only counts as what the composition asks for, where that is a part itself.
+    `path` is the path of the attribute (`option/cone`), `parts` are the prefixes of the parts that write it, and
+    `at` returns where the first of them does. A value equal to MuJoCo's default is not written into the model
+    (`is_written`); it counts only if the composition is itself a part.
     """
 
     path: str
@@ -30,22 +30,22 @@ class Adopted(NamedTuple):
         return self.at()
 
     def located(self) -> Adopted:
-        """The same, without the model in whose text the place has to be looked for."""
+        """Return the same with a known place, independent of the model's text."""
         return self._replace(at=partial(known, self.span))
 
     @property
     def setting(self) -> str:
-        """What messages call it: `option.cone`."""
+        """Its name in messages: `option.cone`."""
         return self.path.replace("/", ".")
 
 
 def known(span: Span) -> Span:
-    """A place that need not be looked for."""
+    """Return the place itself; the counterpart of a function that looks it up."""
     return span
 
 
 def in_words(adopted: Iterable[Adopted]) -> Iterator[str]:
-    """The settings that are in the model and from whom, a line for all of the same parts."""
+    """Yield the settings that are written into the model, a line for all with the same parts."""
     groups: dict[tuple[str, ...], list[str]] = {}
     for each in adopted:
         if each.is_written:

@@ -1,4 +1,4 @@
-"""What MuJoCo itself attaches to a model: `<attach>` brings it when the model is compiled."""
+"""Models that MuJoCo itself attaches with `<attach>` when it compiles a model."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from composer.tree.unit import Unit
 
 
 def attached_notes(unit: Unit, name: str) -> list[Note]:
-    """Where a name that does not exist may be one that an `<attach>` brings."""
+    """Return notes on each `<attach>` that may bring a missing name."""
     return [
         Note(
             "it may be of the model that MuJoCo attaches here, and can only be referred to: to reach into that,"

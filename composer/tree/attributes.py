@@ -1,4 +1,4 @@
-"""Attributes of an element, set and unset; the names of its model follow."""
+"""Set and remove attributes of an element, and keep the names of its model up to date."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from composer.tree.editable import Editable
 
 @contextmanager
 def changing(model: Editable, node: Node) -> Iterator[None]:
-    """A change of one element, after which its names are those of the model again."""
+    """Update the names of the model after a change of one element in the block."""
     model.forget(node)
     try:
         yield
@@ -22,7 +22,7 @@ def changing(model: Editable, node: Node) -> Iterator[None]:
 
 
 def assign(model: Editable, node: Node, texts: Mapping[str, str | None]) -> None:
-    """Write attributes of an element of the model, None for those to take away."""
+    """Write attributes of an element of the model; None removes one."""
     model.forget(node)
     try:
         replace(node, texts)
@@ -31,9 +31,9 @@ def assign(model: Editable, node: Node, texts: Mapping[str, str | None]) -> None
 
 
 def replace(node: Node, texts: Mapping[str, str | None]) -> None:
-    """Write attributes that have nothing to do with names, None for those to take away.
+    """Write attributes that hold no names; None removes one.
 
-    There are five ways to write an orientation; each replaces the others.
+    There are five attributes for an orientation; each replaces the others.
 
     >>> from lxml import etree
     >>> geom = etree.fromstring('<geom size="1" euler="0 0 90"/>')

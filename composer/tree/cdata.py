@@ -1,4 +1,4 @@
-"""`<![CDATA[…]]>` in a model: how MuJoCo saves a `<text>` that has quotes in it."""
+"""`<![CDATA[…]]>` in a model: MuJoCo saves a `<text>` with quotes in this form."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ _FIRST = re.compile(r"<!\[CDATA\[(.*?)\]\]>", re.DOTALL)
 
 
 def take_cdata_in(root: Node, data: bytes) -> None:
-    """Give every `<text>` that has a section and no `data` the one for the other: attributes are what is worked on.
+    """Move the CDATA section of every `<text>` without `data` into this attribute, because later stages use
+    attributes.
 
-    The parsed tree does not distinguish sections from plain text, which means nothing to MuJoCo: `data` is asked again.
+    The parsed tree does not distinguish sections from plain text, which MuJoCo ignores, so `data` is parsed again.
     """
     parser = etree.XMLParser(
         remove_blank_text=True, resolve_entities=False, no_network=True, huge_tree=True, strip_cdata=False,

@@ -1,4 +1,4 @@
-"""Default classes: which class is in effect where, and what it gives."""
+"""Default classes: which class is in effect, and which values it sets."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ NESTED = ("body", "frame", "replicate")
 
 @dataclass(slots=True)
 class DefaultClass:
-    """One class: its own settings by element tag; what is not here comes from `parent`.
+    """One class: its own settings by element tag; everything else comes from `parent`.
 
-    The top class is one for each top-level `<default>`: a class has what was said before it was declared.
+    There is one top class for each top-level `<default>`: a class inherits only what was written before it.
     """
 
     name: str
@@ -27,7 +27,7 @@ class DefaultClass:
     elements: dict[str, list[Node]] = field(default_factory=dict)
 
     def lookup(self, tag: str, attribute: str) -> tuple[str, Node] | None:
-        """The value that reaches an element of `tag` through this class, and the element that writes it."""
+        """Return the value that reaches an element of `tag` through this class, and the element that writes it."""
         here: DefaultClass | None = self
         while here is not None:
             for element in reversed(here.elements.get(tag, ())):
@@ -38,7 +38,7 @@ class DefaultClass:
         return None
 
     def orientation(self, tag: str) -> tuple[str, str] | None:
-        """Name and value of the orientation that this class gives: of all that are written, the nearest."""
+        """Return name and value of the nearest orientation that this class sets."""
         here: DefaultClass | None = self
         while here is not None:
             for element in reversed(here.elements.get(tag, ())):
@@ -59,7 +59,7 @@ class DefaultClass:
 
 
 def written(element: Node, attribute: str) -> str | None:
-    """The value that an element or a class writes; a blank in place of numbers says nothing, as in MuJoCo.
+    """Return the value that an element or a class writes; as in MuJoCo, a blank in place of numbers does not count.
 
     >>> from lxml import etree
     >>> geom = etree.fromstring('<geom mass="" material=""/>')
@@ -74,7 +74,7 @@ def written(element: Node, attribute: str) -> str | None:
 
 @cache
 def _numeric() -> frozenset[str]:
-    """The attributes of classes that hold numbers."""
+    """Return the attributes of classes that hold numbers."""
     kinds = [
         GRAMMAR.element(f"default/{tag}") for tag in GRAMMAR.element("default").children if tag != "default"
     ]
@@ -82,7 +82,7 @@ def _numeric() -> frozenset[str]:
 
 
 def says_something(element: Node) -> bool:
-    """Whether a default element sets anything; an actuator's tag alone sets what makes it that actuator."""
+    """Return whether a default element sets anything; the tag of an actuator alone sets its type."""
     return bool(len(element.attrib) or len(element)) or element.tag in _actuators()
 
 
@@ -92,7 +92,7 @@ def _actuators() -> frozenset[str]:
 
 
 class Classes:
-    """The class tree of one model, read when a class is first looked up."""
+    """The class tree of one model, read on first use."""
 
     def __init__(self, root: Node) -> None:
         self._root = root
@@ -101,13 +101,13 @@ class Classes:
     def by_name(self) -> dict[str, DefaultClass]:
         found = {MAIN: DefaultClass(MAIN, None)}
         for at, section in enumerate(self._root.iterchildren("default")):
-            if at:  # what a later section says of the top class does not reach the classes of an earlier one
+            if at:  # a later section's top class does not affect the classes of an earlier one
                 found[MAIN] = DefaultClass(MAIN, found[MAIN])
             _read(section, found[MAIN], found)
         return found
 
     def give(self, tag: str, *attributes: str) -> bool:
-        """Whether any class at all gives one of these attributes to elements of `tag`."""
+        """Return whether any class sets one of these attributes for elements of `tag`."""
         return any(
             written(element, attribute) is not None
             for section in self._root.iterchildren("default")
@@ -116,11 +116,13 @@ class Classes:
         )
 
     def get(self, name: str | None) -> DefaultClass:
-        """The class of that name; the top class for None and for a name that does not exist."""
+        """Return the class of that name; the top class for None and for unknown names."""
         return self.by_name.get(name or MAIN) or self.by_name[MAIN]
 
     def effective(self, element: Node, childclass: str | None, attribute: str) -> str | None:
-        """What `attribute` of `element` is, its own value first; `childclass` is the one in force around it."""
+        """Return the effective value of `attribute`: the element's own first; `childclass` is the one in force
+        around it.
+        """
         value = written(element, attribute)
         if value is not None:
             return value
@@ -142,7 +144,7 @@ def _read(section: Node, into: DefaultClass, found: dict[str, DefaultClass]) -> 
 
 
 def default_tag(element: Node) -> str:
-    """The tag under which a default class holds settings for `element`."""
+    """Return the tag under which a default class holds settings for `element`."""
     parent = element.getparent()
     if parent is not None:
         if parent.tag == "equality":
@@ -153,7 +155,7 @@ def default_tag(element: Node) -> str:
 
 
 def childclass_of(element: Node) -> str | None:
-    """The childclass in force for `element`: that of the nearest ancestor that has one."""
+    """Return the childclass in force for `element`: that of the nearest ancestor that has one."""
     parent = element.getparent()
     while parent is not None:
         value = parent.get("childclass")
@@ -164,7 +166,7 @@ def childclass_of(element: Node) -> str | None:
 
 
 def walk_bodies(root: Node) -> Iterator[tuple[Node, str | None]]:
-    """Every element of the body tree in document order, with the childclass in force around it."""
+    """Yield every element of the body tree in document order, with the childclass in force around it."""
     for worldbody in root.iterchildren("worldbody"):
         yield from _walk(worldbody, None)
 
@@ -183,7 +185,7 @@ def _walk(parent: Node, childclass: str | None) -> Iterator[tuple[Node, str | No
 
 
 def through_frames(parent: Node) -> Iterator[Node]:
-    """The children of a body, and of its frames, which do not count as bodies."""
+    """Yield the children of a body, including those in its frames, which do not count as bodies."""
     for child in parent:
         tag = child.tag
         if tag == "frame":
@@ -193,7 +195,7 @@ def through_frames(parent: Node) -> Iterator[Node]:
 
 
 def own(body: Node, *tags: str) -> list[Node]:
-    """The elements with those tags that belong to the body itself; frames and replicates are transparent."""
+    """Return the elements with those tags that belong to the body itself, including those in frames and replicates."""
     found: list[Node] = []
     for child in body:
         if child.tag in tags:

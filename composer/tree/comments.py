@@ -1,4 +1,4 @@
-"""Comments of a model: which of them go along when what they stand above goes into another model."""
+"""Comments of a model, and which of them move to another model with the section below them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from lxml.etree import _Element as Node
 
 
 def take_header_in(root: Node) -> tuple[Node, ...]:
-    """Move the comments before a root, with a licence perhaps, inside; what is outside is lost when trees move."""
+    """Move the comments before a root, such as a licence, inside of it, because trees lose outside comments when
+    they move.
+    """
     found = [each for each in root.itersiblings(preceding=True) if isinstance(each, Comment)]
     for comment in found:
         comment.tail = None
@@ -18,7 +20,7 @@ def take_header_in(root: Node) -> tuple[Node, ...]:
 
 
 def above(section: Node, header: Container[Node]) -> list[Node]:
-    """The comments right above a section that are not of the header."""
+    """Return the comments directly above a section, except those of the header."""
     found: list[Node] = []
     for sibling in section.itersiblings(preceding=True):
         if not isinstance(sibling, Comment) or sibling in header:

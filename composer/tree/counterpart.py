@@ -1,4 +1,4 @@
-"""A node and the one that stands for it in a copy of its tree."""
+"""Find the copy of a node in a copied tree."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from lxml.etree import _Element as Node
 
 
 def counterpart(node: Node, root: Node, copied: Node) -> Node:
-    """The node of `copied`, a deep copy of `root`, that stands where `node` does below `root`."""
+    """Return the node of `copied`, a deep copy of `root`, at the position of `node` below `root`."""
     steps: list[int] = []
     while node is not root:
         parent = node.getparent()

@@ -1,7 +1,7 @@
-"""XML that MuJoCo's reader takes for something else than a reader of XML does: refused, so that all see one model.
+"""Refuse XML that MuJoCo parses differently from an XML parser, so that both see the same model.
 
-MuJoCo 4.0 reads bytes as UTF-8 whatever the declaration says, and a `<!DOCTYPE` ends for it at the first `>`: what a
-reader of XML takes for a comment in a DTD is a model for MuJoCo.
+MuJoCo 4.0 reads bytes as UTF-8 whatever the declaration says, and ends a `<!DOCTYPE` at the first `>`: a comment in
+a DTD can be a model for MuJoCo.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from composer.diagnostics.span import Span
 
 _DECLARED = re.compile(rb"""\A(?:\xef\xbb\xbf)?\s*<\?xml\b[^>]*?\bencoding\s*=\s*["']([^"']*)["']""")
 _ASCII = re.compile(r"utf-?8|(us-)?ascii|iso-?8859-?\d+|latin-?\d|windows-125\d|cp125\d", re.IGNORECASE)
-"""Encodings in which what looks like a tag is one."""
+"""Encodings with the same bytes as ASCII for tags."""
 _WIDE = (b"\xff\xfe", b"\xfe\xff", b"\x00\x00\xfe\xff", b"<\x00", b"\x00<")
 _PLAIN = re.compile(rb"<!DOCTYPE\s+[\w:.-]+\s*>")
-"""One that ends at its first `>`, and neither declares anything nor names another file."""
+"""A doctype that ends at its first `>`, and neither declares anything nor names another file."""
 
 
 def refused(data: bytes, file: str, sink: Sink) -> bool:
-    """Whether the text is one of these, which is reported.
+    """Return whether the text is refused, which is reported.
 
     >>> refused(b'<!DOCTYPE mujoco [<!-- > <mujoco model="other"/> -->]><mujoco/>', "a.xml", Sink())
     True

@@ -1,4 +1,4 @@
-"""A model as edits see it, and who refers to a name in it."""
+"""The interface of a model for edits, and references to its names."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from composer.tree.name_index import NameIndex
 
 
 class Lookup(Protocol):
-    """Where names are looked up: a model, with what is attached to it."""
+    """Looks up names in a model and in what is attached to it."""
 
     def find_node(self, namespace: str, name: str) -> Node | None:
-        """The element that a name means, of this model or of what is attached to it."""
+        """Return the element of that name, in this model or in what is attached to it."""
 
     def known_names(self, namespace: str) -> Iterable[str]:
-        """Every name of a namespace that the model can refer to."""
+        """Return every name of a namespace that the model can refer to."""
 
     def kinds_of(self, name: str) -> Iterable[str]:
-        """The namespaces in which something has a name."""
+        """Return the namespaces in which the name exists."""
 
     def may_generate(self, name: str) -> bool:
-        """Whether MuJoCo may make the name itself, as it does for the copies of a `<replicate>`."""
+        """Return whether MuJoCo may create the name itself, as for the copies of a `<replicate>`."""
 
 
 class Editable(Lookup, Protocol):
-    """One tree with its names, which edits keep up to date, and the models it is attached to.
+    """One tree with its names, which edits keep up to date, and the models that it is attached to.
 
-    A recipe edits one flat tree. `composer.mjcf` edits a tree of models: in those above a name has a prefix.
+    A recipe edits one flat tree. `composer.mjcf` edits a tree of models: in outer models, names have a prefix.
     """
 
     @property
@@ -37,23 +37,23 @@ class Editable(Lookup, Protocol):
         """The names of its own tree."""
 
     def levels(self) -> Iterator[tuple[Self, str]]:
-        """The model, then those it is attached to, each with what stands before this model's names there."""
+        """Yield the model, then those it is attached to, each with the prefix that this model's names have there."""
 
     def names_of(self, node: Node) -> Iterable[tuple[str, str]]:
-        """Namespace and name of everything that goes with an element."""
+        """Return namespace and name of everything that belongs to an element."""
 
     def forget(self, node: Node) -> None:
-        """Drop the names of a node that is about to change."""
+        """Drop the names of a node before it changes."""
 
     def note(self, node: Node) -> None:
-        """Take up the names of a node that has changed."""
+        """Add the names of a node after it has changed."""
 
 
 M = TypeVar("M", bound=Editable)
 
 
 class Reference(NamedTuple, Generic[M]):
-    """An element of `model` that refers by an attribute to a name, as that model writes it."""
+    """An element of `model` that refers to a name by an attribute, as that model writes it."""
 
     model: M
     node: Node
@@ -63,16 +63,16 @@ class Reference(NamedTuple, Generic[M]):
 
 
 def referrers(model: M, namespace: str, name: str) -> Iterator[Reference[M]]:
-    """Who refers to a name of the model: in its own tree, and in the models it is attached to."""
+    """Yield the references to a name of the model: in its own tree, and in the models that it is attached to."""
     for here, _, used in uses_of(model, namespace, name):
         for node, attribute in here.names.users(namespace, used):
             yield Reference(here, node, attribute, namespace, used)
 
 
 def uses_of(model: M, namespace: str, name: str) -> Iterator[tuple[M, str, str]]:
-    """The texts by which models refer to a name: each model, the prefix there, and the whole text.
+    """Yield the texts by which models refer to a name: each model, the prefix there, and the whole text.
 
-    Beside the name itself these are the names of the copies that MuJoCo makes.
+    Besides the name itself these are the names of the copies that MuJoCo makes.
     """
     node = model.find_node(namespace, name)
     has_copies = node is not None and multiplies(node)
@@ -86,12 +86,12 @@ def uses_of(model: M, namespace: str, name: str) -> Iterator[tuple[M, str, str]]
 
 
 def multiplies(node: Node) -> bool:
-    """Whether MuJoCo makes several names of the element's own."""
+    """Return whether MuJoCo creates several names from the element's own."""
     return node.tag in ("flexcomp", "composite") or next(node.iterancestors("replicate"), None) is not None
 
 
 def is_copy(other: str, name: str) -> bool:
-    """Whether a name is what MuJoCo makes of another one, with numbers behind it.
+    """Return whether MuJoCo makes a name from another one by appending numbers.
 
     >>> is_copy("pad_012", "pad"), is_copy("pad3_0", "pad3"), is_copy("padding", "pad")
     (True, True, False)

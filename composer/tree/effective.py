@@ -1,4 +1,4 @@
-"""The value of an attribute that is in effect: written on the element, given by a class, or MuJoCo's own."""
+"""The effective value of an attribute: written on the element, set by a class, or MuJoCo's default."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """One place that may give an attribute, the nearest first.
+    """One place that may set an attribute, the nearest first.
 
-    `writer` is the element that writes it there, `text` what it writes; None where that level says nothing. `taken`
-    says which of its numbers are in effect: a shorter list leaves the last ones to the levels behind it.
+    `writer` is the element that writes it there, `text` the written text; None if that level does not set it.
+    `taken` is the range of its numbers in effect: a shorter list leaves the remaining ones to the next levels.
     """
 
     kind: Literal["element", "class", "mujoco"]
@@ -41,7 +41,7 @@ class Level:
 
 @dataclass(frozen=True, slots=True)
 class InForce:
-    """The class that is in force for an element, and the element that says so: by `class` or by `childclass`."""
+    """The class in force for an element, and the element that selects it by `class` or `childclass`."""
 
     name: str
     attribute: Literal["class", "childclass"] | None = None
@@ -49,7 +49,7 @@ class InForce:
 
 
 def class_in_force(element: Node) -> InForce:
-    """Its own class, else the childclass around it, else the top class."""
+    """Return its own class, else the childclass around it, else the top class."""
     own = element.get("class")
     if own:
         return InForce(str(own), "class", element)
@@ -61,7 +61,7 @@ def class_in_force(element: Node) -> InForce:
 
 
 def chain(element: Node, classes: Classes) -> list[DefaultClass]:
-    """The classes that reach an element, the nearest first."""
+    """Return the classes that apply to an element, the nearest first."""
     found: DefaultClass | None = classes.get(class_in_force(element).name)
     steps = []
     while found is not None:
@@ -71,7 +71,7 @@ def chain(element: Node, classes: Classes) -> list[DefaultClass]:
 
 
 def levels(element: Node, kind: ElementType, attribute: Attribute, classes: Classes) -> list[Level]:
-    """Every level that an attribute may come from, the element first and MuJoCo's own default last."""
+    """Return every level that an attribute may come from, the element first and MuJoCo's default last."""
     found = [Level("element", None, element, written(element, attribute.name))]
     if kind.takes_class and attribute.in_default:
         for step in chain(element, classes):
@@ -84,19 +84,19 @@ def levels(element: Node, kind: ElementType, attribute: Attribute, classes: Clas
 
 
 def value(steps: list[Level]) -> str | None:
-    """The value in effect, put together where a class gives only its first numbers."""
+    """Return the effective value, completed from further levels if a class sets only its first numbers."""
     words = [word for step in steps if step.text is not None for word in _words(step)]
     return " ".join(words) if words else next((step.text for step in steps if step.taken), None)
 
 
 def text_in_effect(element: Node, kind: ElementType, name: str, classes: Classes) -> str | None:
-    """The text of an attribute in effect; None where the element has none of that name, or nothing gives it one."""
+    """Return the effective text of an attribute, or None if the element has no such attribute or nothing sets it."""
     attribute = kind.attributes.get(name)
     return None if attribute is None else value(levels(element, kind, attribute, classes))
 
 
 def given(element: Node, kind: ElementType, classes: Classes) -> Iterator[tuple[Attribute, Level]]:
-    """Every attribute that some class gives to an element, and the nearest level that does."""
+    """Yield every attribute that some class sets for an element, with the nearest level that does."""
     seen = {name for name in map(str, element.keys()) if written(element, name) is not None}
     turned = not seen.isdisjoint(ORIENTATIONS) or element.get("quat") is not None
     for step in chain(element, classes) if kind.takes_class else ():
@@ -119,7 +119,7 @@ def given(element: Node, kind: ElementType, classes: Classes) -> Iterator[tuple[
 
 @cache
 def default_text(attribute: Attribute) -> str | None:
-    """MuJoCo's default as text, as far as the grammar knows one."""
+    """Return MuJoCo's default as text, if the grammar knows it."""
     default = attribute.default
     return None if default is None or default == () else to_text(attribute, default)
 
@@ -144,7 +144,7 @@ def _words(step: Level) -> list[str]:
 
 
 def _writer(step: DefaultClass, element: Node, attribute: Attribute) -> Node | None:
-    """The element of a class that gives the attribute; of several the last."""
+    """Return the element of a class that sets the attribute; if there are several, the last one."""
     for holder in reversed(_holders(step, element, attribute)):
         if written(holder, attribute.name) is not None:
             return holder
@@ -152,7 +152,9 @@ def _writer(step: DefaultClass, element: Node, attribute: Attribute) -> Node | N
 
 
 def _holders(step: DefaultClass, element: Node, attribute: Attribute | None = None) -> list[Node]:
-    """The elements of a class that reach this one. All actuators share their defaults, but for what is their own."""
+    """Return the elements of a class that apply to this one. All actuators share their defaults for common
+    attributes.
+    """
     parent = element.getparent()
     tag = default_tag(element)
     if parent is None or parent.tag != "actuator":
@@ -163,7 +165,7 @@ def _holders(step: DefaultClass, element: Node, attribute: Attribute | None = No
 
 
 def _position(node: Node) -> list[int]:
-    """Where a node stands in its document, for sorting."""
+    """Return the position of a node in its document, for sorting."""
     at: list[int] = []
     parent = node.getparent()
     while parent is not None:
@@ -180,5 +182,5 @@ def _actuators() -> tuple[str, ...]:
 
 @cache
 def _common() -> frozenset[str]:
-    """What any actuator of a class gives to all: the attributes of a motor, which has none of its own."""
+    """Return the attributes that any actuator of a class sets for all: those of a motor, which has none of its own."""
     return frozenset(GRAMMAR.element("actuator/motor").attributes)

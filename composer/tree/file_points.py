@@ -1,4 +1,6 @@
-"""How many points the file of a `<flexcomp>` has: each may become a body, and is counted before MuJoCo makes any."""
+"""Count the points in the file of a `<flexcomp>`: each may become a body, so they are counted before MuJoCo creates
+any.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,7 @@ _FACE = 50
 
 
 def file_points(flexcomp: Node, unit: Unit) -> int:
-    """At least so many points that the file has; 0 for a file that there is not, which is reported elsewhere."""
+    """Return a lower bound of the points in the file; 0 if it does not exist, which is reported elsewhere."""
     written = written_path(unit.settings, flexcomp, str(flexcomp.get("file") or ""))
     held = unit.contents.get(written)
     if isinstance(held, bytes):
@@ -27,7 +29,7 @@ def file_points(flexcomp: Node, unit: Unit) -> int:
 
 
 def points(data: bytes, name: str) -> int:
-    r"""At least so many points that a mesh in a file has.
+    r"""Return a lower bound of the points of a mesh file.
 
     >>> points(b"v 0 0 0\nv 1 0 0\nvn 1 0 0\n", "a.obj"), points(b"$Nodes\n1 8 1 8\n", "a.msh")
     (2, 8)
@@ -44,7 +46,9 @@ def points(data: bytes, name: str) -> int:
 
 
 def _nodes(numbers: bytes) -> int:
-    """The number of nodes in gmsh 4 (blocks, nodes, lowest, highest) and gmsh 2 (nodes); binary ones have 64 bits."""
+    """Return the number of nodes in gmsh 4 (blocks, nodes, lowest, highest) and gmsh 2 (nodes); binary files use 64
+    bits.
+    """
     first = numbers.split(b"\n")[1:2]
     words = first[0].split() if first else []
     if words and all(word.isdigit() for word in words):

@@ -1,4 +1,4 @@
-"""Where the files of a model are: MuJoCo's rules for folders, and the text of paths."""
+"""Find the files of a model by MuJoCo's rules for folders, and normalize paths."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ NAMED_AFTER_FILE = ("mesh", "hfield", "skin", "texture")
 
 
 def join(folder: str, name: str) -> str:
-    """`name` in `folder`, shortened as text (`a/../b` is `b` whether or not `a` exists); backslashes part too."""
+    """Return `name` in `folder`, normalized as text (`a/../b` is `b` whether or not `a` exists); backslashes
+    separate too.
+    """
     if "\\" in name or "\\" in folder:
         name, folder = name.replace("\\", "/"), folder.replace("\\", "/")
     path = name if is_absolute(name) or not folder else f"{folder}/{name}"
@@ -23,7 +25,7 @@ def join(folder: str, name: str) -> str:
 
 
 def _has_empty_steps(path: str) -> bool:
-    """Whether `//`, `.`, `..` or a last `/` may have to be shortened; a name that begins with a dot counts too."""
+    """Return whether `//`, `.`, `..` or a final `/` may need normalizing; also true for names that begin with a dot."""
     return "/." in path or "//" in path or path.startswith(".") or path.endswith("/")
 
 
@@ -32,7 +34,7 @@ def is_absolute(name: str) -> bool:
 
 
 def file_attributes(root: Node) -> Iterator[tuple[Node, str, str]]:
-    """Every mesh, texture, height field, skin or flex file that a model names: element, attribute and value."""
+    """Yield element, attribute and value of every mesh, texture, height field, skin or flex file that a model names."""
     for section in root.iterchildren("asset", "worldbody", "deformable"):
         if section.tag == "asset":
             elements = section.iterchildren("mesh", "texture", "hfield", "skin")
@@ -49,27 +51,27 @@ def file_attributes(root: Node) -> Iterator[tuple[Node, str, str]]:
 
 
 def is_plain(name: str) -> bool:
-    """Whether a path needs no shortening and stands for a file below the folder it is joined to."""
+    """Return whether a path needs no normalizing and leads to a file below the folder it is joined to."""
     if "/" in name and (_has_empty_steps(name) or is_absolute(name)):
         return False
     return not (name.startswith(".") or "\\" in name or ":" in name)
 
 
 def written_path(settings: Settings, element: Node, name: str) -> str:
-    """The file as MuJoCo would look for it: relative to the folder of the main file unless absolute."""
+    """Return the path under which MuJoCo looks for a file: relative to the folder of the main file unless absolute."""
     if settings.strippath == "true":
         name = posixpath.basename(name.replace("\\", "/"))
     return join(settings.texture_folder if element.tag == "texture" else settings.mesh_folder, name)
 
 
 def stem(file: str) -> str:
-    """The name MuJoCo gives an asset that has none: `x.y.obj` is `x.y`."""
+    """Return the name that MuJoCo gives an unnamed asset: `x.y` for `x.y.obj`."""
     base = file.replace("\\", "/").rpartition("/")[2] if "/" in file or "\\" in file else file
     name, dot, _ = base.rpartition(".")
     return name if dot else base
 
 
 def in_archive(path: Path) -> tuple[Path, str] | None:
-    """The file that a path leads into as if it were a folder, and the rest of the path."""
+    """Return the file that a path treats as a folder, and the rest of the path."""
     archive = next((above for above in path.parents if above.is_file()), None)
     return None if archive is None else (archive, path.relative_to(archive).as_posix())

@@ -1,4 +1,4 @@
-"""Files by their paths from a folder of the model that has them."""
+"""View files by their paths from a folder of the model."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from composer.tree.files import join
 
 
 class FromFolder(Mapping[str, bytes | Path]):
-    """The files of `contents` as a model in `folder` names them.
+    """The files of `contents` under the names that a model in `folder` uses.
 
     >>> FromFolder({"tools/blade.obj": b"...", "arm.obj": b"..."}, "tools").get("blade.obj")
     b'...'

@@ -1,7 +1,7 @@
 """Globs over names: `*` and `?` stop at the separator, `**` does not, `{a,b}` is a choice.
 
-A name is matched in one go through the glob, by the set of its places that can be reached: never by trying and going
-back, so that no glob takes long for any name. The sets are the bits of integers.
+Matching tracks the set of reachable positions in the name while it goes through the glob once. It never backtracks,
+so that no glob takes long for any name. The sets are bits of integers.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ class _Wild(Enum):
 
 
 _Token = _Wild | str | list[list["_Token"]]
-"""What stands for other characters, text that stands for itself, or a choice."""
+"""A wildcard, literal text, or a choice."""
 
 
 def is_glob(name: str) -> bool:
-    """Whether a name is one of many: no plain name has these characters."""
+    """Return whether a text is a glob: plain names do not have these characters."""
     return any(character in name for character in "*?{")
 
 
 def stray_brace(glob: str) -> int | None:
-    """The place of a brace that is not part of a choice, of which none can stand in another.
+    """Return the position of a brace that is not part of a choice; choices cannot be nested.
 
     >>> stray_brace("{a,b}/*"), stray_brace("x{a"), stray_brace("a}"), stray_brace("{a,{b}}")
     (None, 1, 1, 0)
@@ -43,7 +43,7 @@ def stray_brace(glob: str) -> int | None:
 
 @lru_cache(maxsize=256)
 def matcher(glob: str, separator: str = "/") -> Callable[[str], bool]:
-    """Whether a name is meant by a glob.
+    """Return a function that says whether a name matches a glob.
 
     >>> pads = matcher("gripper/*_pad?")
     >>> pads("gripper/left_pad1"), pads("gripper/left/pad1"), matcher("**/{pad,tip}")("a/b/tip")
@@ -56,7 +56,7 @@ def matcher(glob: str, separator: str = "/") -> Callable[[str], bool]:
     stops = separator if _makes_levels(separator) else ""
 
     def fits(name: str) -> bool:
-        # Most names lack a part of the glob, and this is seen at once.
+        # Most names lack a literal part of the glob, which is quick to see.
         return all(text in name for text in texts) and _Name(name, stops).is_meant_by(tokens)
 
     return fits
@@ -78,12 +78,12 @@ def _tokens(glob: str, separator: str) -> list[_Token]:
 
 
 def _makes_levels(separator: str) -> bool:
-    """Whether `*` stops there: `_` stands in names, too."""
+    """Return whether `*` stops at the separator: `_` is also part of names."""
     return separator not in ("_", "__")
 
 
 class _Name:
-    """A name that is matched. Places are bits: the lowest is that before its first character."""
+    """The name to match. Positions are bits: the lowest is before its first character."""
 
     def __init__(self, name: str, stops: str) -> None:
         self.name = name
@@ -94,7 +94,7 @@ class _Name:
         self.within = (self.end - 1) & ~self.stops
 
     def _at(self, text: str) -> int:
-        """The places before a text; not by an integer for each, since a name may be long."""
+        """Return the positions before a text, without an integer for each, because a name may be long."""
         found = bytearray(b"0" * (len(self.name) + 1))
         place = self.name.find(text)
         while place >= 0:
@@ -106,7 +106,7 @@ class _Name:
         return bool(self._reached(tokens, 1) & self.end)
 
     def _reached(self, tokens: list[_Token], places: int) -> int:
-        """The places behind what the tokens stand for, from each of some places on."""
+        """Return the positions after matching the tokens from each of these positions."""
         for token in tokens:
             if isinstance(token, str):
                 places = (places & self._at(token)) << len(token)
@@ -125,7 +125,7 @@ class _Name:
         from_first = -(places & -places)
         if token is _Wild.ONE:
             return (places & self.within) << 1
-        if token is _Wild.LEVEL:  # the carry of the sum runs from each place to the end of its level
+        if token is _Wild.LEVEL:  # the carry of the sum runs from each position to the end of its level
             return (((places & self.within) + self.within) ^ self.within) | places
         if token is _Wild.ALL:
             return from_first & (2 * self.end - 1)

@@ -1,9 +1,8 @@
-"""What MuJoCo's reader passes over without a word, below a `<frame>` or a `<replicate>`.
+"""Find what MuJoCo's reader ignores without a warning below a `<frame>` or a `<replicate>`.
 
-These are attributes that MJCF does not have, those that this version of MuJoCo does not have, and elements in one that
-can have none of that tag. MuJoCo (3.2 to 4.0) refuses them everywhere else, and has no schema for what is inside a
-frame. Parts are joined by frames, so that a typing error in a source, which MuJoCo reports of the source alone, would
-be lost in a composition.
+These are attributes that MJCF or this version of MuJoCo does not have, and elements in a place where their tag is
+not allowed. MuJoCo (3.2 to 4.0) refuses them everywhere else, but has no schema for the contents of a frame.
+Because parts are joined by frames, a typo that MuJoCo reports for the source alone would be lost in a composition.
 """
 
 from __future__ import annotations
@@ -25,13 +24,13 @@ if TYPE_CHECKING:
 
 BLIND = ("frame", "replicate")
 _HOLDERS = ("body", *BLIND)
-"""What MuJoCo looks into tag by tag, also below a frame."""
+"""MuJoCo reads these tag by tag, also below a frame."""
 
 
 def unread(root: Node, version: str | None = None) -> Iterator[tuple[Node, str | None]]:
-    """Elements with the name of each of their attributes that nobody reads; None where the element itself is not read.
+    """Yield each element with each of its attributes that MuJoCo ignores; None if it ignores the element itself.
 
-    Without a `version` of MuJoCo that means what some version does not read.
+    Without a `version` of MuJoCo, yield what any version ignores.
 
     >>> from lxml import etree
     >>> root = etree.fromstring("<mujoco><worldbody><frame><geom x='1'><y/></geom></frame></worldbody></mujoco>")
@@ -72,7 +71,7 @@ def _below(
 
 
 def ignored(element: Node, name: str | None, unit: Unit) -> Diagnostic:
-    """The warning that an attribute of an element means nothing, or (None) the element itself."""
+    """Return the warning that an attribute of an element, or (None) the element itself, has no effect."""
     span = unit.origins.span(element, unit.file, name, key=name is not None)
     if name is None:
         parent = element.getparent()
@@ -88,12 +87,12 @@ def ignored(element: Node, name: str | None, unit: Unit) -> Diagnostic:
 
 
 def note_unread(unit: Unit) -> None:
-    """Remember what MuJoCo passes over in a source by itself, where it is known later that it means nothing."""
+    """Remember what MuJoCo ignores in a source by itself, if it is only known later that this has no effect."""
     unit.origins.unread |= {_place(node, name, unit) for node, name in unread(unit.root)}
 
 
 def is_unread_alone(element: Node, name: str | None, unit: Unit) -> bool:
-    """Whether MuJoCo passes over it in the source, too, of which the unit is made."""
+    """Return whether MuJoCo also ignores it in the source of the unit."""
     return _place(element, name, unit) in unit.origins.unread
 
 

@@ -1,4 +1,4 @@
-"""The files that included MJCF names: MuJoCo looks for them beside that, too."""
+"""Find the files that included MJCF names, which MuJoCo also looks for next to the including file's folder."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ _BESIDE_FIRST = ("flexcomp", "model")
 
 
 def find_beside(unit: Unit, included: Mapping[Node, Path]) -> None:
-    """Let the elements of included files, each given with the folder of its file, name what MuJoCo finds.
+    """Rewrite file names in included elements, each given with the folder of its file, if MuJoCo finds them there.
 
-    That is what it does where the path of the main file is absolute; with a relative one it does not find them.
+    MuJoCo does so if the path of the main file is absolute; with a relative path it does not find them.
     """
     if unit.settings.strippath == "true":
         return
@@ -41,7 +41,7 @@ def find_beside(unit: Unit, included: Mapping[Node, Path]) -> None:
 
 
 def _folder(unit: Unit, element: Node) -> str:
-    """What the path of a file is joined to."""
+    """Return the folder that a file's path is joined to."""
     inner = {"model": "", "texture": unit.settings.texture_folder}
     return join(str(unit.directory), inner.get(str(element.tag), unit.settings.mesh_folder) or ".")
 

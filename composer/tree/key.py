@@ -1,4 +1,4 @@
-"""A key apart from any layout: its numbers by the joints, actuators and bodies that they belong to."""
+"""A key independent of any layout: its numbers by their joints, actuators and bodies."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from composer.tree.origin import Origins
 
 @dataclass(eq=False, slots=True)
 class Key:
-    """Numbers by vector (`qpos`, …) and by what they belong to; `element` is where it is written.
+    """Numbers by vector (`qpos`, …) and by their owner; `element` is where it is written.
 
-    `others` are the elements of keys that have been joined to it.
+    `others` are the elements of keys that were merged into it.
     """
 
     name: str
@@ -28,12 +28,12 @@ class Key:
     others: tuple[Node, ...] = ()
 
     def span(self, attribute: str | None = None) -> Span:
-        """Where the key is written, or the value of its attribute."""
+        """Return where the key is written, or the value of its attribute."""
         return self.origins.span(self.element, self.file, attribute)
 
 
 class PartKeys(NamedTuple):
-    """The keys of one part of a model; `depth` is how many compositions it is inside of."""
+    """The keys of one part of a model; `depth` is the number of compositions around it."""
 
     depth: int
     keys: tuple[Key, ...]

@@ -1,4 +1,4 @@
-"""A number of a key, and where it comes from: noted where keys are laid out, for those who ask afterwards."""
+"""A number of a key and its origin, noted where keys are laid out."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ Kind = Literal["key", "edited", "entry", "reference", "zero", "mujoco"]
 
 @dataclass(frozen=True, slots=True)
 class KeySource:
-    """What gave numbers of a key.
+    """The origin of numbers of a key.
 
     - `key`: the attribute `vector` of the `<key>` element `key`, as it was read;
-    - `edited`: the same attribute, as an edit has left it after the row was cut;
-    - `entry`: the entry of the recipe's section `keyframe` that `span` is;
+    - `edited`: the same attribute, changed by an edit after the row was cut;
+    - `entry`: the entry at `span` of the recipe's section `keyframe`;
     - `reference`: no key; the number is that of the reference configuration (`qpos`, `mpos`, `mquat`);
     - `zero`: no key; the number is 0 (`qvel`, `act`, `ctrl`);
-    - `mujoco`: the row of `key` ends in the middle of a joint, and MuJoCo says how it goes on.
+    - `mujoco`: the row of `key` ends in the middle of a joint, and MuJoCo completes it.
 
-    `taken` has the `from` entries of recipes that passed the number on, `moved` the parts whose place changed it, with
-    the place that attaches them: each in order. `lost` is the first number that a key gives
-    where an edit has made that meaningless.
+    `taken` are the `from` entries of recipes that passed the number on, `moved` the parts whose place changed it,
+    each with the place of its attachment, both in order. `lost` is the first number of a key that an edit has made
+    meaningless here.
     """
 
     kind: Kind
@@ -39,7 +39,7 @@ class KeySource:
 
 
 class Number(NamedTuple):
-    """A number as text. It is the number `at`, counted from 0, of what `source` says."""
+    """A number as text. It is number `at`, counted from 0, of its `source`."""
 
     text: str
     source: KeySource
@@ -48,9 +48,9 @@ class Number(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class KeyRecord:
-    """How a `<key>` was laid out: the elements whose place it takes, and its numbers by attribute, `time` included.
+    """The layout of a `<key>`: the elements that it replaces, and its numbers by attribute, including `time`.
 
-    The record holds as long as nobody changes the attribute: `numbers_of` says so.
+    The record is valid until the attribute changes, which `numbers_of` checks.
     """
 
     keys: tuple[Node, ...] = ()
@@ -58,7 +58,7 @@ class KeyRecord:
 
 
 def numbers_of(record: KeyRecord | None, key: Node, vector: str) -> list[Number]:
-    """The numbers that a `<key>` has in an attribute, each with where it comes from."""
+    """Return the numbers of a `<key>` in an attribute, each with its origin."""
     text = str(key.get(vector) or "").split()
     known = None if record is None else record.numbers.get(vector)
     if known is not None and texts(known) == text:
@@ -72,7 +72,7 @@ def texts(numbers: Iterable[Number]) -> list[str]:
 
 
 def moved(numbers: list[Number], now: Sequence[str], part: tuple[str, Span | None]) -> list[Number]:
-    """The pose or velocity as the place of a part has changed it."""
+    """Return a pose or velocity changed by the place of a part."""
     if texts(numbers) == list(now):
         return numbers
     sources: dict[int, KeySource] = {}
@@ -85,7 +85,7 @@ def moved(numbers: list[Number], now: Sequence[str], part: tuple[str, Span | Non
 
 
 def taken(numbers: Iterable[Number], span: Span) -> list[Number]:
-    """The numbers as a `from` entry of a recipe passes them on."""
+    """Return the numbers passed on by a `from` entry of a recipe."""
     numbers = list(numbers)
     sources: dict[int, KeySource] = {}
     for source in (number.source for number in numbers):

@@ -1,4 +1,4 @@
-"""What the grammar says of a node, by where it stands, and which nodes a tag asks for."""
+"""The element type of a node by its place in the grammar, and the nodes that a tag selects."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from composer.grammar.attribute import Attribute
 
 ROOT = "mujoco"
 WORLD_SECTION = "worldbody"
-# Elements whose children, one of each, are made when first asked for; empty ones are not written.
+# Elements whose children, one of each, are created on first access; empty ones are not written.
 HOLDS_ONE_OF_EACH = frozenset({"mujoco", "option", "visual", "compiler", "default"})
-# Python's words for MJCF's: `class` cannot be an argument.
+# Python names for MJCF's: `class` is a keyword.
 _SPELLED = {"dclass": "class"}
 _SPOKEN = {name: word for word, name in _SPELLED.items()}
 
 
 def section_of(node: Node) -> str:
-    """The top-level section a node stands in; the frame of an attachment stands in the world."""
+    """Return the top-level section of a node; the frame of an attachment belongs to the world."""
     above = node.getparent()
     while above is not None:
         over = above.getparent()
@@ -32,7 +32,7 @@ def section_of(node: Node) -> str:
 
 
 def kind_of(node: Node) -> ElementType:
-    """The element type of a node that stands in a valid tree."""
+    """Return the element type of a node in a valid tree."""
     parent = node.getparent()
     if parent is None:
         return GRAMMAR.element(str(node.tag))
@@ -43,7 +43,7 @@ def kind_of(node: Node) -> ElementType:
 
 @cache
 def _only_kind(parent: str, tag: str) -> ElementType | None:
-    """The element type of a tag below another one, where that is the same in every section."""
+    """Return the element type of a tag below another one, if it is the same in every section."""
     outer = [GRAMMAR.section(parent)] if parent in _sections() else []
     outer += [GRAMMAR.within(section)[parent] for section in _sections() if parent in GRAMMAR.within(section)]
     found = {kind.children[tag].path for kind in outer if tag in kind.children}
@@ -52,13 +52,13 @@ def _only_kind(parent: str, tag: str) -> ElementType | None:
 
 @cache
 def child_kind(section: str, parent: str, tag: str) -> ElementType:
-    """The element type of a tag below another one in a section."""
+    """Return the element type of a tag below another one in a section."""
     outer = GRAMMAR.section(section) if parent == section else GRAMMAR.within(section)[parent]
     return outer.children[tag]
 
 
 def attribute_of(kind: ElementType, name: str) -> Attribute | None:
-    """The attribute that a Python name means: `dclass` is `class`, and a last underscore does not count."""
+    """Return the attribute for a Python name: `dclass` is `class`, and a final underscore is ignored."""
     attributes = kind.attributes
     found = attributes.get(name)
     if found is None:
@@ -67,19 +67,19 @@ def attribute_of(kind: ElementType, name: str) -> Attribute | None:
 
 
 def spoken(name: str) -> str:
-    """How Python code names an attribute or a child: `dclass`, `global_`."""
+    """Return the Python name of an attribute or a child: `dclass`, `global_`."""
     return _SPOKEN.get(name, f"{name}_" if iskeyword(name) else name)
 
 
 @cache
 def naming_attribute(kind: ElementType) -> Attribute | None:
-    """The attribute that declares an element's own name: `name`, or `class` of a default class."""
+    """Return the attribute that declares an element's own name: `name`, or `class` for a default class."""
     return next((each for each in kind.attributes.values() if each.declares), None)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Query:
-    """Which elements a tag asks for: their paths in the grammar, tags, sections and namespaces."""
+    """The elements that a tag selects: their paths in the grammar, tags, sections and namespaces."""
 
     tag: str
     paths: frozenset[str]
@@ -88,7 +88,7 @@ class Query:
     namespaces: tuple[str, ...]
 
     def takes(self, section: str, parent: str, tag: str) -> bool:
-        """Whether an element of `tag` below one of `parent` is asked for; `tag` must be one of `tags`."""
+        """Return whether it selects an element of `tag` below one of `parent`; `tag` must be one of `tags`."""
         if parent == ROOT:
             return tag in self.paths
         return child_kind(section, parent, tag).path in self.paths
@@ -96,11 +96,11 @@ class Query:
 
 @cache
 def query(tag: str, section: str | None) -> Query:
-    """What `find(tag)` looks for, from the root (`section` None) or from inside a section.
+    """Return what `find(tag)` selects, from the root (`section` None) or inside a section.
 
-    A family takes all of its tags; any other tag takes itself. From the root what stands in default classes
-    is not found, as it is not part of the model; inside a section the section's own elements of that tag are
-    meant (`joint` in `tendon` is the joint of a fixed tendon).
+    A family selects all of its tags; any other tag selects itself. From the root, elements of default classes are
+    not selected, because they are not part of the model; inside a section, only the section's own elements of that
+    tag are (`joint` in `tendon` is the joint of a fixed tendon).
     """
     sections = _sections() if section is None else (section,)
     reached = {each: _reachable(each) for each in sections}
@@ -128,7 +128,7 @@ def _sections() -> tuple[str, ...]:
 
 @cache
 def _reachable(section: str) -> frozenset[str]:
-    """Paths of all elements of a section, itself included."""
+    """Return the paths of all elements of a section, including the section."""
     found: dict[str, None] = {}
     waiting = [GRAMMAR.section(section)]
     while waiting:
@@ -140,6 +140,6 @@ def _reachable(section: str) -> frozenset[str]:
 
 
 def tags_of() -> list[str]:
-    """Every tag and family that `find` knows, for suggestions."""
+    """Return every tag and family that `find` knows, for suggestions."""
     tags = {path.rpartition("/")[2] for section in _sections() for path in _reachable(section)}
     return sorted(tags | GRAMMAR.families.keys())

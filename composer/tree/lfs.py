@@ -1,4 +1,4 @@
-"""Git LFS: the text that stands in a repository where it keeps a file somewhere else."""
+"""Git LFS pointers: the text in a repository for a file that is stored elsewhere."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ HELP = (
 
 
 def is_pointer(content: bytes | str) -> bool:
-    """Whether this is not a file itself but where Git LFS has it. No I/O."""
+    """Return whether this is a Git LFS pointer instead of the file. No I/O."""
     if isinstance(content, str):
         return content.startswith(_POINTER)
     return content.startswith(_POINTER.encode())

@@ -1,4 +1,4 @@
-"""The lines of elements: that of the file they were read from, and that of the text they are written to."""
+"""Line numbers of elements, in the file they were read from and in the text they are written to."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ _LAST_LINE = 65535
 
 
 def line_of(element: Node) -> int | None:
-    """The line on which the element's start tag ends in its file; None for an element that was made."""
+    """Return the line on which the element's start tag ends in its file, or None if it was not read from a file."""
     line: Any = element.sourceline
     return line if isinstance(line, int) else None
 
 
 def set_line(element: Node, line: int | None) -> None:
-    """Let an element that was made stand on a line, as far as lxml lets that be set."""
+    """Set the line of a created element, as far as lxml allows."""
     if line is not None and line <= _LAST_LINE:
         element.sourceline = line  # type: ignore[assignment]  # the stubs know it as read alone
 
 
 def element_at(root: Node, text: bytes, line: int) -> Node | None:
-    """The element of `root` whose start tag stands on that line of `text`, which was written from `root`."""
+    """Return the element of `root` whose start tag is on that line of `text`, which was written from `root`."""
     read = etree.fromstring(text, etree.XMLParser(remove_blank_text=True, huge_tree=True))
     for written, element in zip(read.iter("*"), root.iter("*"), strict=False):
         if written.sourceline == line:

@@ -1,4 +1,4 @@
-"""The names of one model by namespace, and who refers to them, kept up to date through every edit."""
+"""The names of one model by namespace, and the references to them, kept up to date through every edit."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from composer.tree.files import NAMED_AFTER_FILE, stem
 from composer.tree.names import LISTS, WORLD, declaring, naming_table, own_references
 
 SEPARATOR = "/"
-# MuJoCo lets two `<model>` assets have one name.
+# MuJoCo allows two `<model>` assets with the same name.
 MAY_REPEAT = frozenset({"model"})
 ALWAYS = frozenset({("body", WORLD), ("default", MAIN)})
-"""What every model has, by namespace and name."""
+"""Names that exist in every model, with their namespace."""
 _ALWAYS_NAMES = frozenset(name for _, name in ALWAYS)
 
 Use = tuple[Node, str]
-"""An element and its attribute that holds a reference."""
+"""An element and its attribute that contains a reference."""
 
 
 @dataclass(slots=True)
 class NameIndex:
-    """Names as they are written in one model, in both directions.
+    """Names and references as written in one model, in both directions.
 
-    `declared` has the element of a name, `uses` who refers to one; neither `world` nor `main` is in it, as
-    nothing may take them. A node's names are forgotten before it changes and noted again after.
+    `declared` maps names to elements, `uses` maps names to their references; `world` and `main` are in neither,
+    because nothing may take these names. A node's names are forgotten before it changes and noted again afterwards.
     """
 
     declared: dict[str, dict[str, Node]] = field(default_factory=dict)
@@ -35,7 +35,7 @@ class NameIndex:
 
     @classmethod
     def of(cls, root: Node) -> NameIndex:
-        """The names of a whole `<mujoco>` tree."""
+        """Return the names of a whole `<mujoco>` tree."""
         index = cls()
         for section in root.iterchildren("*"):
             tag = str(section.tag)
@@ -49,7 +49,7 @@ class NameIndex:
         return None if names is None else names.get(name)
 
     def note(self, node: Node, section: str, *, declares: bool = True) -> None:
-        """Take up the names of one node, not of what is below it; the first of two equal names keeps it."""
+        """Add the names of one node, without the nodes below it; the first of two equal names keeps it."""
         for attribute, namespace in declaring(section).get(node.tag, ()) if declares else ():
             if (own := own_name(node, attribute)) is not None:
                 self.declared.setdefault(namespace, {}).setdefault(own, node)
@@ -70,11 +70,11 @@ class NameIndex:
                 self.uses.get(namespace, {}).pop(name, None)
 
     def users(self, namespace: str, name: str) -> list[Use]:
-        """Who refers to a name, in the order in which they began to."""
+        """Return the references to a name, in the order in which they were added."""
         return list(self.uses.get(namespace, {}).get(name, ()))
 
     def follow(self, namespace: str, names: Mapping[str, str]) -> None:
-        """Let everything that refers to one of the names refer to the new one; all at once, so that two can swap."""
+        """Change all references to these names to the new ones, all at once, so that two names can swap."""
         uses = self.uses.get(namespace, {})
         moved = {old: users for old in names if (users := uses.pop(old, None))}
         lists: dict[Use, None] = {}
@@ -92,7 +92,7 @@ class NameIndex:
 
 
 def own_name(node: Node, attribute: str) -> str | None:
-    """The name a node declares: the attribute, or what MuJoCo takes from the file of an asset."""
+    """Return the name that a node declares: the attribute, or MuJoCo's name for an asset from its file."""
     value = node.get(attribute)
     if value:
         return str(value)
@@ -105,5 +105,5 @@ def own_name(node: Node, attribute: str) -> str | None:
 
 
 def is_list(node: Node, attribute: str, section: str) -> bool:
-    """Whether an attribute that refers holds several names."""
+    """Return whether a referring attribute holds several names."""
     return naming_table(section)[str(node.tag)][attribute][0] == LISTS

@@ -1,4 +1,4 @@
-"""The names of a model, by MuJoCo namespace, and who refers to them."""
+"""The names of a model by MuJoCo namespace, and the references to them."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from composer.tree.files import NAMED_AFTER_FILE, stem
 DECLARES, REFERS, REFERS_BY, LISTS, GENERATES = range(5)
 Action = tuple[int, str]
 
-# Elements whose expansion makes names that are written nowhere.
+# Elements whose expansion creates names that are not written in the model.
 GENERATORS = frozenset({"replicate", "flexcomp", "composite", "attach", "model"})
 WORLD = "world"
 
 
 @dataclass(slots=True)
 class Names:
-    """The names that are declared, by namespace, each with the element that does so."""
+    """The declared names by namespace, each with its element."""
 
     declared: dict[str, dict[str, Node]] = field(default_factory=dict)
 
@@ -34,12 +34,12 @@ class Names:
         return list(self.declared.get(namespace, ()))
 
     def kinds_of(self, name: str) -> list[str]:
-        """The namespaces in which something has that name."""
+        """Return the namespaces in which the name exists."""
         return [namespace for namespace, declared in self.declared.items() if name in declared]
 
 
 def word(namespace: str, article: bool = False) -> str:
-    """What messages call a thing of that namespace.
+    """Return the noun in messages for a namespace.
 
     >>> word("default"), word("actuator", article=True)
     ('default class', 'an actuator')
@@ -52,7 +52,7 @@ def word(namespace: str, article: bool = False) -> str:
 
 @cache
 def naming_table(section: str) -> dict[str, dict[str, Action]]:
-    """For each tag inside a top-level section: which attributes hold names, and what kind of name."""
+    """Return for each tag inside a top-level section which attributes hold names, and what kind of name."""
     table: dict[str, dict[str, Action]] = {}
     for tag, element in GRAMMAR.within(section).items():
         actions: dict[str, Action] = {}
@@ -74,7 +74,7 @@ def naming_table(section: str) -> dict[str, dict[str, Action]]:
 
 @cache
 def declaring(section: str) -> dict[Any, tuple[tuple[str, str], ...]]:
-    """For each tag: the attributes that declare names, with the namespace."""
+    """Return for each tag the attributes that declare names, with the namespace."""
     return {
         tag: tuple((name, namespace) for name, (kind, namespace) in actions.items() if kind == DECLARES)
         for tag, actions in naming_table(section).items()
@@ -83,7 +83,9 @@ def declaring(section: str) -> dict[Any, tuple[tuple[str, str], ...]]:
 
 @cache
 def _referring(section: str) -> dict[Any, tuple[tuple[str, int, str], ...]]:
-    """For each tag: the attributes that refer to names, how, and the namespace or the attribute that says it."""
+    """Return for each tag the attributes that refer to names, how, and the namespace or the attribute that selects
+    it.
+    """
     return {
         tag: tuple(
             (name, *action) for name, action in actions.items() if action[0] not in (DECLARES, GENERATES)
@@ -93,21 +95,22 @@ def _referring(section: str) -> dict[Any, tuple[tuple[str, int, str], ...]]:
 
 
 def object_namespace(element: Node, type_attribute: str) -> str | None:
-    """The namespace that a `objtype`-like attribute names, or None where it is absent or unknown."""
+    """Return the namespace that an `objtype`-like attribute names, or None if it is absent or unknown."""
     return GRAMMAR.objtypes.get(str(element.get(type_attribute, "")))
 
 
 def references(top: Node, section: str) -> Iterator[tuple[str, str]]:
-    """Namespace and name of what an element of a section, and every element in it, refers to."""
+    """Yield namespace and name of all references of an element of a section, and of every element in it."""
     for node in top.iter("*"):
         for _, namespace, name, _ in own_references(node, section):
             yield namespace, name
 
 
 def own_references(node: Node, section: str) -> list[tuple[str, str, str, str]]:
-    """Attribute, namespace and name of each thing that one element of a section refers to.
+    """Return attribute, namespace and name of each reference of one element of a section.
 
-    The fourth is the attribute that says the namespace, such as `objtype`; it is empty where the grammar says it.
+    The fourth value is the attribute that selects the namespace, such as `objtype`; empty if the grammar determines
+    it.
     """
     found = []
     for attribute, kind, namespace in _referring(section).get(node.tag, ()):
@@ -124,7 +127,7 @@ def own_references(node: Node, section: str) -> list[tuple[str, str, str, str]]:
 
 
 def declaration(node: Node, section: str) -> tuple[str, str] | None:
-    """Namespace and name that an element of a section declares or is given after its file, if it has a name."""
+    """Return namespace and name that an element of a section declares or gets from its file, if it has a name."""
     for key, (kind, namespace) in naming_table(section).get(str(node.tag), {}).items():
         if kind == DECLARES and (value := node.get(key)):
             return namespace, str(value)
@@ -134,7 +137,7 @@ def declaration(node: Node, section: str) -> tuple[str, str] | None:
 
 
 def may_be_generated(name: str, root: Node) -> bool:
-    """Whether what MuJoCo expands (replicate, flexcomp, …) in that tree can make the name."""
+    """Return whether elements that MuJoCo expands (replicate, flexcomp, …) in that tree can create the name."""
     for element in root.iter(*GENERATORS):
         if element.tag == "replicate":
             if re.search(r"\d+$", name):

@@ -1,10 +1,10 @@
-"""The order in which the sections of a model stand, for whom a new one is made."""
+"""The conventional order of a model's sections, for inserting a new one."""
 
 from __future__ import annotations
 
 from lxml.etree import _Element as Node
 
-# That of MuJoCo's XML reference, which means nothing to MuJoCo; but a reader expects it.
+# The order of MuJoCo's XML reference. MuJoCo ignores it, but readers expect it.
 _SECTIONS = (
     "compiler option size visual statistic default extension custom asset worldbody deformable contact tendon"
     " equality actuator sensor keyframe"
@@ -13,7 +13,7 @@ _RANK = {tag: rank for rank, tag in enumerate(_SECTIONS)}
 
 
 def place_of(root: Node, tag: str) -> int:
-    """Where among the children of `root` a new section goes: behind all those that come before it by custom."""
+    """Return the index of a new section among the children of `root`: behind all that conventionally precede it."""
     rank = _RANK.get(tag, len(_RANK))
     at = 0
     for index, child in enumerate(root):

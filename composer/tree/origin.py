@@ -1,4 +1,4 @@
-"""Where an element came from: a place in a source file, or one in a recipe."""
+"""The origin of an element: a place in a source file, or one in a recipe."""
 
 from __future__ import annotations
 
@@ -15,20 +15,19 @@ from composer.tree.line import line_of
 from composer.tree.start_tag import SourceText
 
 Place = Callable[[str | None], Span]
-"""Where an element of a recipe stands, or with the name of an attribute the value of that one."""
+"""Returns the place of an element in a recipe, or with an attribute's name the place of its value."""
 
 
 @dataclass(slots=True)
 class Origins:
     """The file of every subtree whose file is not its parent's, and the recipe place of what a recipe wrote.
 
-    Line numbers need no storage: lxml keeps the line of each element, and they survive moves and copies.
-    `owners` holds the elements themselves, so that their identity is stable. `texts` has, by the name that messages
-    use, where the text of a file is; it is read when an error in it is reported. `settings` has the attributes that
-    a program or the linker has set, each with its place or what finds it. `renamed` has what edits renamed: the old and
-    the new name, each time. `keys` has how the keys were laid out that are not as their file has them. `unread` is what
-    MuJoCo passes over in the files themselves, by file, line and attribute (None: the element). `size` is the bytes of
-    all files.
+    Line numbers need no storage: lxml keeps the line of each element, and they survive moves and copies. `owners`
+    holds the elements themselves, so that their identity is stable. `texts` has, by name in messages, where the
+    text of a file is; it is read when an error in it is reported. `settings` has the attributes that a program or
+    the linker has set, each with its place or a function that returns it. `renamed` has each old and new name of an
+    edit. `keys` has the layout of keys that differ from their file. `unread` is what MuJoCo ignores in the files
+    themselves, by file, line and attribute (None: the element). `size` is the bytes of all files.
     """
 
     owners: dict[Node, str | Span | Place] = field(default_factory=dict)
@@ -43,12 +42,12 @@ class Origins:
         self.owners[element] = owner
 
     def own_all(self, elements: Iterable[Node], owner: str | Span | Place) -> None:
-        """The same owner for all that have none of their own yet."""
+        """Set the owner of all elements that do not have one yet."""
         for element in elements:
             self.owners.setdefault(element, owner)
 
     def owner(self, element: Node, default_file: str) -> str | Span | Place:
-        """The place in a recipe that wrote the element, or the file that it is written in."""
+        """Return the place in a recipe that wrote the element, or the file that contains it."""
         node: Node | None = element
         while node is not None:
             owner = self.owners.get(node)
@@ -60,23 +59,23 @@ class Origins:
     def span(
         self, element: Node, default_file: str, attribute: str | None = None, *, key: bool = False
     ) -> Span:
-        """The place to show for `element`: its start tag.
+        """Return the place to show for `element`: its start tag.
 
-        With `attribute` that is the value of that one, or with `key` its name, if it is written there.
+        With `attribute` it is the value of that attribute, or with `key` its name, if it is written there.
         """
         if attribute is not None and (found := self.set_at(element, attribute)) is not None:
             return found
         return self.span_by(self.owner(element, default_file), element, attribute, key)
 
     def set_at(self, element: Node, attribute: str) -> Span | None:
-        """Where a program, a recipe or the linker has set an attribute; None for one that stands in its file."""
+        """Return where a program, a recipe or the linker has set an attribute; None for an attribute from its file."""
         found = self.settings.get(element, {}).get(attribute)
         return found() if callable(found) else found
 
     def span_by(
         self, owner: str | Span | Place, element: Node, attribute: str | None = None, key: bool = False
     ) -> Span:
-        """The place of `element` as far as `owner`, its own or an earlier one, knows it."""
+        """Return the place of `element` according to `owner`, which may be an earlier one."""
         if isinstance(owner, Span):
             return owner
         if not isinstance(owner, str):
@@ -93,7 +92,7 @@ class Origins:
         attribute: str | None = None,
         key: bool = False,
     ) -> Span:
-        """The start tag of the element that ends on that line of a file, or what it has of an attribute."""
+        """Return the start tag of the element that ends on that line of a file, or the place of its attribute."""
         if line is None:
             return Span(file, 1, 1)
         text = self.text(file)
@@ -107,7 +106,7 @@ class Origins:
         return Span(file, found.line, found.column, found.line, found.end_column)
 
     def adopt(self, other: Origins) -> None:
-        """Take over what is known of elements that have moved here from another tree."""
+        """Add the data of elements that have moved here from another tree."""
         self.owners.update(other.owners)
         self.texts.update(other.texts)
         self.settings.update(other.settings)
@@ -116,7 +115,7 @@ class Origins:
         self.unread |= other.unread
 
     def carried(self, old: Node, new: Node) -> Origins:
-        """The same knowledge for `new`, a deep copy of `old`."""
+        """Return the same data for `new`, a deep copy of `old`."""
         if not (self.owners or self.settings or self.renamed or self.keys):
             return Origins(texts=dict(self.texts), unread=set(self.unread), size=self.size)
         found = Origins(texts=dict(self.texts), unread=set(self.unread), size=self.size)
@@ -132,13 +131,13 @@ class Origins:
         return found
 
     def count(self, more: int, most: int) -> None:
-        """Count the bytes of a file. Raises TooLarge where all files of the model have more than `most` together."""
+        """Count the bytes of a file. Raises TooLarge if all files of the model have more than `most` together."""
         self.size += more
         if self.size > most:
             raise TooLarge(self.size, most, "the files of this model are together")
 
     def text(self, file: str) -> SourceText | None:
-        """The text of a file, read when it is first asked for; None where there is none to be had."""
+        """Return the text of a file, read on first use, or None if it is not available."""
         known = self.texts.get(file)
         if known is None or isinstance(known, SourceText):
             return known

@@ -1,4 +1,4 @@
-"""MJCF text to a unit: lenient where MuJoCo's own reader is lenient, with `<include>` expanded in place."""
+"""Parse MJCF text to a unit: as lenient as MuJoCo's own reader, with `<include>` expanded in place."""
 
 from __future__ import annotations
 
@@ -49,9 +49,10 @@ _NO_MODEL = {
 def parse_file(
     path: Path, sink: Sink, *, file: str | None = None, span: Span | None = None, door: Door | None = None
 ) -> Unit | None:
-    """The unit of an MJCF file; faults go to `sink` and give None.
+    """Return the unit of an MJCF file, or None after errors, which go to `sink`.
 
-    `file` is how messages name it, `span` where it is asked for; `door` is what it may read, by default its project.
+    `file` is its name in messages, `span` where it is requested; `door` limits what it may read, by default its
+    project.
     """
     shown, door = file or str(path), door or own_door(path)
     data = read_file(path, sink, door, file=shown, span=span)
@@ -64,7 +65,7 @@ def parse_file(
 
 
 def read_file(path: Path, sink: Sink, door: Door, *, file: str, span: Span | None = None) -> bytes | None:
-    """The bytes of a model file; where they cannot be had that goes to `sink`."""
+    """Return the bytes of a model file, or None if it is unreadable, which goes to `sink`."""
     try:
         return door.read(path, in_force().xml_size)
     except Refused as refused:
@@ -86,9 +87,9 @@ def parse_text(
     contents: Mapping[str, bytes | Path] | None = None,
     door: Door | None = None,
 ) -> Unit | None:
-    """The unit of MJCF text whose files resolve against `directory`, or against `contents` first.
+    """Return the unit of MJCF text whose files are relative to `directory`, or found in `contents` first.
 
-    `door` is what it may read of what is not in `contents`; by default, as if it were a file in `directory`.
+    `door` limits what it may read besides `contents`; by default as for a file in `directory`.
     """
     before = sink.error_count
     root = parse_xml(data, file, sink)
@@ -128,9 +129,10 @@ def _sections() -> frozenset[str]:
 
 
 def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:
-    """MuJoCo refuses it too, but for bodies and frames, which it (3.2 to 4.0) drops without a word.
+    """Report an unknown section. MuJoCo refuses it too, except bodies and frames, which it (3.2 to 4.0) drops
+    silently.
 
-    A file in which nothing else would be left is there to be included, and an error.
+    If nothing else were left, the file is meant to be included, and that is an error.
     """
     tag, known = str(section.tag), list(GRAMMAR.root.children)
     if tag in _DROPPED and any(len(world) for world in unit.root.iterchildren("worldbody")):
@@ -153,7 +155,7 @@ def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:
 
 
 def _has_unknown(dropped: Node, unit: Unit, sink: Sink) -> bool:
-    """Whether there is something in what MuJoCo drops that it refuses all the same: it checks names, and no values."""
+    """Return whether MuJoCo refuses something in a dropped element: it checks names there, but no values."""
     waiting = [(dropped, GRAMMAR.section("worldbody").children[str(dropped.tag)])]
     while waiting:
         node, kind = waiting.pop()
@@ -176,7 +178,7 @@ def _has_unknown(dropped: Node, unit: Unit, sink: Sink) -> bool:
 
 
 class _Includes:
-    """Expands `<include>` where it stands; MuJoCo reads each file at most once."""
+    """Expands each `<include>` in place; MuJoCo reads each file at most once."""
 
     def __init__(self, unit: Unit, sink: Sink) -> None:
         self.unit, self.sink = unit, sink
@@ -196,7 +198,7 @@ class _Includes:
             span = origins.span(element, file, "file")
             self.sink.error(code, message, span, notes=notes, help=help)
 
-        if len(element) or (element.text or "").strip():  # MuJoCo takes not even a comment
+        if len(element) or (element.text or "").strip():  # MuJoCo does not even allow a comment
             refuse("`<include>` has something inside, which MuJoCo refuses", 'write `<include file="…"/>`')
             return
         if depth > in_force().nesting:
@@ -250,7 +252,7 @@ class _Includes:
                 origins.own(child, shown)
 
     def _find(self, name: str, folder: Path) -> Path:
-        """Against the main file's folder, then against that of the file that includes."""
+        """Look in the main file's folder, then in that of the including file."""
         main = Path(join(str(self.unit.directory), name))
         if name in self.unit.contents or os.path.lexists(main):
             return main
@@ -258,7 +260,7 @@ class _Includes:
         return beside if os.path.lexists(beside) else main
 
     def _shown(self, path: Path) -> str:
-        """The file as messages name it: beside the model's own file."""
+        """Return the file's name in messages: relative to the model's own file."""
         inside = os.path.relpath(path, self.unit.directory)
         return os.path.normpath(os.path.join(os.path.dirname(self.unit.file), inside))
 
@@ -270,7 +272,7 @@ def _code(error: OSError, other: str) -> str:
 
 
 def _unreadable(what: str, name: Path, path: Path, error: OSError) -> tuple[str, str | None]:
-    """Message and help for a file at `path`, which is written `name`."""
+    """Return message and help for an unreadable file at `path`, which is written as `name`."""
     if isinstance(error, TooLarge):
         return f"{what} is not read: {error}", advice("xml-size", error.size)
     if not isinstance(error, FileNotFoundError):
@@ -290,14 +292,14 @@ _PARSERS = threading.local()
 
 
 class _NoFiles(etree.Resolver):
-    """XML may name a DTD or entities in other files, which libxml2 2.14 reads even with `load_dtd=False`."""
+    """Blocks DTDs and entities in other files, which libxml2 2.14 reads even with `load_dtd=False`."""
 
     def resolve(self, url: Any, id: Any, context: Any) -> Any:  # type: ignore[override]  # the stubs lack `context`
         return self.resolve_empty(context)  # type: ignore[attr-defined]
 
 
 def _parser() -> etree.XMLParser:
-    """One parser for each thread: making one costs as much as parsing a small model."""
+    """Return the parser of this thread: creating one costs as much as parsing a small model."""
     parser = getattr(_PARSERS, "parser", None)
     if parser is None:
         parser = _PARSERS.parser = etree.XMLParser(
@@ -310,9 +312,9 @@ def _parser() -> etree.XMLParser:
 
 
 def parse_xml(data: bytes | str, file: str, sink: Sink) -> Node | None:
-    """The root of XML that may be lax where MuJoCo's reader is; what is wrong with it goes to `sink`."""
+    """Return the root of XML that may be as lax as MuJoCo's reader allows; errors go to `sink`."""
     if isinstance(data, str):
-        data = data.encode(errors="surrogatepass")  # what is not text is reported by the parser
+        data = data.encode(errors="surrogatepass")  # the parser reports invalid text
     if doctype.refused(data, file, sink) or not check_text(data, file, sink):
         return None
     root = _parsed(data, file, sink)
@@ -342,7 +344,7 @@ def _parsed(data: bytes, file: str, sink: Sink) -> Node | None:
 
 
 def _with_undefined_prefixes(data: bytes) -> Node | None:
-    """What is XML but for prefixes that nothing declares, which mean nothing to MuJoCo; None for what is not."""
+    """Parse XML with undeclared prefixes, which MuJoCo ignores; return None for other errors."""
     parser = etree.XMLParser(
         remove_blank_text=True, resolve_entities=False, no_network=True, load_dtd=False, huge_tree=True,
         collect_ids=False, recover=True,
@@ -353,9 +355,9 @@ def _with_undefined_prefixes(data: bytes) -> Node | None:
 
 
 def _as_mujoco_reads(data: bytes) -> bytes:
-    """The same text with what MuJoCo's reader tolerates made strict: `--` in comments, attributes that touch."""
+    """Make strict what MuJoCo's reader tolerates: `--` in comments, and attributes without space between them."""
     text = data.decode("utf-8-sig").replace("\r\n", "\n")
-    # Nothing may stand before an XML declaration; without one, lines stay what they are.
+    # Nothing may precede an XML declaration; without one, line numbers stay the same.
     text = _DECLARATION.sub(lambda found: _NOT_BREAK.sub(" ", found.group()), text, count=1)
     pieces: list[str] = []
     end = 0

@@ -1,7 +1,7 @@
-"""What a pattern over names means: a name, a glob, or a regular expression.
+"""Patterns over names: a name, a glob, or a regular expression.
 
-A regular expression may take as long as two to the power of the characters of a name, and nothing stops Python's `re`
-on every system and in every thread. One that may try much is tried in a process of its own, with a time limit.
+A regular expression may take time exponential in the length of a name, and Python's `re` cannot be interrupted on
+every system and in every thread. Expressions that may take long run in a process of their own, with a time limit.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ _CHILD = (
 _REPEATS, _GOES_BACK = re.compile(r"[*+{]"), re.compile(r"[*+?{|]")
 _REPEATED_GROUP_OR_REFERENCE = re.compile(r"\)[*+?{]|\(\?|\\\d")
 _CHOICES = 8
-"""Signs of choices that an expression may have at most which is tried here: two to the power of these are the tries."""
+"""The maximum number of choice operators in an expression that runs here: the tries are two to the power of it."""
 
 
 class BadPattern(Exception):
-    """A pattern that cannot be used: `message` says why, `help` what to write; `is_slow` that it took too long."""
+    """An unusable pattern: `message` says why, `help` what to write; `is_slow` says that it took too long."""
 
     def __init__(self, message: str, help: str | None = None, *, is_slow: bool = False) -> None:
         super().__init__(message)
@@ -39,23 +39,23 @@ class BadPattern(Exception):
 
 
 class TooSlow(Exception):
-    """That a process took longer than it may."""
+    """A process took longer than allowed."""
 
 
 def is_regular(pattern: str) -> bool:
-    """Whether it is written as a regular expression, `/…/`."""
+    """Return whether it is written as a regular expression, `/…/`."""
     return len(pattern) > 2 and pattern.startswith("/") and pattern.endswith("/")
 
 
 def is_pattern(text: str) -> bool:
-    """Whether a text means names by a glob or a regular expression, and not the one name that it is."""
+    """Return whether a text is a glob or a regular expression, and not a single name."""
     return is_glob(text) or is_regular(text)
 
 
 def fitter(pattern: str, names: Callable[[], Collection[str]], separator: str) -> Callable[[str], bool]:
-    """Whether a name is meant by a pattern. Raises `BadPattern`.
+    """Return a function that says whether a name matches a pattern. Raises `BadPattern`.
 
-    A regular expression is tried on all the `names` at once: each attempt takes a process of its own.
+    A regular expression is matched with all the `names` at once, because each attempt needs a process.
 
     >>> pads = fitter("*/pad?", list, "/")
     >>> pads("left/pad1"), pads("pad1")
@@ -69,7 +69,7 @@ def fitter(pattern: str, names: Callable[[], Collection[str]], separator: str) -
 
 
 def length_fault(pattern: str) -> str | None:
-    """That a pattern is longer than anybody writes one; None for those that people write.
+    """Return that a pattern is too long, or None if it is not.
 
     >>> length_fault("{left,right}/*"), length_fault("*" * 10_001)
     (None, 'a pattern of 10001 characters is too long; 10000 are allowed')
@@ -80,7 +80,7 @@ def length_fault(pattern: str) -> str | None:
 
 
 def fault_of(pattern: str) -> str | None:
-    """What is wrong with the text of a regular expression between its slashes.
+    """Return the error in a regular expression, given without its slashes.
 
     >>> fault_of("link[0-9]+"), fault_of("link[0-9")
     (None, 'unterminated character set')
@@ -93,7 +93,7 @@ def fault_of(pattern: str) -> str | None:
 
 
 def is_quick(pattern: str) -> bool:
-    """Whether a regular expression, between its slashes, never takes long: it repeats once, and no group.
+    """Return whether a regular expression, without its slashes, never takes long: it repeats once, and no group.
 
     >>> is_quick("link_[0-9]+"), is_quick("(left|right)_.*"), is_quick("(a+)+"), is_quick("a*b*")
     (True, True, False, False)
@@ -104,12 +104,12 @@ def is_quick(pattern: str) -> bool:
 
 
 def takes_process(pattern: str) -> bool:
-    """Whether a pattern is a regular expression that is tried in a process of its own."""
+    """Return whether a pattern is a regular expression that needs a process of its own."""
     return is_regular(pattern) and not is_quick(pattern[1:-1])
 
 
 def fitting(pattern: str, names: Collection[str], seconds: float = SECONDS) -> frozenset[str]:
-    """The names that the whole expression fits. Raises `BadPattern` where it is not valid, and after `seconds`."""
+    """Return the names that the whole expression matches. Raises `BadPattern` if it is invalid, or after `seconds`."""
     if (wrong := fault_of(pattern)) is not None:
         raise BadPattern(f"the regular expression `/{pattern}/` is not valid: {wrong}")
     if is_quick(pattern):
@@ -125,7 +125,7 @@ def fitting(pattern: str, names: Collection[str], seconds: float = SECONDS) -> f
 
 
 def asked_aside(program: str, question: object, seconds: float = SECONDS) -> Any:
-    """What a Python program answers in a process of its own, as JSON both ways. Raises `TooSlow` after `seconds`."""
+    """Run a Python program in a process of its own, with JSON as input and output. Raises `TooSlow` after `seconds`."""
     import subprocess  # few programs that look up names in an index need it
 
     from composer.processes.process import Process

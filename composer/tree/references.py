@@ -1,4 +1,4 @@
-"""Whether the names that elements refer to exist, and the error about one that does not."""
+"""Check that referenced names exist, and describe the error if one does not."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from composer.tree.names import word
 
 
 def resolves(model: Lookup, namespace: str, name: str) -> bool:
-    """Whether a name means something in the model; a name that MuJoCo may make itself counts."""
+    """Return whether a name exists in the model; names that MuJoCo may create itself count."""
     if (namespace, name) in ALWAYS or model.find_node(namespace, name) is not None:
         return True
     return model.may_generate(name)
@@ -35,13 +35,14 @@ def unresolved(
     help: str | None = None,
     notes: Iterable[Note] = (),
 ) -> Diagnostic:
-    """Nothing of a kind has a name: what exists, what was probably meant, what has the name instead.
+    """Return the error for a missing name: what exists, what was probably meant, and which other kinds have the
+    name.
 
-    `written` is how another name is written there, `typed_by` the attribute beside it that says the kind. `purpose`,
+    `written` is the format of a name in the file, `typed_by` the attribute beside it that sets the kind. `purpose`,
     `message` and `help` are as in `unknown_name`; `notes` come first.
     """
     others = [kind for kind in model.kinds_of(name) if kind != namespace]
-    # A name that exists, of another kind, is hardly misspelled.
+    # A name that exists with another kind is hardly misspelled.
     fix = None if help is not None or others else renaming(name, model.known_names(namespace))
     types = [kind for kind in others if GRAMMAR.objtypes.get(kind) == kind]
     if help is None and typed_by and types:

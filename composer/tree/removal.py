@@ -1,4 +1,4 @@
-"""Taking elements out: what must go with them, and what can do without them."""
+"""Remove elements: find what must be removed with them, and what can stay without them."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from composer.tree.editable import M, Reference, referrers
 from composer.tree.kinds import ROOT, WORLD_SECTION, section_of
 from composer.tree.names import declaration
 
-# An element is still one without its class or its material; without anything else that it names it is not.
+# An element still works without its class or its material, but not without anything else that it names.
 DISPENSABLE = frozenset({"default", "material"})
 
 
 @dataclass(frozen=True, slots=True)
 class Removal(Generic[M]):
-    """What goes, each with its model and none inside another, and who of the rest refers to it."""
+    """The outermost removed elements, each with its model, and the remaining references to them."""
 
     going: tuple[tuple[M, Node], ...]
     references: tuple[Reference[M], ...]
 
     @classmethod
     def of(cls, nodes: Iterable[tuple[M, Node]]) -> Removal[M]:
-        """These elements alone."""
+        """Return the removal of these elements alone."""
         going = _outermost(nodes)
         inside = {each for _, node in going for each in node.iter("*")}
         found = dict.fromkeys(
@@ -40,7 +40,7 @@ class Removal(Generic[M]):
         return cls(going, tuple(found))
 
     def with_referrers(self) -> Removal[M]:
-        """With everything that refers to them and cannot do without; the references that are left can be dropped."""
+        """Return the removal with all elements that depend on removed ones; the remaining references can be dropped."""
         removal = self
         while falling := [
             (each.model, whole(each.node))
@@ -51,13 +51,13 @@ class Removal(Generic[M]):
         return removal
 
     def drop_references(self) -> None:
-        """Take away the attributes that refer to what goes."""
+        """Remove the attributes that refer to removed elements."""
         for model, node, attribute, *_ in self.references:
             assign(model, node, {attribute: None})
 
 
 def _outermost(nodes: Iterable[tuple[M, Node]]) -> tuple[tuple[M, Node], ...]:
-    """Each node once, none that is inside another."""
+    """Return each node once, without those inside another one."""
     models = {node: model for model, node in nodes}
     return tuple(
         (model, node)
@@ -67,7 +67,9 @@ def _outermost(nodes: Iterable[tuple[M, Node]]) -> tuple[tuple[M, Node], ...]:
 
 
 def whole(node: Node) -> Node:
-    """What makes sense only as a whole: a section's direct child, in the body tree the element itself."""
+    """Return the smallest meaningful element around a node: a section's direct child, in the body tree the element
+    itself.
+    """
     if section_of(node) == WORLD_SECTION:
         return node
     while (parent := node.getparent()) is not None and not is_section(parent):
@@ -76,18 +78,18 @@ def whole(node: Node) -> Node:
 
 
 def is_section(node: Node) -> bool:
-    """Whether the element is a section of its model."""
+    """Return whether the element is a section of its model."""
     parent = node.getparent()
     return parent is not None and parent.tag == ROOT
 
 
 def can_do_without(node: Node, namespace: str) -> bool:
-    """Whether an element stays one if its reference to something of that namespace is taken away."""
+    """Return whether an element works without its reference to something of that namespace."""
     return namespace in DISPENSABLE or section_of(node) == "default"
 
 
 def names_in(node: Node) -> list[tuple[str, str]]:
-    """Namespace and name of everything that an element and what is in it declare."""
+    """Return namespace and name of everything that an element and its contents declare."""
     section = section_of(node)
     found = [declaration(each, section) for each in node.iter("*") if not is_section(each)]
     return [each for each in found if each is not None]

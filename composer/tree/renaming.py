@@ -1,4 +1,4 @@
-"""New names, which every reference follows: in the model, and in the models it is attached to."""
+"""Rename elements, and update every reference: in the model, and in the models that it is attached to."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from composer.tree.name_index import is_list
 
 
 class NewName(NamedTuple, Generic[M]):
-    """A name of a model, by namespace, that becomes another one."""
+    """A name of a model, by namespace, and its new name."""
 
     model: M
     namespace: str
@@ -22,16 +22,17 @@ class NewName(NamedTuple, Generic[M]):
 
 @dataclass(frozen=True, slots=True)
 class Renaming(Generic[M]):
-    """The names by which models refer to what is renamed, old and new, by model and namespace.
+    """Old and new texts of references to renamed elements, by model and namespace.
 
-    It is made before the first name changes, and carried out after all have: two names can change places.
+    It is created before the first name changes, and applied after all have changed, so that two names can be
+    swapped.
     """
 
     followed: dict[tuple[M, str], dict[str, str]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, names: Iterable[NewName[M]]) -> Renaming[M]:
-        """The references that follow these names, those to the copies that MuJoCo makes of them included."""
+        """Return the references to these names, including those to the copies that MuJoCo makes."""
         renaming: Renaming[M] = cls()
         for model, namespace, old, new in names:
             for here, prefix, used in uses_of(model, namespace, old):
@@ -41,7 +42,7 @@ class Renaming(Generic[M]):
 
     @classmethod
     def of_prefix(cls, model: M, old: str, new: str) -> Renaming[M]:
-        """The references to all that has a prefix in a model and is not its own."""
+        """Return the references to everything with a prefix in a model that is not its own."""
         renaming: Renaming[M] = cls()
         for here, prefix in model.levels():
             for namespace, uses in here.names.uses.items():
@@ -53,7 +54,7 @@ class Renaming(Generic[M]):
         return renaming
 
     def unlistable(self) -> Iterator[tuple[Reference[M], str]]:
-        """References in lists of names that cannot follow, each with the new name: it has a space in it."""
+        """Yield references in lists of names whose new name has a space, which a list cannot hold."""
         for (model, namespace), names in self.followed.items():
             for old, new in names.items():
                 if len(new.split()) == 1:
@@ -63,13 +64,13 @@ class Renaming(Generic[M]):
                         yield Reference(model, node, attribute, namespace, old), new
 
     def carry_out(self) -> None:
-        """Write the new names wherever the old ones are referred to."""
+        """Write the new names into all references."""
         for (model, namespace), names in self.followed.items():
             model.names.follow(namespace, names)
 
 
 def unlistable_message(reference: Reference[M], new: str, called: str) -> str:
-    """What is wrong with a new name that a list of names, in the element called so, cannot hold."""
+    """Return the message about a new name that a list of names in this element cannot hold."""
     return (
         f"`{reference.name}` cannot be called `{new}`: {called} has it in a list of names, which cannot hold one "
         "with a space"

@@ -1,4 +1,4 @@
-"""Frames that resize what is in them (`scale`, MuJoCo 3.16 and later)."""
+"""Frames that resize their contents (`scale`, MuJoCo 3.16 and later)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from lxml.etree import _Element as Node
 
 
 def scales(frame: Node) -> bool:
-    """Whether a frame changes sizes or masses.
+    """Return whether a frame changes sizes or masses.
 
     >>> from lxml.etree import fromstring
     >>> scales(fromstring('<frame scale="1 1 1"/>')), scales(fromstring('<frame scale="2"/>'))
@@ -17,7 +17,7 @@ def scales(frame: Node) -> bool:
 
 
 def scaled_above(element: Node | None) -> Node | None:
-    """The nearest frame that resizes `element`, which may be that frame itself."""
+    """Return the nearest frame that resizes `element`, which may be that frame itself."""
     while element is not None:
         if element.tag == "frame" and scales(element):
             return element

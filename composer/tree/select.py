@@ -1,4 +1,4 @@
-"""The elements of a model that a selector means."""
+"""Find the elements of a model that a selector matches."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from composer.tree.pattern import fitter, is_pattern
 from composer.tree.selector import EVERYTHING, XPATH, Selector, paths_of
 from composer.tree.xpath import nodes_at
 
-# They do not count as parents: MuJoCo resolves them.
+# They do not count as parents, because MuJoCo resolves them.
 _TRANSPARENT = ("frame", "replicate")
 _WITH_NAME: Any = etree.XPath("descendant::*[@name=$name]")
 BASE = "base"
@@ -31,7 +31,7 @@ BASE = "base"
 
 @cache
 def _is_written_as_name(paths: frozenset[str]) -> bool:
-    """Whether what these elements are called is their attribute `name` and nothing else."""
+    """Return whether the name of these elements is always their attribute `name`."""
     kinds = [GRAMMAR.element(path) for path in paths]
     namings = [naming_attribute(kind) for kind in kinds]
     return all(each is not None and each.name == "name" for each in namings) and not any(
@@ -40,7 +40,7 @@ def _is_written_as_name(paths: frozenset[str]) -> bool:
 
 
 def name_of(node: Node) -> str | None:
-    """The name by which a selector means an element; the top class is `main`."""
+    """Return the name that a selector uses for an element; the top class is `main`."""
     naming = naming_attribute(kind_of(node))
     if node.tag == "default":
         parent = node.getparent()
@@ -50,7 +50,7 @@ def name_of(node: Node) -> str | None:
 
 
 def parent_of(node: Node) -> Node | None:
-    """The parent as MuJoCo has it: frames do not count."""
+    """Return the parent as in MuJoCo, ignoring frames."""
     parent = node.getparent()
     while parent is not None and parent.tag in _TRANSPARENT:
         parent = parent.getparent()
@@ -61,8 +61,8 @@ def parent_of(node: Node) -> Node | None:
 class Selection:
     """Finds elements in one model.
 
-    `parts` has the part that an element came from, nested ones with `/` between them; what is not in it is of the
-    base. `holds` decides on `where`. `base_class` is what the base's top class is called here, if not `main`.
+    `parts` has the part of each element, with `/` for nested ones; other elements belong to the base. `holds`
+    evaluates `where`. `base_class` is the name of the base's top class here, if it is not `main`.
     """
 
     root: Node
@@ -75,7 +75,7 @@ class Selection:
     _known: dict[int, dict[Node, bool]] = field(default_factory=dict)
 
     def of(self, selector: Selector) -> list[Node]:
-        """Every element that is meant, in the order of the tree. Raises `BadPattern` and `BadXPath`."""
+        """Return every matching element, in the order of the tree. Raises `BadPattern` and `BadXPath`."""
         self._known.clear()  # the model may have changed
         return self._of(selector)
 
@@ -89,7 +89,7 @@ class Selection:
         return [node for node in found if self._narrowed(node, selector)]
 
     def of_kind(self, selector: Selector) -> Iterator[Node]:
-        """The elements of that tag, whatever their names."""
+        """Yield the elements of that tag, whatever their names."""
         paths = paths_of(selector.tag)
         tags = {path.rpartition("/")[2] for path in paths}
         in_classes = any(path.startswith("default") for path in paths)
@@ -103,12 +103,12 @@ class Selection:
                     yield node
 
     def _called(self, selector: Selector) -> list[Node] | None:
-        """The same with just that name, without a look at all others; None where it takes one."""
+        """Find elements by a single name without visiting all others; return None if that is not possible."""
         name, paths = selector.pattern, paths_of(selector.tag)
         if name == WORLD or is_pattern(name) or not _is_written_as_name(paths):
             return None
         if NOT_XML.search(name):
-            return []  # libxml2 takes no such text, and no element has such a name
+            return []  # libxml2 refuses such text, and no element has such a name
         return [
             node
             for section in self.root.iterchildren("*")
@@ -118,20 +118,20 @@ class Selection:
         ]
 
     def names(self, selector: Selector) -> list[str]:
-        """The names that elements of that tag have."""
+        """Return the names of elements with that tag."""
         if selector.tag == XPATH:
             return []
         return [name for node in self.of_kind(selector) if (name := self.name(node))]
 
     def name(self, node: Node) -> str | None:
-        """What a selector calls an element."""
+        """Return a selector's name for an element."""
         if node.tag == "worldbody":
             return WORLD
         name = name_of(node)
         return MAIN if node.tag == "default" and name == self.base_class else name
 
     def _meant(self, node: Node, selector: Selector) -> bool:
-        """Whether a selector means this element, which is found out once: the elements around it ask for each below."""
+        """Return whether a selector matches this element, cached because all elements below ask for their ancestors."""
         known = self._known.setdefault(id(selector), {})
         if node not in known:
             if selector.tag == XPATH:
@@ -154,7 +154,7 @@ class Selection:
         return bool(name) and self.fits(pattern)(str(name))
 
     def fits(self, pattern: str) -> Callable[[str], bool]:
-        """Whether a name of the model is meant by a pattern. Raises `BadPattern`."""
+        """Return a function that says whether a name matches a pattern. Raises `BadPattern`."""
         known = self._fits.get(pattern)
         if known is None:
             known = self._fits[pattern] = fitter(pattern, self._all_names, self.separator)

@@ -1,4 +1,4 @@
-"""What a selector says: which elements are meant, as data."""
+"""A selector as data."""
 
 from __future__ import annotations
 
@@ -11,16 +11,17 @@ from composer.tree.pattern import is_pattern
 
 XPATH = "xpath"
 EVERYTHING = "**"
-# Where a tag has elements in several sections, the body tree and the assets are meant.
+# If a tag has elements in several sections, it selects those in the body tree and the assets.
 _USUAL = ("worldbody", "asset")
 
 
 @dataclass(frozen=True, slots=True)
 class Selector:
-    """A tag with a glob for the names, and what narrows it down. `tag` is a path, a tag, a family, or `xpath`.
+    """A tag with a glob for the names, and further conditions. `tag` is a path, a tag, a family, or `xpath`.
 
-    `pattern` is a glob, `/…/` for a regular expression, or the XPath. `where` compares effective values by attribute
-    (`friction[0]` for one number), or is one boolean `${…}`. `at` is the path to the selector in the recipe.
+    `pattern` is a glob, `/…/` for a regular expression, or the XPath. `where` compares effective values by
+    attribute (`friction[0]` for one number), or is one boolean `${…}`. `at` is the path of the selector in the
+    recipe.
     """
 
     tag: str
@@ -34,12 +35,12 @@ class Selector:
 
     @property
     def is_one_name(self) -> bool:
-        """Whether it means what has one name, whatever else there is."""
+        """Whether it is a single name without further conditions."""
         narrowed = any((self.parent, self.inside, self.part, self.dclass, self.where))
         return not (narrowed or self.tag == XPATH or is_pattern(self.pattern))
 
     def all(self) -> Iterator[Selector]:
-        """This one and those of its parents."""
+        """Yield this selector and those of its parents."""
         yield self
         for outer in (self.parent, self.inside):
             if outer is not None:
@@ -67,7 +68,7 @@ def _shown(value: object) -> str:
 
 @cache
 def paths_of(tag: str) -> frozenset[str]:
-    """The elements of the grammar that a tag, a family or a path means; none if MJCF has no such element.
+    """Return the grammar paths that a tag, a family or a path selects; none if MJCF has no such element.
 
     >>> sorted(paths_of("joint")), sorted(paths_of("equality/joint")), sorted(paths_of("weld"))
     (['freejoint', 'joint'], ['equality/joint'], ['equality/weld'])
@@ -88,6 +89,6 @@ def paths_of(tag: str) -> frozenset[str]:
 
 @cache
 def known_tags() -> tuple[str, ...]:
-    """Every tag, family and path that a selector may have, for suggestions."""
+    """Return every tag, family and path that a selector may have, for suggestions."""
     tags = {path.rpartition("/")[2] for path in GRAMMAR.paths} | GRAMMAR.families.keys() | {XPATH}
     return tuple(sorted(tags - {"mujoco", "include"}))

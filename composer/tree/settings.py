@@ -1,4 +1,4 @@
-"""What a model's `<compiler>` says: the settings under which its own numbers and files are to be read."""
+"""The settings in a model's `<compiler>`, which determine how its numbers and files are read."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from lxml.etree import _Element as Node
 class Settings(NamedTuple):
     """The compiler settings of one source, as text; the defaults are MuJoCo's.
 
-    Of several `<compiler>` elements the last written value of each attribute counts.
+    If there are several `<compiler>` elements, the last written value of each attribute counts.
     """
 
     angle: str = "degree"
@@ -44,7 +44,7 @@ _KNOWN = frozenset(Settings._fields)
 
 
 def read_settings(root: Node) -> Settings:
-    """The settings that hold for a whole `<mujoco>` tree."""
+    """Return the settings of a whole `<mujoco>` tree."""
     written: dict[str, str] = {}
     for compiler in root.iterchildren("compiler"):
         for name, value in compiler.items():

@@ -1,4 +1,4 @@
-"""Skin files (`.skn`): their bones name bodies, which are references like any other and follow a rename."""
+"""Skin files (`.skn`): their bones name bodies. These references follow a rename like any other."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class BadBone(BadSkin):
 
 
 class Skin(NamedTuple):
-    """A skin of a model with a file: its path as MuJoCo would look for it, and the path as it is written."""
+    """A skin with a file: the path under which MuJoCo looks for it, and the path as written."""
 
     element: Node
     path: str
@@ -35,7 +35,7 @@ class Skin(NamedTuple):
 
 
 def skins(root: Node) -> Iterator[Skin]:
-    """Every skin of a model that names a file."""
+    """Yield every skin of a model that names a file."""
     settings = None
     for section in root.iterchildren("asset", "deformable"):
         for element in section.iterchildren("skin"):
@@ -45,10 +45,10 @@ def skins(root: Node) -> Iterator[Skin]:
 
 
 def renamed_skin(source: bytes | Path, rename: Callable[[str], str | None]) -> bytes | None:
-    """The file with other names of bones, None where none changes. Raises `BadBone`.
+    """Return the file with renamed bones, or None if none changes. Raises `BadBone`.
 
-    `rename` gives None for a name that stays. A file that cannot be read stays too: that is reported where all
-    files are read, or by MuJoCo.
+    `rename` returns None for a name that stays. An unreadable file stays as it is: it is reported where all files
+    are read, or by MuJoCo.
     """
     try:
         before = source if isinstance(source, bytes) else read_regular(source)
@@ -61,7 +61,7 @@ def renamed_skin(source: bytes | Path, rename: Callable[[str], str | None]) -> b
 
 
 def bones(source: bytes | Path) -> list[str] | None:
-    """The bodies that a skin file names; None where it cannot be read."""
+    """Return the bodies that a skin file names, or None if it is unreadable."""
     found: list[str] = []
 
     def note(name: str) -> str:
@@ -76,7 +76,7 @@ def bones(source: bytes | Path) -> list[str] | None:
 
 
 def rename_bones(data: bytes, rename: Callable[[str], str]) -> bytes:
-    """The same skin with every bone's body renamed. A name has room for 39 bytes."""
+    """Return the same skin with every bone's body renamed. A name has room for 39 bytes."""
     try:
         vertices, texcoords, faces, bones = _HEADER.unpack_from(data)
         at = _HEADER.size + 4 * (3 * vertices + 2 * texcoords + 3 * faces)

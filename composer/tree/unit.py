@@ -1,4 +1,4 @@
-"""A unit: one source model as a tree, with everything that must be known to keep its meaning when it moves."""
+"""A unit: one source model as a tree, with everything needed to keep its meaning when it moves."""
 
 from __future__ import annotations
 
@@ -22,15 +22,14 @@ from composer.tree.settings import Settings, read_settings
 
 @dataclass(eq=False)
 class Unit:
-    """One parsed `<mujoco>` tree, includes expanded.
+    """One parsed `<mujoco>` tree, with includes expanded.
 
     `directory` is the folder of the main file, against which MuJoCo resolves every file of the model; `label` names
-    the unit's folder in a bundle; `contents` has the files that are not found on disk by their written path: their
-    bytes, or where they are, which has passed a door; `door` is what else the model may read; `part_keys` has, of a
-    composition, the keys of each part that it is made of, by path (`left/gripper`); `header` are the comments in the
-    root that stood before it; `adopted` has, of a composition, the settings that its parts agree on. A unit is changed
-    in place by edits
-    and consumed by the linker: `copied()` first to keep it.
+    the unit's folder in a bundle; `contents` has, by written path, files that are not found under this path on
+    disk: their bytes, or a path that passed a door; `door` limits what else the model may read; `part_keys` has the
+    keys of each part of a composition, by path (`left/gripper`); `header` are the comments in the root that
+    preceded it; `adopted` are the settings that the parts of a composition agree on. Edits change a unit in place
+    and the linker consumes it: call `copied()` first to keep it.
     """
 
     root: Node
@@ -50,14 +49,14 @@ class Unit:
 
     @cached_property
     def classes(self) -> Classes:
-        """The default classes; values in them are live, `forget_classes` after classes are added or renamed."""
+        """The default classes. Their values are live; call `forget_classes` after classes are added or renamed."""
         return Classes(self.root)
 
     def forget_classes(self) -> None:
         self.__dict__.pop("classes", None)
 
     def forget_settings(self, *names: str) -> None:
-        """Take compiler settings out of the unit, so that MuJoCo's own hold, and read the rest anew."""
+        """Remove compiler settings from the unit, so that MuJoCo's defaults apply, and read the rest again."""
         for compiler in self.root.iterchildren("compiler"):
             for name in names:
                 if name in compiler.attrib:
@@ -69,7 +68,7 @@ class Unit:
         return str(self.root.get("model") or "")
 
     def copied(self) -> Unit:
-        """A deep copy that shares nothing but file contents."""
+        """Return a deep copy that shares only file contents."""
         root = copy.deepcopy(self.root)
         origins = self.origins.carried(self.root, root)
         header = tuple(root[self.root.index(comment)] for comment in self.header)
@@ -86,11 +85,11 @@ class Unit:
         )
 
     def source_of(self, path: str) -> bytes | Path:
-        """The bytes of a file by its written path, or where they are."""
+        """Return the bytes of a file by its written path, or its path on disk."""
         return self.contents.get(path, Path(join(str(self.directory), path)))
 
     def section(self, tag: str) -> Node:
-        """The last section of that tag, to which new elements go; made where there is none."""
+        """Return the last section of that tag, where new elements go; create it if there is none."""
         found = next(self.root.iterchildren(tag, reversed=True), None)
         if found is None:
             found = self.root.makeelement(tag)
@@ -98,6 +97,6 @@ class Unit:
         return found
 
     def insert(self, section: Node) -> None:
-        """Put a new section in its place, below the header."""
+        """Insert a new section in its conventional place, below the header."""
         at = self.root.index(self.header[-1]) + 1 if self.header else 0
         self.root.insert(max(at, place_of(self.root, str(section.tag))), section)

@@ -1,4 +1,4 @@
-"""A tree to MJCF text."""
+"""Write a tree as MJCF text."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ from lxml.etree import _Element as Node
 
 
 def write(root: Node) -> bytes:
-    """The text of a `<mujoco>` tree: UTF-8, two spaces a level, one element a line, a final newline."""
-    return to_text(root).encode()  # to bytes at once is slower in lxml
+    """Return the text of a `<mujoco>` tree: UTF-8, indented by two spaces, one element on a line, with a final
+    newline.
+    """
+    return to_text(root).encode()  # writing bytes directly is slower in lxml
 
 
 def to_text(root: Node) -> str:
-    """The same, not encoded."""
+    """Return the text of a `<mujoco>` tree, not encoded."""
     return etree.tostring(root, encoding="unicode", pretty_print=True)

@@ -1,4 +1,4 @@
-"""What is wrong with text that is not XML, in the words of its author rather than of a parser."""
+"""Describe errors in malformed XML for its author, instead of in a parser's words."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ _Words = tuple[str, str | None]
 
 
 def report(said: str, file: str, line: int, column: int, text: str, sink: Sink) -> None:
-    """An `xml-syntax` error for what lxml said of `file`; a tag that it names by its line is shown too."""
+    """Report an `xml-syntax` error for lxml's message about `file`; a tag that the message names by line is shown
+    too.
+    """
     if lfs.is_pointer(text):
         message = f"`{file}` is not XML: it is not the file itself but where Git LFS has it"
         sink.error("xml-syntax", message, Span(file, line, column), help=lfs.HELP)

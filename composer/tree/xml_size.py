@@ -1,4 +1,4 @@
-"""What the text of an XML file may cost, judged by its bytes: the tree of it takes fifty times as much memory."""
+"""Limit the cost of an XML file by its bytes, because its tree takes fifty times as much memory."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 
 _COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 _STRETCH = re.compile(rb"<!--.*?-->|[^<>\"]+", re.DOTALL)
-"""What may be long: a comment, and anything between the signs that make up XML."""
+"""Text that may be long: a comment, or anything between the delimiters of XML."""
 _COLUMNS = 10_000
 
 
 def check_text(data: bytes, file: str, sink: Sink) -> bool:
-    """Whether XML may be parsed: it has not too many elements and no part that is too long. What is goes to `sink`."""
+    """Return whether XML may be parsed: it has not too many elements and no text that is too long. Report it if not."""
     limits = in_force()
     tags = _tags(data) if len(data) > limits.elements else 0
     if tags > limits.elements:
@@ -33,9 +33,9 @@ def check_text(data: bytes, file: str, sink: Sink) -> bool:
 
 
 def check_attributes(root: Node, data: bytes, file: str, sink: Sink) -> bool:
-    """Whether no element of what was read from `data` has too many attributes, of which each may be a fault.
+    """Return whether no element read from `data` has too many attributes, because each may be a fault.
 
-    The first that has goes to `sink`.
+    Report the first one that has.
     """
     most = in_force().attributes
     if not _has_long_tag(data, most * len('a=""')):
@@ -55,7 +55,7 @@ def check_attributes(root: Node, data: bytes, file: str, sink: Sink) -> bool:
 
 
 def _has_long_tag(data: bytes, length: int) -> bool:
-    """Whether so many bytes follow one another without a `<`, which stands in no tag but at its start.
+    """Return whether so many bytes follow one another without a `<`, which in a tag only occurs at its start.
 
     >>> _has_long_tag(b"<a><b/></a>", 4), _has_long_tag(b"<a><b/></a>", 3)
     (False, True)

@@ -1,7 +1,7 @@
-"""The elements that an XPath of a recipe gives, in a time that has an end.
+"""Evaluate an XPath of a recipe in limited time.
 
-An XPath may take as long as the elements of a model to the power of its steps, and nothing stops libxml2. Whatever is
-more than a path with simple conditions is tried in a process of its own, which has as long as a regular expression.
+An XPath may take time exponential in its steps, and libxml2 cannot be interrupted. Anything more than a path with
+simple conditions runs in a process of its own, with the same time limit as a regular expression.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ json.dump(answer, sys.stdout)
 
 
 class BadXPath(Exception):
-    """An XPath that is none, that gives no elements, or (`is_slow`) that takes too long."""
+    """An XPath that is invalid, that does not select elements, or (`is_slow`) that takes too long."""
 
     def __init__(self, message: str, *, is_slow: bool = False) -> None:
         super().__init__(message)
@@ -47,7 +47,7 @@ class BadXPath(Exception):
 
 
 def is_plain(xpath: str) -> bool:
-    """Whether it is a path with simple conditions, which takes one look at the elements of a model at most.
+    """Return whether it is a path with simple conditions, which visits each element of a model at most once.
 
     >>> is_plain("worldbody//geom[@type='mesh'][1]"), is_plain("//*[count(//*) > 1]"), is_plain("//body//body")
     (True, False, False)
@@ -59,7 +59,7 @@ def is_plain(xpath: str) -> bool:
 
 
 def nodes_at(root: Node, xpath: str) -> list[Node]:
-    """The elements that an XPath gives from the top of a tree, which itself is none of them. Raises `BadXPath`."""
+    """Return the elements that an XPath selects from the top of a tree, without the top itself. Raises `BadXPath`."""
     if (wrong := length_fault(xpath)) is not None:
         raise BadXPath(wrong)
     if odd := NOT_XML.search(xpath):

@@ -1,1 +1,1 @@
-"""A model in the browser: as one page that stands alone, or live."""
+"""A model in the browser: as one self-contained page, or live."""

@@ -1,4 +1,4 @@
-"""What is shown of a target: which of the models that it may be."""
+"""Which model of a target is shown."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Asked:
     sample: int | None = None
 
     def choosing(self, name: str, value: str) -> Asked:
-        """The same with what a menu of the page says."""
+        """Return the selection with a choice from a menu of the page."""
         if name == CELL:
             return replace(self, pick=None if value == _NONE else value, sample=None)
         given = {**self.given, name: Scalar(value, Span(f"--variant {name}", 1, 1), value, False)}
@@ -34,7 +34,7 @@ class Asked:
 
 
 def choices(operand: Operand, asked: Asked) -> list[dict[str, Any]]:
-    """The menus of a recipe: its variants, where no cell sets them, and its cells and samples."""
+    """Return the menus of a recipe: its variants, unless a cell sets them, and its cells and samples."""
     if operand.kind is not Kind.RECIPE:
         return []
     context = replace(operand.context, sink=Sink())

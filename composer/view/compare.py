@@ -1,4 +1,4 @@
-"""Two models in one page: what was added, removed and changed in colour, and the text of the comparison."""
+"""Two models on one page: additions, removals and changes in colour, and the text of the comparison."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _PLACES = ("body_pos", "body_quat")
 
 
 def write_comparison(a: Side, b: Side, found: Diff, out: Path, context: Context, session: Session) -> bool:
-    """Write the page of two models that `session` keeps; False where that cannot be, which is reported."""
+    """Write the page of two models that `session` keeps; return False after an error, which is reported."""
     names = Names(context.folder)
     changes = difference(names.diff(found))
     before = described(a, session, names=names, difference=changes)
@@ -42,7 +42,7 @@ def write_comparison(a: Side, b: Side, found: Diff, out: Path, context: Context,
 
 
 def difference(found: Diff) -> dict[str, Any]:
-    """The comparison as data for the page: its text, and by model which elements are not as in the other one."""
+    """Return the comparison as data for the page: its text, and for each model the elements that differ."""
     changes = [each for each in found.contrast.changes if not each.follows]
     return {
         "label": f"{found.a.named} → {found.b.named}",
@@ -53,7 +53,7 @@ def difference(found: Diff) -> dict[str, Any]:
 
 
 def _elements(changes: list[Change], what: str, side: int) -> list[str]:
-    """Elements of A or B of which `what` is true, as `KIND NUMBER`."""
+    """Return the elements of A or B with this kind of change, as `KIND NUMBER`."""
     found = (
         f"{each.kind} {each.index[side]}"
         for each in changes

@@ -1,4 +1,4 @@
-"""All that the page shows of one model: what MuJoCo compiled, and where it came from."""
+"""Everything that the page shows of one model: MuJoCo's compiled model, and the origins of its elements."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Description:
-    """`text` is JSON; `used` are the names of the blobs that it refers to, `blobs` the bytes of those that are new."""
+    """`text` is JSON; `used` are the names of the blobs that it refers to, `blobs` the bytes of the new ones."""
 
     title: str
     text: str
@@ -33,7 +33,7 @@ class Description:
     keys: tuple[str, ...] = ()
 
     def has_key(self, key: str | None, sink: Sink) -> bool:
-        """Whether there is a keyframe of a name, or none is asked for; that it does not exist is reported."""
+        """Return whether the keyframe exists, or none is requested; report a missing one."""
         if key is None or key in self.keys:
             return True
         sink.add(unknown_name("keyframe", key, filter(None, self.keys), written="--key {}"))
@@ -48,11 +48,11 @@ def described(
     names: Names | None = None,
     **more: Any,
 ) -> Description | None:
-    """The description of a model that `session` keeps; None where MuJoCo fails, which is reported.
+    """Return the description of a model that `session` keeps, or None if MuJoCo fails, which is reported.
 
-    Blobs in `known` are not made again. With an address of an `editor`, in which `{file}`, `{line}` and `{column}`
-    stand for a place, it has paths of this machine; without one it has none, and the same model gives the same bytes.
-    `names` are those of files that another model on the page has too. `more` goes into the JSON as it is.
+    Blobs in `known` are not created again. With an `editor` address, in which `{file}`, `{line}` and `{column}`
+    stand for a place, it has paths of this machine; without one it has none, and the same model gives the same
+    bytes. `names` are the file names shared with another model on the page. `more` is added to the JSON.
     """
     with scratch("scene") as folder:
         answer = engine.call(session, describe, [side.kept], {"folder": str(folder), "known": sorted(known)})
@@ -81,7 +81,7 @@ def described(
 
 
 def _title(side: Side) -> str:
-    """The model's name: of a recipe its own, otherwise that of the file."""
+    """Return the model's name: that of the recipe, otherwise that of the file."""
     if side.cell is not None:
         return str(side.cell)
     return str(side.plan.name) if side.plan is not None else Path(side.operand.label).stem

@@ -1,4 +1,4 @@
-"""Who may talk to the server: pages that it served itself, by its address with the token."""
+"""Limit access to the server to pages that it served itself, by its address with the token."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ class Guard:
         return f"http://{_bracketed(shown)}:{self.port}/{self.token}/"
 
     def _is_everywhere(self) -> bool:
-        """Whether the server listens on all addresses of this machine."""
+        """Return whether the server listens on all addresses of this machine."""
         try:
             return not self.host or ip_address(self.host).is_unspecified
         except ValueError:  # a name
             return False
 
     def path_of(self, path: str, headers: Mapping[str, str]) -> str | None:
-        """What is asked for below the token; None where the request may not be answered.
+        """Return the path below the token, or None if the request must not be answered.
 
-        `headers` are by their names in lower case. A page of another site cannot set `Host`, and a browser states its
-        `Origin`: neither may be anybody else's.
+        `headers` are keyed by lower-case names. A page of another site cannot set `Host`, and a browser sends its
+        `Origin`, so both must be those of this server.
         """
         host = headers.get("host", "").lower()
         if not self._is_everywhere() and host not in self._hosts():

@@ -1,4 +1,4 @@
-"""Events for every page that looks on."""
+"""Send events to every open page."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ _NOTHING = b": \n\n"
 
 
 class Page:
-    """One page that looks on, from `Hub.join` to `Hub.leave`."""
+    """One open page, from `Hub.join` to `Hub.leave`."""
 
     def __init__(self) -> None:
         self._waiting: queue.Queue[bytes | None] = queue.Queue(_MOST_WAITING)
 
     def put(self, message: bytes | None) -> None:
-        """Add a message; of a page that sleeps the oldest ones are lost: it asks again when it wakes up."""
+        """Add a message. If the page sleeps, its oldest messages are lost; it asks again when it wakes up."""
         while True:
             try:
                 self._waiting.put_nowait(message)
@@ -29,7 +29,7 @@ class Page:
                 self._waiting.get_nowait()
 
     def messages(self) -> Iterator[bytes]:
-        """What the page is to be sent; a comment now and then, by which one that is gone is found out."""
+        """Yield the messages for the page, and now and then a comment, which reveals a page that is gone."""
         while True:
             try:
                 message = self._waiting.get(timeout=_BEAT_SECONDS)
@@ -41,7 +41,7 @@ class Page:
 
 
 class Hub:
-    """Server-Sent Events: `send` gives one to every page."""
+    """Server-Sent Events: `send` sends one to every page."""
 
     def __init__(self) -> None:
         self._pages: list[Page] = []

@@ -1,4 +1,4 @@
-"""A server, what it watches, and the browser that shows it."""
+"""Run a server, watch its files, and open a browser."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _PATIENCE = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Service:
-    """Where a page is served, and whether a browser opens it."""
+    """The address for a page, and whether a browser opens it."""
 
     host: str = "127.0.0.1"
     port: int = 0
@@ -29,7 +29,7 @@ class Service:
 
 
 def started(workshop: Workshop, service: Service, context: Context) -> Server | None:
-    """A server that listens; None where it cannot, which is reported."""
+    """Return a listening server, or None if it cannot listen, which is reported."""
     try:
         return Server(workshop, service.host, service.port)
     except (OSError, OverflowError) as error:
@@ -43,7 +43,7 @@ def started(workshop: Workshop, service: Service, context: Context) -> Server | 
 def serve(
     server: Server, opens: bool, say: Callable[[str], None], stop: Event, said: Callable[[Shown], None]
 ) -> None:
-    """Build, serve, watch and build again until `stop` is set; `said` is called with what came of each build."""
+    """Build, serve, watch and build again until `stop` is set; `said` is called with the result of each build."""
     Thread(target=server.run, daemon=True).start()
     try:
         before = _build(server, said)
@@ -72,7 +72,9 @@ def _watch(server: Server, before: dict[Path, Mark], stop: Event, said: Callable
 
 
 def _build(server: Server, said: Callable[[Shown], None]) -> dict[Path, Mark]:
-    """Build and show; the files that were read, as they were before, so that no change in between is missed."""
+    """Build and show the model; return the files that were read, with marks from before, so that no change is
+    missed.
+    """
     workshop = server.workshop
     before = marks(workshop.inputs)
     shown = workshop.build()
@@ -82,7 +84,7 @@ def _build(server: Server, said: Callable[[Shown], None]) -> dict[Path, Mark]:
 
 
 def _invitation(address: str, opens: bool) -> list[str]:
-    """The address, and how to reach it from where the browser is."""
+    """Return the address, and how to reach it from the user's browser."""
     lines = [address]
     if not opens:
         return lines
@@ -101,7 +103,7 @@ def _invitation(address: str, opens: bool) -> list[str]:
 
 
 def _no_browser() -> str | None:
-    """Why no browser can be opened here; None where one can."""
+    """Return why no browser can be opened here, or None if one can."""
     if os.environ.get("SSH_CONNECTION") or os.environ.get("SSH_TTY"):
         return "ssh"
     if (
@@ -116,6 +118,6 @@ def _no_browser() -> str | None:
 
 
 def _host() -> str:
-    """This machine as it was called to be reached."""
+    """Return the address of this machine that the user connected to."""
     connection = os.environ.get("SSH_CONNECTION", "").split()
     return connection[2] if len(connection) > 2 else "HOST"

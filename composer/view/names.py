@@ -1,4 +1,4 @@
-"""Names of files that say nothing of the machine that has them."""
+"""File names that reveal nothing about the machine."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from composer.diff.revision import split
 
 @dataclass(slots=True)
 class Names:
-    """Files of several models by short names, each file by one of its own.
+    """Short unique names for the files of several models.
 
-    `folder` is where the user is: what is below it keeps its path from there. What is elsewhere gets the end of its
-    path, as long as it must be to be unique.
+    `folder` is the user's folder: files below it keep their relative path. Others get the shortest unique end of
+    their path.
     """
 
     folder: Path
     _files: dict[str, str] = field(default_factory=dict)
 
     def of(self, name: str) -> str:
-        """The short name of a file that messages call `name`."""
+        """Return the short name of the file that messages call `name`."""
         if not os.path.isabs(name) and self.folder != Path(self.folder.anchor):
             return self._files.setdefault(name, name)
         parts = [part for part in PurePath(name).parts if part not in (os.sep, PurePath(name).anchor)]
@@ -37,7 +37,7 @@ class Names:
         return None if span is None else replace(span, file=self.of(span.file))
 
     def diff(self, found: Diff) -> Diff:
-        """A comparison whose text has short names."""
+        """Return a comparison whose text has short names."""
         groups = tuple(Group(self._cause(each.cause), each.changes) for each in found.groups)
         return replace(found, a=self._end(found.a), b=self._end(found.b), groups=groups)
 

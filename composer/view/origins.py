@@ -1,4 +1,4 @@
-"""Where every element of a model came from, as data for the page."""
+"""The origin of every element of a model, as data for the page."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Place = list[int] | None
 
 @dataclass(slots=True)
 class _Table:
-    """Texts that are said often, each once."""
+    """Repeated texts, each stored once."""
 
     rows: dict[str, int] = field(default_factory=dict)
 
@@ -33,10 +33,10 @@ class _Table:
 
 
 class Origins:
-    """What the page knows of the origin of elements.
+    """The origins of elements for the page.
 
-    Files have the names of `names`, those that were fetched their reference. `absolute` has the files of this machine
-    by these names, for links into an editor.
+    Files have the names in `names`, or their reference if they were fetched. `absolute` has the files of this
+    machine by these names, for links into an editor.
     """
 
     def __init__(self, side: Side, names: Names) -> None:
@@ -47,7 +47,7 @@ class Origins:
         self._numbers: dict[str, int] = {}
 
     def data(self, names: Mapping[str, Sequence[str]]) -> dict[str, Any]:
-        """For each kind a list as long as its `names`: place, part, words and changes of an element, or null."""
+        """Return for each kind a list as long as its `names`: place, part, words and changes of an element, or null."""
         traced = self.side.traced
         of = (
             {}
@@ -61,7 +61,7 @@ class Origins:
         nodes = [] if asked is None else query.find(asked, traced.model.root, traced.separator)
         if len(nodes) == len(names):
             return [self._element(node, traced) for node in nodes]
-        # What MuJoCo multiplies has no node of its own.
+        # Copies made by MuJoCo have no node of their own.
         known = {name: node for node in nodes if (name := query.name_of(node)) is not None}
         return [self._element(known[name], traced) if name in known else None for name in names]
 
@@ -93,7 +93,7 @@ class Origins:
         return [self._numbers[span.file], span.line, span.column]
 
     def _number(self, span: Span) -> int:
-        """That of the file. To look where a file was fetched takes long: it is done once for each."""
+        """Return the number of the file. Finding out how a file was fetched takes long, so it is done once for each."""
         operand = self.side.operand
         name = self.names.of(operand.located(span).file)
         if os.path.isfile(path := os.path.abspath(operand.context.folder / span.file)):

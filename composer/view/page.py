@@ -1,4 +1,4 @@
-"""The page as one file that needs no network: the program, the model, and the licence of what it is made of."""
+"""The page as one file that needs no network: the program, the model, and the licences of the program."""
 
 from __future__ import annotations
 
@@ -13,20 +13,21 @@ from pathlib import Path
 from composer.view.description import Description
 
 BUILT = Path(__file__).with_name("built")
-# Nothing but what is in the file: no request, to nowhere.
+# Only content of the file: no requests at all.
 _ALONE = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:;"
     " form-action 'none'; base-uri 'none'"
 )
-# MuJoCo's bindings make functions of text, and the browser gets the WebAssembly from what is in the file.
+# MuJoCo's bindings create functions from text, and the browser loads the WebAssembly from the file itself.
 _PLAYED = _ALONE.replace("'unsafe-inline';", "'unsafe-inline' 'unsafe-eval'; connect-src blob:;", 1)
 _LINE = 4096
 
 
 def alone(description: Description, *others: Description, played: Mapping[str, bytes] | None = None) -> str:
-    """The page of a model; of two models, the second is what became of the first, and has blobs of both.
+    """Return the page of a model, or of two models, where the second is the new state of the first and shares its
+    blobs.
 
-    With the files of a bundle that is `played` it has MuJoCo's WebAssembly, too.
+    With the files of a bundle in `played` it also has MuJoCo's WebAssembly.
     """
     models = "".join(_embedded(number, each) for number, each in enumerate((description, *others)))
     policy = _ALONE if played is None else _PLAYED
@@ -37,20 +38,20 @@ def alone(description: Description, *others: Description, played: Mapping[str, b
 
 
 def _engine(files: Mapping[str, bytes]) -> str:
-    """MuJoCo for the page, and the model that it compiles there."""
+    """Return MuJoCo for the page, and the model that it compiles there."""
     program = lzma.decompress((BUILT / "mujoco.wasm.xz").read_bytes())
     data = _packed("physics", b"null", [*files.items(), ("mujoco.wasm", program)])
     return f"{data}<script>{_in_script((BUILT / 'physics.js').read_text(encoding='utf-8'))}</script>\n"
 
 
 def live(title: str) -> str:
-    """The page of a server, which has the program and the models beside it."""
+    """Return the page of a server, which serves the program and the models separately."""
     style, script = "<link rel=stylesheet href=page.css>", "<script src=page.js></script>"
     return shell(title, "", "", style, script).replace("<html lang=en>", "<html lang=en data-live>")
 
 
 def shell(title: str, head: str, body: str, style: str | None = None, script: str | None = None) -> str:
-    """The page around a model; `style` and `script` stand in place of the program's own, which is otherwise in it."""
+    """Return the page around a model; `style` and `script` replace the program's own, which is included otherwise."""
     notice = (BUILT / "NOTICE").read_text(encoding="utf-8")
     style = (
         style if style is not None else f"<style>{(BUILT / 'page.css').read_text(encoding='utf-8')}</style>"
@@ -70,18 +71,18 @@ def _program() -> str:
 
 
 def _in_script(text: str) -> str:
-    """Text that an HTML parser takes for no end of a script."""
+    """Escape text so that an HTML parser does not see the end of a script in it."""
     return text.replace("</script", "<\\/script").replace("<!--", "<\\!--")
 
 
 def _embedded(number: int, description: Description) -> str:
-    """The model, compressed: a line of JSON with the sizes of the blobs, the model, and those blobs that are new."""
+    """Return the compressed model: a line of JSON with the sizes of the blobs, the model, and the new blobs."""
     blobs = [(name, description.blobs[name]) for name in description.used if name in description.blobs]
     return _packed("model", description.text.encode(), blobs, f" data-number={number}")
 
 
 def _packed(what: str, text: bytes, blobs: list[tuple[str, bytes]], more: str = "") -> str:
-    """Bytes that the page unpacks: of the class `what`."""
+    """Return compressed bytes of the class `what` that the page unpacks."""
     head = json.dumps([len(text), [[name, len(content)] for name, content in blobs]], separators=(",", ":"))
     packed = zlib.compress(b"".join([head.encode(), b"\n", text, *(content for _, content in blobs)]), 9)
     data = base64.b64encode(packed).decode("ascii")

@@ -1,4 +1,4 @@
-"""Physics that run on the server while a page looks on."""
+"""Physics that run on the server for an open page."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ State = dict[str, Any]
 
 
 def advance(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> State:
-    """Run some ``seconds`` from a state, for `composer.engine.call`; a state has qpos, qvel, act, ctrl and time.
+    """Simulate some ``seconds`` from a state with qpos, qvel, act, ctrl and time; runs under
+    `composer.engine.call`.
 
-    Of an incomplete one the rest is that of the keyframe ``key``, or of the reference.
+    Missing values come from the keyframe ``key``, or from the reference configuration.
     """
     data = mujoco.MjData(model)
     key = asked.get("key", -1)
@@ -38,7 +39,7 @@ def advance(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> State:
 
 
 class Physics:
-    """Runs while somebody has asked for it; `send` is called with each configuration."""
+    """Simulates on request; `send` is called with each configuration."""
 
     def __init__(self, workshop: Workshop, send: Callable[[State], None]) -> None:
         self.workshop, self.send = workshop, send
@@ -49,7 +50,7 @@ class Physics:
         self._thread.start()
 
     def play(self, playing: bool, state: State) -> None:
-        """Begin from a state of the page, or pause."""
+        """Start from a state of the page, or pause."""
         with self._lock:
             if playing:
                 self._state, self._version = dict(state), self.workshop.shown.version
@@ -59,7 +60,7 @@ class Physics:
             self.send({"playing": playing})
 
     def control(self, ctrl: list[float]) -> None:
-        """New controls while it runs."""
+        """Set new controls while it runs."""
         self._state = {**self._state, "ctrl": ctrl}
 
     def close(self) -> None:
@@ -78,7 +79,7 @@ class Physics:
     def _advance(self) -> None:
         with self.workshop.lock:
             if self.workshop.shown.version != self._version:
-                self.play(False, {})  # another model: its state would mean nothing
+                self.play(False, {})  # another model, to which the state does not apply
                 return
             asked = {**self._state, "seconds": 1 / _RATE}
             answer = engine.call(self.workshop.session, advance, [KEPT], asked)
@@ -86,6 +87,6 @@ class Physics:
             self.play(False, {})
             return
         with self._lock:
-            if self._going.is_set():  # or it was paused meanwhile, and every page has heard of that
+            if self._going.is_set():  # otherwise it was paused meanwhile, which every page knows
                 self._state = {**self._state, **answer.value}
                 self.send({"playing": True, "qpos": answer.value["qpos"], "version": self._version})

@@ -1,4 +1,4 @@
-"""The server of a page: bound to this machine, and nothing served but the page and the model."""
+"""The server of a page: bound to this machine, and serving only the page and the model."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _WORTH_PACKING = 1024
 
 
 class Server:
-    """Serves one workshop. `address` has the token, without which nothing is answered."""
+    """Serves one workshop. `address` contains the token, without which nothing is answered."""
 
     def __init__(self, workshop: Workshop, host: str, port: int) -> None:
         self.workshop, self.hub = workshop, Hub()
@@ -43,12 +43,12 @@ class Server:
         return self.guard.address
 
     def show(self, shown: Shown) -> None:
-        """Let every page know what is shown now."""
+        """Notify every page of the current model."""
         for event, data in news(shown):
             self.hub.send(event, data)
 
     def run(self) -> None:
-        """Serve until `close`; in a thread of its own."""
+        """Serve until `close`. Runs in a thread of its own."""
         self._http.serve_forever(poll_interval=0.1)
 
     def close(self) -> None:
@@ -59,7 +59,7 @@ class Server:
 
 
 def news(shown: Shown) -> list[tuple[str, Any]]:
-    """The events that say what is shown."""
+    """Return the events for the current model and fault."""
     found: list[tuple[str, Any]] = []
     if shown.version >= 0:
         found.append(("model", {"version": shown.version, "fault": shown.fault is not None}))
@@ -70,11 +70,11 @@ def news(shown: Shown) -> list[tuple[str, Any]]:
 
 class _Http(ThreadingHTTPServer):
     daemon_threads = True
-    # A port that somebody else listens on is taken, on every system.
+    # A port that another process listens on counts as taken, on every system.
     allow_reuse_port = False
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """A page that is gone is not a fault."""
+        """Ignore errors of pages that are gone."""
 
 
 class _Handler(BaseHTTPRequestHandler):
@@ -109,9 +109,9 @@ class _Handler(BaseHTTPRequestHandler):
         self._send(b"", "text/plain", HTTPStatus.NO_CONTENT if done else HTTPStatus.BAD_REQUEST)
 
     def log_message(self, format: str, *args: Any) -> None:
-        """The terminal is for the model."""
+        """Log nothing: the terminal is for the model."""
 
-    # -- what is answered ---------------------------------------------------------------------------------------
+    # -- answers ------------------------------------------------------------------------------------------------
 
     def _path(self) -> str | None:
         headers = {name.lower(): value for name, value in self.headers.items()}
@@ -143,7 +143,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_header("Connection", "close")
         self.end_headers()
         self.close_connection = True
-        page = self.owner.hub.join()  # before it reads what is shown now: nothing is missed in between
+        page = self.owner.hub.join()  # before the page reads the current model, so that it misses no change
         try:
             for event, data in news(self.owner.workshop.shown):
                 self.wfile.write(encoded(event, data))

@@ -1,4 +1,4 @@
-"""Waiting until one of some files changes."""
+"""Wait until one of several files changes."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ POLL_SECONDS = 0.15
 _SETTLE_SECONDS = 0.02
 
 Mark = tuple[int, int, int] | None
-"""What changes with a file: its time, its size, and which file it is. None where it does not exist."""
+"""Data that changes with a file: its time, its size and its inode. None if it does not exist."""
 
 
 def marks(files: Iterable[Path]) -> dict[Path, Mark]:
-    """The marks of files."""
+    """Return the marks of files."""
     return {file: _mark(file) for file in files}
 
 
@@ -34,7 +34,7 @@ def _mark(file: Path) -> Mark:
 
 
 def hopes(context: Context) -> Iterator[Path]:
-    """Files that may mend a fault although nobody could read them: those that recipes name, and where faults are."""
+    """Yield files that may fix a fault although they were not read: those that recipes name, and those with faults."""
     for recipe, read in context.recipes.items():
         yield context.folder / recipe
         if read.node is not None:
@@ -46,9 +46,9 @@ def hopes(context: Context) -> Iterator[Path]:
 
 
 class Watch:
-    """Waits for changes, with `watchfiles` where it is installed, and otherwise by looking again and again.
+    """Waits for changes, with `watchfiles` if it is installed, and otherwise by polling.
 
-    Folders are watched and not files: many editors write a file anew and rename it.
+    It watches folders and not files, because many editors replace a file by renaming.
     """
 
     def __init__(self, stop: Event) -> None:
@@ -63,18 +63,18 @@ class Watch:
         """Return True as soon as a file is not as `before`; False once `stop` is set."""
         while not self.stop.is_set():
             if marks(before) != before:
-                self.stop.wait(_SETTLE_SECONDS)  # an editor that is not done yet
+                self.stop.wait(_SETTLE_SECONDS)  # the editor may not be done yet
                 return not self.stop.is_set()
             self._sleep({file.parent for file in before})
         return False
 
     def _sleep(self, folders: set[Path]) -> None:
-        """Until something happens in the folders, or for a while where nobody says so."""
+        """Wait until something happens in the folders, or for a while if that cannot be observed."""
         there = [folder for folder in folders if folder.is_dir()]
         if self._watchfiles is None or not there:
             self.stop.wait(POLL_SECONDS)
             return
-        # Network drives and sleeping laptops lose events: look for oneself every few seconds.
+        # Network drives and sleeping laptops lose events, so look every few seconds.
         with contextlib.suppress(OSError):
             next(
                 self._watchfiles.watch(

@@ -1,4 +1,4 @@
-"""Builds the model that a server shows, again and again, in one engine."""
+"""Build the model that a server shows, again and again, in one engine."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ EDITOR = "vscode://file{file}:{line}:{column}"
 
 @dataclass(slots=True)
 class Shown:
-    """What a page shows: the last good model, and the fault that stands before it, if there is one.
+    """The state of a page: the last good model, and the current fault, if there is one.
 
-    `version` counts the models. `blobs` has all that its text refers to.
+    `version` counts the models. `blobs` has everything that its text refers to.
     """
 
     version: int = -1
@@ -41,7 +41,7 @@ class Shown:
 
 
 class Workshop:
-    """`open` gives a fresh context for each build, `words` what the terminal would show of its faults.
+    """`open` returns a new context for each build, `words` the terminal's text for its faults.
 
     `lock` is held while the engine works; `shown` and `inputs`, the files to watch, are replaced as a whole.
     """
@@ -70,7 +70,7 @@ class Workshop:
             self.build()
 
     def build(self) -> Shown:
-        """Build, and show what comes of it; a fault leaves the model that was shown before."""
+        """Build and show the result; after a fault the previous model stays."""
         with self.lock, ExitStack() as opened:
             started = time.monotonic()
             context = self._open()
@@ -103,7 +103,7 @@ class Workshop:
         return True
 
     def _watch(self, operand: Operand | None, side: Side | None, context: Context) -> None:
-        """Watch what the model was made of. After a fault also what it was made of before, which may mend it."""
+        """Watch the inputs of the model; after a fault also the previous ones, which may fix it."""
         files = {context.folder / self.target, *hopes(context)}
         if side is not None:
             files |= {context.folder / path for path in side.inputs}

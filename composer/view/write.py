@@ -1,4 +1,4 @@
-"""The page of one model, in a file."""
+"""Write the page of one model to a file."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ if TYPE_CHECKING:
 
 
 def write_page(side: Side, out: Path, key: str | None, context: Context, session: Session) -> int | None:
-    """Write the page of a model that `session` keeps; its size in bytes, None where that cannot be, which is reported.
+    """Write the page of a model that `session` keeps; return its size in bytes, or None after an error, which is
+    reported.
 
-    `key` is the keyframe that it begins with; without it the first. If the side has its bundle, the page can play it.
+    `key` is the initial keyframe; the default is the first. If the side has its bundle, the page can simulate it.
     """
     made = described(side, session, key_named=key)
     if made is None or not made.has_key(key, context.sink):
@@ -36,6 +37,6 @@ def write_page(side: Side, out: Path, key: str | None, context: Context, session
 
 
 def _model_of(bundle: Bundle) -> dict[str, bytes]:
-    """What MuJoCo reads of a bundle: nothing of where it was made."""
+    """Return the files of a bundle that MuJoCo reads, without those that reveal their origin."""
     used = {name: content for name, content in bundle.files.items() if name.startswith("assets/")}
     return {"model.xml": bundle.files[bundle.model], **used}

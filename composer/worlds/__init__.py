@@ -1,10 +1,12 @@
-"""Worlds: one model and the numbers in which its samples differ, handed over to those who step many at once.
+"""Worlds: one model and the numbers that differ between its samples, for simulators that step many at once.
 
-from composer import worlds
+    from composer import worlds
 
-study = worlds.load("build/study/")                 # what a recipe with `randomize: {emit: worlds}` is built as
-batch = worlds.mujoco(study, nthread=8)             # a mujoco.batch.Batch, every number of every world in place
-model = study.model(17)                             # one world as a mujoco.MjModel
+    study = worlds.load("build/study/")                 # built from a recipe with `randomize: {emit: worlds}`
+    batch = worlds.mujoco(study, nthread=8)             # a mujoco.batch.Batch with the numbers of every world
+    model = study.model(17)                             # one world as a mujoco.MjModel
+
+Submodules are imported on first use.
 """
 
 from __future__ import annotations

@@ -10,16 +10,16 @@ from composer.worlds.worlds import Worlds
 
 
 def mujoco(worlds: Worlds, nthread: int = 0, *, persistent: bool = False) -> Any:
-    """A `mujoco.batch.Batch` with a simulation for each world, on `nthread` threads (0: all cores).
+    """Return a `mujoco.batch.Batch` with a simulation for each world, on `nthread` threads (0: all cores).
 
         batch = worlds.mujoco(study)
-        batch.expand("body_mass")      # (worlds, nbody): there already, with each world's masses
+        batch.expand("body_mass")      # (worlds, nbody): expanded already, with each world's masses
 
-    Every array that differs is expanded and filled, those that mj_setConst computes too: `batch.set_const()` would
-    change nothing. `stat.meaninertia`, by which solvers scale their tolerances, is that of the nominal model: a batch
-    has one `stat` for all.
+    Every array that differs is expanded and filled, including those that mj_setConst computes: `batch.set_const()`
+    would change nothing. `stat.meaninertia`, which scales the tolerances of solvers, is that of the nominal model:
+    a batch has one `stat` for all.
 
-    Needs MuJoCo 3.17 or newer; raises LoadError without it, and for an array that a batch has once for all.
+    Needs MuJoCo 3.17 or newer; raises LoadError without it, and for an array that a batch cannot expand.
     """
     try:
         from mujoco.batch import MODEL_FIELDS, Batch

@@ -1,4 +1,4 @@
-"""All models of a recipe as worlds of the first one: each is built, as `build --all` does, and then taken apart."""
+"""Build all models of a recipe, as `build --all` does, and convert them to worlds of the first one."""
 
 from __future__ import annotations
 
@@ -26,23 +26,23 @@ from composer.worlds.table import read
 
 @dataclass(frozen=True, slots=True)
 class Shelf:
-    """A folder in which models stand that were built, until they are taken. Can be pickled."""
+    """A folder for built models until they are converted. Can be pickled."""
 
     folder: Path
 
     def place(self, name: str, mujoco: str | None) -> Path:
-        """For `Maker`: where a model goes."""
+        """Return the folder of a model, for `Maker`."""
         return self.folder / name.replace("/", "_")
 
     def put(self, made: Made, maker: Maker, context: Context, session: Session | None) -> Made | None:
-        """For `CellMaker`: write a model."""
+        """Write a model, for `CellMaker`."""
         bundle = made.bundle
         assert isinstance(bundle, Bundle)
         write_folder(bundle, self.place(made.name, made.mujoco))
         return made
 
     def take(self, made: Made, cell: Cell) -> Joined:
-        """A model, with its worlds where it has some. Raises LoadError."""
+        """Load a model, with its worlds if it has some. Raises LoadError."""
         folder = self.place(made.name, made.mujoco)
         loaded, table = load(folder), None
         if (folder / WORLDS).exists():
@@ -54,13 +54,13 @@ class Shelf:
         return Joined(loaded, made.name, {**named, **cell.values()}, cell.sample, table, folder)
 
     def clear(self, each: Joined) -> None:
-        """Remove the files of a model that is not needed any more."""
+        """Remove the files of a model."""
         assert each.folder is not None
         shutil.rmtree(each.folder, ignore_errors=True)
 
 
 def is_united(recipe: Path, context: Context) -> bool:
-    """Whether a recipe wants one model with the parts of all: `emit: union` of its `matrix` or its `randomize`."""
+    """Return whether a recipe requests one model with the parts of all: `emit: union` in `matrix` or `randomize`."""
     document = read_recipe(context.folder / recipe, replace(context, sink=Sink()))
     found = [find(document, (section, "emit")) for section in ("matrix", "randomize")] if document else []
     return any(isinstance(each, Scalar) and each.value == "union" for each in found)

@@ -1,4 +1,4 @@
-"""What is raised where worlds cannot be loaded, joined or handed over."""
+"""The error for worlds that cannot be loaded, joined or converted."""
 
 from __future__ import annotations
 
@@ -9,5 +9,5 @@ from composer.loading.errors import LoadError
 
 
 def failure(code: str, message: str, help: str | None = None, notes: Sequence[str] = ()) -> LoadError:
-    """One fault, to be raised."""
+    """Return an exception with one diagnostic."""
     return LoadError([Diagnostic(code, message, notes=tuple(map(Note, notes)), help=help)])

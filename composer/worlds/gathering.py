@@ -1,4 +1,4 @@
-"""Worlds of models that were built one by one: of a matrix, of parameters that are drawn, of any numbers."""
+"""Worlds from separately built models: of a matrix, of drawn parameters, of any numbers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from composer.worlds.worlds import Worlds
 
 
 def gather(path: str | PathLike[str], where: str | None = None) -> Worlds:
-    """The models that `mjcompose build --all` wrote to a folder, as worlds: one model, and what differs in the others.
+    """Load the models that `mjcompose build --all` wrote to a folder as worlds: one model, and what differs in the
+    others.
 
         study = worlds.gather("build/study", where="payload > 0")
         study.save("study.npz")     # worlds.load("build/study/first.zip", "study.npz") needs no other model

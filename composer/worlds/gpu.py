@@ -17,19 +17,20 @@ _OF_SLEEP = "dof_length"
 _FLUID = ("opt.density", "opt.viscosity", "opt.wind")
 _IN_FLUID = ("body_fluid_box_adr", "body_fluid_ellipsoid_adr", "body_fluid_ellipsoid")
 _FACTORS = ("efm0_", "dof_M0", _OF_SLEEP)
-"""Numbers of mjModel that Warp's model has and its steps do not read, but for sleep and the discrete integrator."""
+"""Arrays of Warp's model that its steps do not read, except with sleep or the discrete integrator."""
 
 
 def warp(worlds: Worlds) -> Any:
-    """A `mujoco_warp.Model` whose arrays have a row for each world, on Warp's default device.
+    """Return a `mujoco_warp.Model` whose arrays have a row for each world, on Warp's default device.
 
         model = worlds.warp(study)
         data = mujoco_warp.make_data(study.nominal, nworld=study.count)
         mujoco_warp.step(model, data)
 
-    Every array that differs is per world, those that mj_setConst computes too: they would be shared otherwise. Keys
-    are not per world there: `study.values("key_qpos")` has them. Arrays that Warp's model does not have at all play no
-    part in its steps. Needs `mujoco_warp`; raises LoadError without it, and for what it has once for all worlds.
+    Every array that differs is per world, including those that mj_setConst computes, which would be shared
+    otherwise. Keys are not per world: `study.values("key_qpos")` has them. Arrays that Warp's model does not have
+    play no part in its steps. Needs `mujoco_warp`; raises LoadError without it, and for arrays that Warp shares
+    between worlds.
     """
     try:
         import mujoco_warp
@@ -46,8 +47,8 @@ def warp(worlds: Worlds) -> Any:
 
 
 def per_world(model: Any, worlds: Worlds) -> list[str]:
-    """The arrays that differ and that a `mujoco_warp.Model` can have for each world. Raises LoadError for another one
-    that its steps read.
+    """Return the differing arrays that a `mujoco_warp.Model` can have for each world. Raises LoadError for another
+    differing array that its steps read.
     """
     names = []
     for name in worlds.arrays:
@@ -68,7 +69,7 @@ def put_worlds(model: Any, name: str, worlds: Worlds) -> None:
     numbers = worlds.values(name)
     kind = np.float32 if numbers.dtype.kind == "f" else numbers.dtype
     made = wp.array(numbers.reshape(shape).astype(kind), dtype=plain.dtype, device=plain.device)
-    made._is_batched = True  # by which Warp's model tells an array for each world from one for all
+    made._is_batched = True  # marks an array for each world, as opposed to one for all
     setattr(owner, field, made)
 
 
@@ -82,7 +83,7 @@ def _can_vary(model: Any, name: str) -> bool:
 
 
 def unread(worlds: Worlds) -> list[str]:
-    """What plays no part in the steps of these worlds."""
+    """Return the arrays that the steps of these worlds do not use."""
     import mujoco
 
     flag = getattr(mujoco.mjtEnableBit, "mjENBL_SLEEP", None)

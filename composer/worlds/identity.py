@@ -1,4 +1,4 @@
-"""Which model a table of worlds is of."""
+"""The identity of the model that a table of worlds belongs to."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ _TABLES = frozenset({DRAWS, WORLDS, "samples.csv"})
 
 
 def model_sha256(manifest: Manifest) -> str:
-    """The identity of a model: of all files that its manifest lists, tables of draws and worlds aside.
+    """Return the identity of a model: a hash of all files in its manifest, except tables of draws and worlds.
 
-    So a table may stand in the bundle whose model it is of.
+    That way a table can be in the bundle of its own model.
     """
     whole = hashlib.sha256()
     for file in sorted(manifest.files, key=lambda each: each.path):

@@ -1,4 +1,4 @@
-"""Worlds for MJX, and for those who train with it: mujoco_playground and brax."""
+"""Worlds for MJX, and for training with mujoco_playground and brax."""
 
 from __future__ import annotations
 
@@ -12,16 +12,17 @@ _INSTEAD = "leave out of the recipe what changes it, or use `worlds.mujoco`"
 
 
 def mjx(worlds: Worlds, model: Any = None) -> tuple[Any, Any]:
-    """The model with a row for each world in every array that differs, and the tree of axes that `jax.vmap` takes.
+    """Return the model with a row for each world in every array that differs, and the tree of axes for `jax.vmap`.
 
         batched, in_axes = worlds.mjx(study)
         step = jax.vmap(mjx.step, in_axes=(in_axes, 0))
 
-    `model` is an `mjx.Model` or a `brax.System` of the same bundle; without one it is made of the nominal model. So a
-    `randomization_fn` of mujoco_playground or brax is `lambda model: worlds.mjx(study, model)`. Inertia comes with
-    mass, and what mj_setConst computes, `stat.meaninertia` too, with what it is computed from.
+    `model` is an `mjx.Model` or a `brax.System` of the same bundle; without one it is made from the nominal model.
+    So a `randomization_fn` of mujoco_playground or brax is `lambda model: worlds.mjx(study, model)`. Inertia is
+    included with mass, and values that mj_setConst computes, including `stat.meaninertia`, with their inputs.
 
-    Needs `mujoco-mjx`; raises LoadError without it, for what MJX has once for all worlds, and for another model.
+    Needs `mujoco-mjx`; raises LoadError without it, for arrays that MJX shares between worlds, and for another
+    model.
     """
     try:
         import jax
@@ -56,7 +57,7 @@ def mjx(worlds: Worlds, model: Any = None) -> tuple[Any, Any]:
 
 
 def _leaf(model: Any, name: str) -> Any:
-    """An array of a model, `opt.` and all; None where it has none."""
+    """Return an array of a model by its path, such as `opt.timestep`, or None if it does not exist."""
     for each in name.split("."):
         model = getattr(model, each, None)
     return model

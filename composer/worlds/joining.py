@@ -1,4 +1,4 @@
-"""Models that were built one by one, and worlds of several models, as worlds of the first of them."""
+"""Join separately built models, and worlds of several models, to worlds of the first of them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _SHOWN = 4
 
 
 class Joined(NamedTuple):
-    """One model that is to be a world, or with a table several; what it is called, and which cell and sample it is."""
+    """One model that becomes a world, or with a table several; its name, its cell and its sample."""
 
     loaded: Loaded
     name: str
@@ -36,8 +36,8 @@ class Joined(NamedTuple):
 
 @dataclass(slots=True)
 class Group:
-    """Models that are the `first` one in other numbers: what differs, and which worlds they are. For a union they have
-    the same `shape` too: geoms of the same types and with the same meshes.
+    """Models that differ from the `first` one in numbers only: what differs, and which worlds they are. For a union
+    they also have the same `shape`: geoms of the same types and with the same meshes.
     """
 
     first: Joined
@@ -46,7 +46,7 @@ class Group:
     worlds: list[int] = field(default_factory=list)
 
     def take(self, each: Joined, first: int, count: int) -> None:
-        """A model as `count` worlds from the `first`."""
+        """Add a model as `count` worlds from the `first`."""
         taken = len(self.worlds)
         self.differences.extend(taken + count)
         self.differences.take(taken, each.loaded.model, count)
@@ -55,7 +55,7 @@ class Group:
         self.worlds += range(first, first + count)
 
     def varying(self) -> Iterator[tuple[str, Varying]]:
-        """The numbers that differ, by array."""
+        """Yield the numbers that differ, by array."""
         for name, index, values in self.differences.found():
             if not _is_of_names(name):
                 yield name, Varying(index, values[: len(self.worlds)])
@@ -63,7 +63,7 @@ class Group:
 
 @dataclass(slots=True)
 class Joining:
-    """Takes models one by one, `expected` or more; those with other elements too where it `unites` them."""
+    """Joins models one by one, `expected` or more; also models with other elements if it `unites` them."""
 
     expected: int
     unites: bool = False
@@ -73,7 +73,7 @@ class Joining:
     _sample: list[int] = field(default_factory=list)
 
     def add(self, each: Joined) -> bool:
-        """Take a model; whether it is one that has to be kept. Raises LoadError for one that is another model."""
+        """Add a model; return whether it must be kept. Raises LoadError if it is another model."""
         model = each.loaded.model
         shape = shape_of(model, each.name) if self.unites else None
         alike = (
@@ -95,13 +95,13 @@ class Joining:
         return is_new
 
     def worlds(self) -> Worlds:
-        """The worlds of the one model that all were."""
+        """Return the worlds of the common model."""
         (group,) = self.groups
         loaded = group.first.loaded
         return Worlds(loaded.model, loaded.manifest, loaded.index, self.table(loaded, dict(group.varying())))
 
     def table(self, loaded: Loaded, varying: Mapping[str, Varying]) -> Table:
-        """A table of what differs from a model."""
+        """Return a table of the differences from a model."""
         first = self.groups[0].first
         seed = first.loaded.manifest.seed if first.table is None else first.table.seed
         return Table(varying, len(self._cell), seed, tuple(self._cells), np.array(self._cell, np.int64),
@@ -110,7 +110,9 @@ class Joining:
 
 
 def join(found: Iterable[Joined], expected: int) -> Worlds:
-    """All these, `expected` or more, as worlds of the first one's model. Raises LoadError for one that is another."""
+    """Return these models, `expected` or more, as worlds of the first one's model. Raises LoadError for another
+    model.
+    """
     joining = Joining(expected)
     for each in found:
         joining.add(each)
@@ -125,7 +127,7 @@ def _other(first: Joined, other: Joined) -> Exception:
 
 
 def unlike(first: Model, other: Model) -> list[str] | None:
-    """Why a model is another one, None where it has other numbers alone."""
+    """Return why a model is another one, or None if only numbers differ."""
     why = []
     for kind in KINDS:
         here, there = names(first, kind), names(other, kind)
@@ -148,5 +150,5 @@ def unlike(first: Model, other: Model) -> list[str] | None:
 
 
 def _is_of_names(array: str) -> bool:
-    """Whether an array says where names and paths of files are in a text, which begins with the model's own name."""
+    """Return whether an array holds positions of names and file paths in a text that begins with the model's name."""
     return array.startswith("name") or array.endswith("pathadr")

@@ -22,7 +22,7 @@ _ON_BODY = re.compile(r"(#\d+ of body `)(.*`)")
 
 
 def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
-    """The terms for `events` of an environment's configuration: environment `n` is world `n` from its start.
+    """Return the terms for `events` of an environment's configuration: environment `n` is world `n` from its start.
 
         events = {**worlds.mjlab(study, entity="robot"), "push": EventTermCfg(...)}
 
@@ -31,8 +31,9 @@ def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
     takes, and is one like those of `mjlab.envs.mdp.dr`. In a scene mjlab computes again what follows from masses and
     poses, for of the world body more than the entity is part.
 
-    Needs `mjlab`; raises LoadError without it, and for what MuJoCo Warp has once for all worlds. An element that the
-    scene lacks, or another number of environments than of worlds, is one when the environment is made.
+    Needs `mjlab`; raises LoadError without it, and for arrays that MuJoCo Warp shares between worlds. A missing
+    element in the scene, or a number of environments other than that of worlds, raises LoadError when the
+    environment is made.
     """
     try:
         import mujoco_warp
@@ -53,7 +54,7 @@ def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
 
 
 def _set(worlds: Worlds, names: list[str], entity: str | None, sim: Any, env_ids: Any) -> None:
-    """Write the numbers of some environments, None for all of them."""
+    """Write the numbers of some environments, or of all for None."""
     import torch
     import warp
 
@@ -75,7 +76,9 @@ def _set(worlds: Worlds, names: list[str], entity: str | None, sim: Any, env_ids
 def _places(
     worlds: Worlds, name: str, entity: str | None, scene: Model
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Of the numbers of an array those that a scene takes, and where it has them. Raises LoadError for one it lacks."""
+    """Return which numbers of an array a scene takes, and their indices there. Raises LoadError for one that it
+    lacks.
+    """
     index = worlds.arrays[name].index
     if entity is None:
         if flat(scene, name).size != flat(worlds.nominal, name).size:
@@ -89,7 +92,7 @@ def _places(
     ours, theirs = [], []
     for at, each in enumerate(whose(worlds.nominal, name, index)):
         if each.kind == "body" and each.element == _WORLD:
-            continue  # mjlab computes it anew
+            continue  # mjlab recomputes it
         called = _in_scene(each.element, entity)
         if (found := there.get((called, each.attribute))) is None:
             help = (
@@ -104,7 +107,7 @@ def _places(
 
 
 def _in_scene(element: str, entity: str) -> str:
-    """What a scene calls an element of an entity.
+    """Return the name in a scene of an element of an entity.
 
     >>> _in_scene("arm/elbow", "robot"), _in_scene("#0 of body `hand`", "robot")
     ('robot/arm/elbow', '#0 of body `robot/hand`')

@@ -1,4 +1,4 @@
-"""Tables of worlds as Parquet: a row for each world, and a column for each number, called by what it is of."""
+"""Tables of worlds as Parquet: a row for each world, and a column for each number, named after its element."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _ABOUT, _ARRAY, _INDEX = b"mjcompose", b"array", b"index"
 
 
 def check_installed() -> Any:
-    """`pyarrow`. Raises OutputError without it."""
+    """Return `pyarrow`. Raises OutputError without it."""
     try:
         import pyarrow.parquet
     except ImportError:
@@ -27,7 +27,9 @@ def check_installed() -> Any:
 
 
 def write_parquet(path: Path, model: Model, table: Table) -> None:
-    """A table with columns such as `geom_friction pads/left friction[0]`; the schema has array and index of each."""
+    """Write a table with columns such as `geom_friction pads/left friction[0]`; the schema has array and index of
+    each.
+    """
     arrow = check_installed()
     fields, columns = [], []
     for name in ("cell", "sample"):
@@ -45,7 +47,7 @@ def write_parquet(path: Path, model: Model, table: Table) -> None:
 
 
 def read_parquet(content: bytes) -> Table:
-    """The table in the bytes of a file. Raises ValueError, KeyError, TypeError or OSError for what is none."""
+    """Parse a table. Raises ValueError, KeyError, TypeError or OSError for anything else."""
     try:
         import pyarrow
         import pyarrow.parquet

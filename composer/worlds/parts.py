@@ -1,4 +1,4 @@
-"""Which bodies models have in common, and which stand in some of them alone: the parts of a union."""
+"""The bodies that models have in common, and those that only some of them have: the parts of a union."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _NOT_UNITED = ("flex", "skin", "plugin")
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A body that not all models have, with all that stands on it: where it hangs, and what it is made of."""
+    """A body with everything on it that not all models have: its parent, and its contents."""
 
     parent: str
     body: str
@@ -27,7 +27,7 @@ class Part:
 
 @dataclass(slots=True)
 class Tree:
-    """A model as bodies with names; `own` is what stands on each, `children` what hangs on it."""
+    """A model as named bodies; `own` has the elements on each body, `children` its child bodies."""
 
     model: Model
     name: str
@@ -58,7 +58,7 @@ class Tree:
                 self.children[bodies[self.model.body_parentid[number]]].append(name)
 
     def _about(self, kind: str, each: int) -> tuple[Hashable, ...]:
-        """What an element is, without its numbers."""
+        """Return what an element is, without its numbers."""
         model, name = self.model, self.table.names[kind][each]
         if kind == "joint":
             return name, int(model.jnt_type[each])
@@ -72,7 +72,9 @@ class Tree:
         return (name,)
 
     def _surface(self, shape: int, asset: int) -> str:
-        """What a mesh or a height field is made of; a geom of another shape only was fitted to its mesh."""
+        """Return the data of a mesh or a height field; a mesh that a geom of another type was fitted to does not
+        count.
+        """
         model = self.model
         if shape == _HFIELD:
             first, count = (
@@ -86,25 +88,25 @@ class Tree:
         return sha256(model.mesh_vert[first : first + count].tobytes()).hexdigest()
 
     def shape(self, body: str) -> Hashable:
-        """A body and all below it, without numbers."""
+        """Return a body and all bodies below it, without numbers."""
         return body, self.own[body], tuple(self.shape(each) for each in self.children[body])
 
     def below(self, body: str) -> Iterator[str]:
-        """A body and all bodies below it."""
+        """Yield a body and all bodies below it."""
         yield body
         for each in self.children[body]:
             yield from self.below(each)
 
 
 def shape_of(model: Model, name: str) -> Hashable:
-    """All bodies of a model, without numbers. Raises LoadError for one without a name."""
+    """Return all bodies of a model, without numbers. Raises LoadError for an unnamed body."""
     return Tree(model, name).shape("world")
 
 
 def common(trees: Sequence[Tree]) -> set[str]:
-    """The bodies that all models have: with the same elements on them, on the same body, down from the world.
+    """Return the bodies that all models have, with the same elements and the same parent, down from the world.
 
-    Raises LoadError where something else than bodies stands on the world in some models alone.
+    Raises LoadError if only some models have an element on the world that is not a body.
     """
     first, *others = trees
     for each in others:
@@ -127,7 +129,7 @@ def common(trees: Sequence[Tree]) -> set[str]:
 
 
 def parts(tree: Tree, shared: set[str]) -> list[Part]:
-    """The topmost bodies of a model that are not shared."""
+    """Return the topmost bodies of a model that are not shared."""
     return [
         Part(parent, child, tree.shape(child))
         for parent in tree.children

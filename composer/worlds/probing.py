@@ -1,4 +1,4 @@
-"""What a simulator computes once for all worlds of numbers that differ between them, which would be silently wrong."""
+"""Detect values that a simulator shares between worlds although they differ, which would be wrong without an error."""
 
 from __future__ import annotations
 
@@ -27,21 +27,22 @@ NOT_STEPPED = (
     "names",
     "stat.",
 )
-"""Arrays that a step does not read: a simulator that has them once for all worlds shows or resets them so."""
+"""Arrays that a step does not read: if a simulator shares them, only its rendering and resets are affected."""
 
 
 def is_stepped(name: str) -> bool:
-    """Whether a step reads the array."""
+    """Return whether a step reads the array."""
     return not name.startswith(NOT_STEPPED)
 
 
 def check_nothing_is_shared(
     worlds: Worlds, convert: Callable[[Model], Any], varied: Collection[str], simulator: str, instead: str
 ) -> None:
-    """Compare what a simulator makes of the nominal model and of one in which every varying number is another one.
+    """Compare a simulator's conversion of the nominal model and of a model in which every varying number has
+    changed.
 
-    What differs must be among what is `varied`. MuJoCo Warp leaves springs of tendons out of its steps, for instance,
-    if those of the model that it was given have none, whatever the arrays of the worlds say. Raises LoadError.
+    Every difference must be among the `varied` arrays. MuJoCo Warp, for instance, leaves springs of tendons out of
+    its steps if the converted model has none, whatever the arrays of the worlds say. Raises LoadError.
     """
     before, after = (dict(_leaves(convert(each))) for each in (worlds.nominal, _otherwise(worlds)))
     last = {name.rpartition(".")[2] for name in varied}
@@ -62,7 +63,7 @@ def _listed(names: Iterable[str]) -> str:
 
 
 def _otherwise(worlds: Worlds) -> Model:
-    """A model in which each number that differs is the largest of the values that are not the nominal one."""
+    """Return a model in which each varying number is the largest of the values that are not nominal."""
     model = copy.copy(worlds.nominal)
     for name, varying in worlds.arrays.items():
         numbers = flat(model, name).copy()
@@ -74,7 +75,7 @@ def _otherwise(worlds: Worlds) -> Model:
 
 
 def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
-    """All that a structure holds, by its path."""
+    """Yield all values in a structure by their path."""
     if dataclasses.is_dataclass(value):
         for each in dataclasses.fields(value):
             if hasattr(value, each.name):
@@ -84,7 +85,7 @@ def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def _covers(before: Any, after: Any) -> bool:
-    """Whether flags are all set that would be: what a simulator then also looks at is nothing in some worlds."""
+    """Return whether the flags include all that would be set; additional ones only cost time."""
     return not np.any(np.asarray(after, bool) & ~np.asarray(before, bool))
 
 

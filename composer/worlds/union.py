@@ -1,4 +1,6 @@
-"""Models with different parts as worlds of one model that has all parts; `union_values` says what the others do."""
+"""Convert models with different parts to worlds of one model that has all parts; see `union_values` for absent
+parts.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,7 @@ from composer.worlds.worlds import Worlds
 
 
 def unite(joining: Joining, name: str, context: Context, session: Session) -> tuple[Worlds, Bundle]:
-    """The worlds of all models, and the bundle of the model that they are worlds of. Raises LoadError."""
+    """Return the worlds of all models, and the bundle of their common model. Raises LoadError."""
     import mujoco
 
     groups = joining.groups
@@ -63,7 +65,7 @@ def unite(joining: Joining, name: str, context: Context, session: Session) -> tu
 
 
 def _label(group: Group, groups: Sequence[Group]) -> str:
-    """What sets the models of a group apart from those of the first: the values of axes."""
+    """Return the values of axes that distinguish the models of a group from those of the first."""
     ours, first = group.first.cell, groups[0].first.cell
     other = [str(value) for axis, value in ours.items() if axis != "name" and first.get(axis) != value]
     return "-".join(Path(each).stem for each in other) or str(ours["name"])
@@ -74,7 +76,7 @@ def _own_bodies(trees: Sequence[Tree], number: int, each: Placed) -> list[str]:
 
 
 def _models(group: Group) -> Iterator[Model]:
-    """The models of a group, in the order of its worlds."""
+    """Yield the models of a group, in the order of its worlds."""
     nominal, varying = group.first.loaded.model, dict(group.varying())
     for place in range(len(group.worlds)):
         model = copy.copy(nominal)
@@ -86,7 +88,7 @@ def _models(group: Group) -> Iterator[Model]:
 
 
 def _world(mujoco: object, union: Model, mapped: Mapped, model: Model, unused: Sequence[str]) -> Model:
-    """The union as it is in the world of a model."""
+    """Return the union in the state of a model's world."""
     made = copy.copy(union)
     for name in numbers(union):
         if hasattr(model, name):
@@ -99,13 +101,13 @@ def _world(mujoco: object, union: Model, mapped: Mapped, model: Model, unused: S
     for name, index, value in silenced(union, unused):
         flat(made, name)[index] = value
     mujoco.mj_setConst(made, mujoco.MjData(made))  # type: ignore[attr-defined]
-    # Solvers stop where a step improves less than their tolerance, in units of this times the number of dofs.
+    # Solvers stop when a step improves less than their tolerance, in units of this times the number of dofs.
     put(made, MEAN_INERTIA, flat(model, MEAN_INERTIA) * model.nv / max(1, made.nv))
     return made
 
 
 def _check(mapped: Mapped, made: Model, model: Model, name: str) -> None:
-    """What MuJoCo computes of the union in a world must be what it computes of the model. Raises LoadError."""
+    """Check that MuJoCo computes the same for the union in a world as for the model. Raises LoadError."""
     different = []
     for array in (*numbers(model), *derived(model)):
         to, of = mapped.pairs(array) if hasattr(made, array) else (np.empty(0, int), np.empty(0, int))

@@ -1,4 +1,4 @@
-"""One model with the parts of several: what they have in common once, and every part that some of them have alone."""
+"""Compose one model with the parts of several: shared bodies once, and every part that only some of them have."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from composer.worlds.union_manifest import of_sources
 
 @dataclass(frozen=True, slots=True)
 class Placed:
-    """A part of a union: what its names begin with there, and which model it was taken from."""
+    """A part of a union: its prefix there, and the number of the model that it comes from."""
 
     part: Part
     prefix: str
@@ -29,7 +29,7 @@ class Placed:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What a union is made of: bodies that all models share, all parts, and of each model the parts that it has."""
+    """The contents of a union: bodies that all models share, all parts, and the parts of each model."""
 
     shared: set[str]
     placed: list[Placed]
@@ -37,9 +37,9 @@ class Plan:
 
 
 def plan_union(trees: Sequence[Tree], labels: Sequence[str]) -> Plan:
-    """The first model with its own parts, whose names stay, and those of others behind prefixes made of their labels.
+    """Plan a union: the first model keeps its names, parts of others get prefixes from their labels.
 
-    Raises LoadError for what is no part.
+    Raises LoadError for elements that are not parts.
     """
     shared = common(trees)
     placed: list[Placed] = []
@@ -57,7 +57,7 @@ def plan_union(trees: Sequence[Tree], labels: Sequence[str]) -> Plan:
 
 
 def _prefix(label: str, placed: Sequence[Placed]) -> str:
-    """A prefix that no other part has.
+    """Return an unused prefix.
 
     >>> _prefix("./props/can.xml", [])
     'can/'
@@ -71,7 +71,7 @@ def _prefix(label: str, placed: Sequence[Placed]) -> str:
 def compose_union(
     plan: Plan, name: str, folders: Sequence[Path], separator: str, context: Context, session: Session
 ) -> Bundle:
-    """The bundle of a union, of bundles in folders. Raises LoadError for what cannot be composed."""
+    """Return the bundle of a union of the bundles in folders. Raises LoadError if it cannot be composed."""
     attach = {}
     for each in plan.placed:
         if not each.source:
@@ -94,6 +94,6 @@ def compose_union(
 
 
 def bodies_of(trees: Sequence[Tree], each: Placed) -> Iterator[str]:
-    """The bodies of a part as a union calls them."""
+    """Yield the names in a union of the bodies of a part."""
     for body in trees[each.source].below(each.part.body):
         yield each.prefix + body

@@ -1,4 +1,4 @@
-"""What the elements of a model that stand on no body refer to, in words, which are equal where two act alike."""
+"""Describe what elements outside the body tree refer to; elements with equal descriptions act alike."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from composer.worlds.errors import failure
 from composer.worlds.parts import CODE
 
 Label = Callable[[str, int], str]
-"""What an element of a kind is called by its number."""
+"""Returns an element's name by kind and number."""
 
 ACTING = ("actuator", "tendon", "equality", "pair", "exclude", "sensor")
-"""Kinds of element that say by references what they act on."""
+"""Kinds of elements that act on their references."""
 _JOINT, _JOINT_IN_PARENT, _SLIDERCRANK, _TENDON, _SITE, _BODY = range(6)
 _TRANSMISSIONS = {
     _JOINT: "joint", _JOINT_IN_PARENT: "joint", _SLIDERCRANK: "site", _TENDON: "tendon", _SITE: "site", _BODY: "body",
@@ -23,7 +23,7 @@ _WRAP_JOINT, _PULLEY, _WRAP_SITE = 1, 2, 3
 
 
 def references(model: Model, kind: str, number: int) -> Iterator[tuple[str, int]]:
-    """The elements that one refers to: kinds and numbers. Raises LoadError for what is not known here."""
+    """Yield the kind and number of elements that one refers to. Raises LoadError for unknown types of reference."""
     match kind:
         case "actuator":
             for part, target in enumerate(model.actuator_trnid[number].ravel()[:2].tolist()):
@@ -62,14 +62,14 @@ def references(model: Model, kind: str, number: int) -> Iterator[tuple[str, int]
 
 
 def words(model: Model, kind: str, number: int, label: Label) -> str:
-    """What it is, and of what: `equality 1 body a body b`."""
+    """Return an element's type and references: `equality 1 body a body b`."""
     of_type = {"actuator": "actuator_trntype", "equality": "eq_type", "sensor": "sensor_type"}.get(kind)
     head = f"{kind} {int(getattr(model, of_type)[number])}" if of_type else kind
     return " ".join([head, *(f"{of} {label(of, each)}" for of, each in references(model, kind, number))])
 
 
 def bodies(model: Model, kind: str, number: int) -> Iterator[int]:
-    """The bodies that what one refers to stands on."""
+    """Yield the bodies of the elements that one refers to."""
     for of, each in references(model, kind, number):
         if of == "body":
             yield each

@@ -1,9 +1,9 @@
-"""What a union is in a world: the numbers of the model that it stands for, and parts that play no role.
+"""The numbers of a union in a world: those of the world's model, and values that deactivate absent parts.
 
-A part that a world does not have stays in the tree. Its bodies have no mass and its joints an armature of 1, so that it
-exerts no force on what carries it, and what moves it moves nothing else; its actuators give no force. Margins of
-contact are summed, so that a margin far below zero keeps its geoms from touching anything: MuJoCo, MuJoCo Warp and MJX
-have that number for each world, and of `contype` the latter two have one for all.
+A part that a world does not have stays in the tree. Its bodies have no mass and its joints an armature of 1, so
+that it exerts no force on its parent, and its own motion moves nothing else; its actuators give no force. A contact
+margin far below zero keeps its geoms from touching anything, because margins are summed. MuJoCo, MuJoCo Warp and
+MJX have margins for each world, while the latter two share `contype`.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _NOT_NUMBERS = {Treatment.SKIPPED, Treatment.PRESENT, Treatment.LINKED, Treatmen
 
 
 class Mapped:
-    """Where the numbers of a model are in a union; `prefix_of` has the prefix of each body of its parts."""
+    """Maps the numbers of a model to a union; `prefix_of` has the prefix of each body of its parts."""
 
     def __init__(self, union: Model, model: Model, name: str, prefix_of: Mapping[str, str]) -> None:
         self.union, self.model = union, model
@@ -41,7 +41,7 @@ class Mapped:
         self.theirs, self.ours = NameTable(model), NameTable(union)
         self._pairs: dict[str, tuple[np.ndarray, np.ndarray]] = {}
         self.places: dict[str, list[list[int]]] = {}
-        for kind in KINDS:  # those on bodies first, and tendons before what refers to them
+        for kind in KINDS:  # elements on bodies first, and tendons before elements that refer to them
             ids = {self._here(kind, n): n for n in range(self.ours.count(kind))}
             found = []
             for number in range(self.theirs.count(kind)):
@@ -59,7 +59,7 @@ class Mapped:
         )
 
     def check_no_more_acts(self, unused: Collection[str]) -> None:
-        """That nothing acts in the union that the model lacks, but on parts without a role. Raises LoadError."""
+        """Check that nothing acts in the union that the model lacks, except on absent parts. Raises LoadError."""
         for kind in ACTING:
             known = {at for places in self.places[kind] for at in places}
             for number in range(self.ours.count(kind)):
@@ -70,14 +70,14 @@ class Mapped:
                     raise failure(CODE, message, "let it act on one part alone, or have it in all models")
 
     def _here(self, kind: str, number: int) -> str:
-        """What an element of the union is called: unnamed ones go by what they refer to."""
+        """Return the name of an element of the union; an unnamed one is identified by its references."""
         name = self.ours.names[kind][number]
         if name or kind not in ACTING:
             return self.ours.describe(kind, number)
         return words(self.union, kind, number, self.ours.describe)
 
     def _labels(self, kind: str, number: int) -> list[str]:
-        """What an element of the model may be called in the union."""
+        """Return the possible names in the union of an element of the model."""
         if kind in _TREE:
             return [self._label(self.theirs, kind, number, self.prefix_of)]
         if name := self.theirs.names[kind][number]:
@@ -88,14 +88,14 @@ class Mapped:
         return [self.theirs.describe(kind, number)]
 
     def _acts_alike(self, kind: str, number: int, name: str) -> bool:
-        """Whether the element of the union with this name refers to what that of the model does."""
+        """Return whether the element of the union with this name has the same references as that of the model."""
         at = self.ours.ids[kind].get(name)
         return at is not None and words(self.union, kind, at, self.ours.describe) == words(
             self.model, kind, number, self._there
         )
 
     def _there(self, kind: str, number: int) -> str:
-        """What the union calls an element that one of the model refers to."""
+        """Return the name in the union of an element that the model refers to."""
         if kind in _TREE:
             return self._label(self.theirs, kind, number, self.prefix_of)
         at = self.places[kind][number]
@@ -110,7 +110,7 @@ class Mapped:
         return table.describe(kind, number).replace("of body `", f"of body `{prefix}")
 
     def pairs(self, array: str) -> tuple[np.ndarray, np.ndarray]:
-        """The flat indices of an array's numbers in the union, and in the model."""
+        """Return the flat indices of an array's numbers in the union, and in the model."""
         if array not in self._pairs:
             (kind, rows), (_, others) = owners(self.union, array), owners(self.model, array)
             to, of = self._matched(kind, rows, others)
@@ -125,7 +125,7 @@ class Mapped:
         return self._pairs[array]
 
     def put_keys(self, made: Model, model: Model) -> None:
-        """Write the keys of a model into those of the union that have their names. Raises LoadError for others."""
+        """Write the keys of a model into those of the same name in the union. Raises LoadError for others."""
         for number, places in enumerate(self.places["key"]):
             for array, (kind, size) in _KEYS.items():
                 mine, other = getattr(self.union, size), getattr(self.model, size)
@@ -139,7 +139,7 @@ class Mapped:
                     rows[to] = getattr(model, array)[number].reshape(other, -1)[of]
 
     def _matched(self, kind: str, rows: Rows, others: Rows) -> tuple[np.ndarray, np.ndarray]:
-        """The rows of the union's elements, and those of the model's."""
+        """Return the rows of the union's elements, and those of the model's."""
         row_at = {(element, place): row for row, (element, place, _) in rows.items()}
         found = [
             (row_at[element_there, place], row)
@@ -152,7 +152,7 @@ class Mapped:
 
 
 def numbers(model: Model) -> Iterator[str]:
-    """The arrays that say what an element is like, not where it is in the model or what it refers to."""
+    """Yield the arrays with properties of elements, as opposed to addresses and references."""
     for name in dir(model):
         array = getattr(model, name) if not name.startswith("_") else None
         if (
@@ -167,7 +167,7 @@ def numbers(model: Model) -> Iterator[str]:
 
 
 def derived(model: Model) -> Iterator[str]:
-    """The arrays that mj_setConst computes; lengths of dofs are those of all that hangs on them, for sleep."""
+    """Yield the arrays that mj_setConst computes, except `dof_length`, which for sleep depends on all children."""
     for name in dir(model):
         how = rule(name)
         if (
@@ -179,7 +179,7 @@ def derived(model: Model) -> Iterator[str]:
 
 
 def silenced(union: Model, bodies: Iterable[str]) -> list[tuple[str, np.ndarray, Any]]:
-    """What to write into a union so that these bodies play no role: array, flat indices, value."""
+    """Return the values that deactivate these bodies in a union: array, flat indices, value."""
     table = NameTable(union)
     at = np.array(sorted(table.ids["body"][name] for name in bodies), np.int64)
     if not at.size:

@@ -1,1 +1,1 @@
-"""What a recipe writes, as steps: one file for each type, and the table of them all."""
+"""The steps of a recipe: one file for each type, and the table of all types."""

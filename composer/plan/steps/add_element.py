@@ -13,7 +13,7 @@ from composer.recipe.element import Element
 
 @dataclass(frozen=True, slots=True)
 class AddElement(Step):
-    """Put an element under a body, a frame or the world (`to_kind` world, body, frame)."""
+    """Add an element to a body, a frame or the world (`to_kind` world, body, frame)."""
 
     sections: ClassVar[tuple[str, ...]] = ("add",)
     to_kind: Literal["world", "body", "frame"]

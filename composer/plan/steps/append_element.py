@@ -1,4 +1,4 @@
-"""Step: an element of a section in which elements follow one another."""
+"""Step: an element of a section whose elements form a list."""
 
 from __future__ import annotations
 

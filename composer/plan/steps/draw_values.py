@@ -13,7 +13,7 @@ from composer.recipe.draw_field import DrawField
 
 @dataclass(frozen=True, slots=True)
 class DrawValues(Step):
-    """Draw the values of a field for a sample; for sample 0, which has none, see whether the others can have theirs."""
+    """Draw the values of a field for a sample; for sample 0, which has no draws, check those of all other samples."""
 
     sections: ClassVar[tuple[str, ...]] = ("randomize",)
     field: DrawField

@@ -13,7 +13,7 @@ from composer.recipe.edit import Edit
 
 @dataclass(frozen=True, slots=True)
 class EditElements(Step):
-    """Change what a selector means, in the whole model or in a part of it alone."""
+    """Change the selected elements, in the whole model or in one part."""
 
     sections: ClassVar[tuple[str, ...]] = ("edit",)
     edit: Edit

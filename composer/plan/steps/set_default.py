@@ -13,7 +13,7 @@ from composer.recipe.element import Element
 
 @dataclass(frozen=True, slots=True)
 class SetDefault(Step):
-    """Set a default class, creating it where there is none."""
+    """Set a default class, creating it if it does not exist."""
 
     sections: ClassVar[tuple[str, ...]] = ("default",)
     name: str

@@ -1,4 +1,4 @@
-"""Step: settings of which a model has one."""
+"""Step: settings that a model has once."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from composer.recipe.singleton import Singleton
 
 @dataclass(frozen=True, slots=True)
 class SetSingleton(Step):
-    """Set attributes of a section of which a model has one (`option`, `visual`, …)."""
+    """Set attributes of a section that a model has once (`option`, `visual`, …)."""
 
     sections: ClassVar[tuple[str, ...]] = sections_of(Singleton)
     section: str

@@ -1,4 +1,4 @@
-"""What every type of step is made of."""
+"""The base class of all types of steps."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from composer.recipe.recipe import Recipe
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """What steps are made of: a recipe, the document that it was read from, its draws and the sample."""
+    """The input of steps: a recipe, its document, its draws and the sample."""
 
     recipe: Recipe
     document: Mapping
@@ -25,14 +25,14 @@ class Written:
     sample: int
 
     def span(self, at: Path, key: bool = False) -> Span:
-        """The place of a value in the recipe, or of its key."""
+        """Return the place of a value in the recipe, or of its key."""
         return locate(self.document, at, key=key)
 
 
 class Step(ABC):
     """One thing that a recipe writes. A type of step is a frozen dataclass with a `span`, and a row in `table.py`.
 
-    `sections` are the top-level keys of a recipe that the steps of this type carry out.
+    `sections` are the top-level keys of a recipe that steps of this type carry out.
     """
 
     __slots__ = ()
@@ -42,21 +42,21 @@ class Step(ABC):
     @classmethod
     @abstractmethod
     def of(cls, written: Written) -> Iterator[Step]:
-        """The steps of this type in a recipe, in the order in which they are carried out."""
+        """Yield the steps of this type in a recipe, in the order in which they are carried out."""
 
     @property
     @abstractmethod
     def words(self) -> str:
-        """What `plan` prints for the step, on one line."""
+        """The line that `plan` prints for the step."""
 
     @property
     @abstractmethod
     def reason(self) -> str:
-        """What `explain` says of an element or attribute that the step wrote."""
+        """The reason that `explain` gives for an element or attribute written by the step."""
 
 
 def words_of_element(element: Element) -> str:
-    """An element as the words of a step name it.
+    """Return the name of an element in the words of a step.
 
     >>> words_of_element(Element("geom")), words_of_element(Element("site", {"name": "tip"}))
     ('a geom', 'site tip')

@@ -13,7 +13,7 @@ from composer.recipe.keyframe import Keyframe
 
 @dataclass(frozen=True, slots=True)
 class WriteKeyframe(Step):
-    """Write a key by the names of joints, actuators and mocap bodies, in place of one of that name."""
+    """Write a key by the names of joints, actuators and mocap bodies, replacing an existing key of that name."""
 
     sections: ClassVar[tuple[str, ...]] = ("keyframe",)
     key: Keyframe
