@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
+from pathlib import Path
 
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
@@ -20,7 +21,8 @@ _HEAD = f"""# Reference
 
 Written by `mjcompose schema reference` from the models that read recipes and from the grammar of MJCF: do not edit it.
 What the keys mean together, with examples, is in [recipes](recipes.md), [variation](variation.md),
-[randomisation](randomisation.md) and [checks](checks.md). Elements and their attributes are MJCF's own, with the
+[randomisation](randomisation.md) and [checks](checks.md). Every chapter begins with examples that together have each of
+its keys; the tests build them. Elements and their attributes are MJCF's own, with the
 meaning that MuJoCo's [XML reference]({MANUAL}) gives them.
 
 `PREFIX`, `NAME` and the like stand for words of yours, `[]` for each item of a list. Keys in **bold** are required,
@@ -59,13 +61,13 @@ def page() -> str:
     schema = recipe_schema()
     keys = _Keys(schema["$defs"])
     whole = {**schema["else"], "required": schema["required"]}  # a recipe that extends no other
-    lines = [_HEAD, "## Top-level keys", "", *keys.table(whole, "", deep=False)]
+    lines = [_HEAD, "## Top-level keys", *_examples("top"), "", *keys.table(whole, "", deep=False)]
     for name, each in whole["properties"].items():
         rows = list(keys.rows(each, name))
         if rows:
-            lines += ["", f"## `{name}`", "", *keys.head, *rows]
+            lines += ["", f"## `{name}`", *_examples(name), "", *keys.head, *rows]
     for name, (title, about) in _CHAPTERS.items():
-        lines += ["", f"## {title}", "", about, "", *keys.table(keys.definitions[name], "")]
+        lines += ["", f"## {title}", "", about, *_examples(name), "", *keys.table(keys.definitions[name], "")]
     lines += ["", "## Model references", "", *_references()]
     lines += ["", "## Elements", ""]
     lines += [
@@ -84,6 +86,20 @@ def page() -> str:
                 *rows,
             ]
     return "\n".join(lines) + "\n"
+
+
+def examples(name: str) -> list[str]:
+    """The recipes that show the keys of a chapter: beside this file in an installed package, in the docs in a clone."""
+    here = Path(__file__).resolve()
+    for folder in (here.parent / "examples", here.parents[2] / "docs" / "examples" / "keys"):
+        if (folder / f"{name}.yaml").is_file():
+            return (folder / f"{name}.yaml").read_text(encoding="utf-8").split("---\n")
+    return []
+
+
+def _examples(name: str) -> Iterator[str]:
+    for text in examples(name):
+        yield from ("", "```yaml", text.rstrip(), "```")
 
 
 def _references() -> Iterator[str]:

@@ -38,6 +38,7 @@ ALLOWED = {
     "loading/load.py": "the file that the user names",
     "pictures/video.py": "writes",
     "plan/read.py": "the recipe that the user names, or a reference that passed",
+    "recipe/reference_page.py": "the examples of this package",
     "processes/worker.py": "its own standard output",
     "reading/regular.py": "the door",
     "scratch.py": "locks of folders of ours",
