@@ -1,4 +1,6 @@
-"""Models on models: attaching, detaching, and the prefix between the two. No Elements here, only models and nodes."""
+"""Attach models to models, detach them, and maintain the prefix between the two. Works on models and nodes, not
+Elements.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The frame between a model and the one it hangs on."""
+"""The frame between a model and the model it is attached to."""
 
 from __future__ import annotations
 
@@ -25,13 +25,12 @@ _JOINTS = ("joint", "freejoint")
 
 
 class AttachmentFrame(Element):
-    """The body called `PREFIX/` between a model and the one it hangs on.
+    """The body called `PREFIX/` between a model and the model it is attached to.
 
-    It belongs to the parent. Its `pos` and orientation are the offset from the place of attachment (metres,
-    and the parent's unit of angle); `add('joint', …)` lets the child move: a joint called `name` is
-    `PREFIX/name` in the output, one without a name is `PREFIX/`. With a free joint, or as a `mocap` body,
-    the child stands in the world at the pose that the place has in the reference configuration. Without any
-    of these no body is written.
+    It belongs to the parent. Its `pos` and orientation are the offset from the place of attachment (metres, and the
+    parent's unit of angle). `add('joint', …)` lets the child move: a joint called `name` becomes `PREFIX/name` in
+    the output, one without a name `PREFIX/`. With a free joint, or as a `mocap` body, the child is in the world at
+    the pose that the place has in the reference configuration. Without any of these no body is written.
     """
 
     __slots__ = ()
