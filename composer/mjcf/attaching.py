@@ -1,6 +1,4 @@
-"""Attach models to models, detach them, and maintain the prefix between the two. Works on models and nodes, not
-Elements.
-"""
+"""Attach models to models, detach them, and maintain the prefix between the two. Works on nodes, not on Elements."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""Turn a composition into one flat model: the linker works on copies of all units, the models themselves do not
-change.
-"""
+"""Turn a composition into one flat model. The linker works on copies of all units; the models do not change."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""The one Element of each node. `composer.mjcf` registers the classes, so code that makes views need not import
-them.
-"""
+"""The one Element of each node. `composer.mjcf` registers the view classes, so other modules need not import them."""
 
 from __future__ import annotations
 
