@@ -30,10 +30,9 @@ _SHOWN = 8
 
 
 def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -> Fetching | None:
-    """Return how to fetch for a recipe, according to its lock if it has one; None if the lock is faulty. Read once
-    a run.
+    """Return how to fetch for a recipe, according to its lock if it has one; None if the lock is faulty.
 
-    `disputes` is for a lock with merge conflicts, see `read_lock`.
+    Read once a run. `disputes` is for a lock with merge conflicts, see `read_lock`.
     """
     fetching = context.fetching = context.fetching or Fetching()
     if fetching.lock_file is not None:

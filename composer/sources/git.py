@@ -92,8 +92,9 @@ def _escaped(revision: str) -> str:
 
 
 def _resolve(reference: Reference, lookup: Lookup) -> Source:
-    """Return the file at a revision. The commit comes from the lock, or else from the repository. Raises
-    SourceError.
+    """Return the file at a revision.
+
+    The commit comes from the lock, or else from the repository. Raises SourceError.
     """
     id, known = reference.id, lookup.fetching.origins
     if id not in known:
@@ -193,8 +194,9 @@ class _Repository:
             )
 
     def _fill(self, target: Path, commit: str, pinned: bool, about: dict[str, str]) -> None:
-        """Write the files of the commit. The clone is next to them for the time being, so that a kill leaves
-        nothing elsewhere.
+        """Write the files of the commit.
+
+        The clone is next to them for the time being, so that a kill leaves nothing elsewhere.
         """
         with tempfile.TemporaryDirectory(dir=target.parent) as folder:
             repository = Path(folder)

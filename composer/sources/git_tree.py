@@ -30,11 +30,11 @@ Contents = Callable[[_Blob], Iterator[bytes]]
 
 
 def write_tree(git: Git, repository: Path, commit: str, target: Path) -> dict[str, str]:
-    """Write the files of a commit below `target`, an empty folder. Return the omitted paths, each with a
-    description.
+    """Write the files of a commit below `target`, an empty folder.
 
-    A link to a file or folder of the same commit becomes a copy; other links and submodules are omitted. Raises
-    SourceError for a tree that is too large or whose names lead out of the folder, GitFailure, and OSError.
+    Return the omitted paths, each with a description. A link to a file or folder of the same commit becomes a copy;
+    other links and submodules are omitted. Raises SourceError for a tree that is too large or whose names lead out
+    of the folder, GitFailure, and OSError.
     """
     packed = sum(path.stat().st_size for _, path in files_below(repository))
     try:

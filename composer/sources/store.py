@@ -98,8 +98,9 @@ class Store:
         return cls(folder, limit)
 
     def get(self, kind: Stored, key: str) -> Entry | None:
-        """Return an entry and mark it as used now, or None if it does not exist. It is not pruned while this
-        process lives.
+        """Return an entry and mark it as used now, or None if it does not exist.
+
+        It is not pruned while this process lives.
         """
         folder = self.folder / kind / key
         try:

@@ -20,10 +20,10 @@ _NAMELESS = "a body around what was taken, "
 
 
 class Taken(NamedTuple):
-    """The outcome. `above` are the bodies around the subtree in the whole source, the nearest first, and None
-    for the world.
+    """The result of compiling a subtree and its source.
 
-    The subtree's world corresponds to the first of them, or to one further up if `fusestatic` fused them.
+    `above` are the bodies around the subtree in the whole source, the nearest first, and None for the world. The
+    subtree's world corresponds to the first of them, or to one further up if `fusestatic` fused them.
     """
 
     above: tuple[str | None, ...] = (None,)
