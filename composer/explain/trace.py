@@ -1,5 +1,6 @@
-"""Record what happens to every element during composition: elements are compared by identity after each pass and
-step.
+"""Record what happens to every element during composition.
+
+Elements are compared by identity after each pass and step.
 """
 
 from __future__ import annotations

@@ -195,9 +195,7 @@ def _is_whole(id: str, use: _Use, context: Context) -> bool:
 
 
 def _wrong(before: Locked, now: Locked) -> Iterator[str]:
-    """Yield contradictions between a lock's entry and its kind or its correct pin, which show that somebody edited
-    it.
-    """
+    """Yield contradictions between a lock's entry and its kind or its correct pin; they show a manual edit."""
     if before.kind == now.kind:
         own = kind_of(now).pins
         foreign = (pin for pin in PINS if pin not in own and getattr(before, pin) is not None)

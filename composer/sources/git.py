@@ -318,8 +318,7 @@ def _files_are_small() -> bool:
 
 
 def _other_side(url: str) -> tuple[str, ...]:
-    """Return the options that keep git on the serving side of a local repository from holding large files in
-    memory.
+    """Return the options that keep git from holding large files in memory while it serves a local repository.
 
     That git starts with the repository's own settings, without the command-line settings of this side.
     """

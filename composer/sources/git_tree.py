@@ -140,9 +140,7 @@ def _blob(line: bytes) -> _Blob:
 
 @contextmanager
 def _contents(git: Git, repository: Path) -> Iterator[Contents]:
-    """Yield a function that returns the bytes of a file piece by piece, so that no file is held in memory as a
-    whole.
-    """
+    """Yield a function that returns the bytes of a file piece by piece, so that memory never holds a whole file."""
     with git.open("cat-file", "--batch", folder=repository, asked=True) as process:
 
         def content(blob: _Blob) -> Iterator[bytes]:

@@ -31,8 +31,9 @@ class Taken(NamedTuple):
 
 
 def keep_taken(member: PartRecord, session: engine.Session, taken: str, whole: str) -> Taken:
-    """Compile the subtree and the whole source and keep them under these names; the result has a message if
-    that fails.
+    """Compile the subtree and the whole source and keep them under these names.
+
+    If that fails, the result has a message.
     """
     assert member.subtree is not None
     sink = Sink()

@@ -1,6 +1,4 @@
-"""The elements of a compiled model that belong to a recipe: all of them, or for a nested recipe those with
-its prefix.
-"""
+"""The elements of a compiled model that belong to a recipe: all of them, or those with a nested recipe's prefix."""
 
 from __future__ import annotations
 
