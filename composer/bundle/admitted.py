@@ -1,5 +1,6 @@
-"""Make sure that an untrusted bundle reads only its own files, by checking what its model names before MuJoCo opens
-it.
+"""Make sure that an untrusted bundle reads only its own files.
+
+This checks what its model names before MuJoCo opens it.
 """
 
 from __future__ import annotations
@@ -15,10 +16,10 @@ from composer.tree.parse import parse_file
 
 
 def outside(folder: Path, model: str, shown: str) -> tuple[Diagnostic, ...]:
-    """Return the faults in the files that a model names, whose bundle was written to `folder`; empty if there are
-    none.
+    """Return the faults in the files that a model names; empty if there are none.
 
-    `shown` is the bundle's name in messages. Invalid XML is a fault too, because it may name any file.
+    The bundle was written to `folder`; `shown` is its name in messages. Invalid XML is a fault too, because it may
+    name any file.
     """
     if not model.lower().endswith(".xml"):
         return ()

@@ -1,6 +1,4 @@
-"""Assemble a bundle from a composed model: its text, the files it names, the licences of its parts, and the
-manifest.
-"""
+"""Assemble a bundle from a composed model: its text, its files, the licences of its parts, and the manifest."""
 
 from __future__ import annotations
 

@@ -26,8 +26,9 @@ Stored = dict[tuple[str, int], list[str]]
 def collect(
     model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str
 ) -> dict[str, bytes]:
-    """Return the bytes by path in the bundle. A missing file is reported where the model names it, under the name
-    `shown`.
+    """Return the bytes by path in the bundle.
+
+    A missing file is reported where the model names it, under the name `shown`.
     """
     files: dict[str, bytes] = {}
     stored: Stored = {}

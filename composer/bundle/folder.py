@@ -89,9 +89,7 @@ def _files_in(folder: Path) -> set[str]:
 
 
 def _own_files(folder: Path) -> set[str] | None:
-    """Return the files in the manifest of an earlier output, including the manifest, or None if there is no such
-    manifest.
-    """
+    """Return the files in the manifest of an earlier output, including the manifest, or None without a manifest."""
     file = folder / MANIFEST
     with contextlib.suppress(OSError, ValueError, TypeError, KeyError, RecursionError):
         if file.is_symlink() or file.stat().st_size > _LARGEST_MANIFEST:

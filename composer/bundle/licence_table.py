@@ -14,9 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One part: its model reference, its licence as an SPDX expression or None if it is unknown, and its licence
-    files.
-    """
+    """One part: its model reference, its licence as an SPDX expression (None if unknown), and its licence files."""
 
     part: str
     source: str

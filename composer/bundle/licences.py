@@ -24,11 +24,11 @@ class Licences:
 def licence_files(
     licences: Mapping[str, Iterable[Path]], read: Callable[[Path], bytes] = read_regular
 ) -> Licences:
-    """Return every licence file once, as `LICENSES/LABEL/FILE NAME`; equal files of one name go under the first
-    label.
+    """Return every licence file once, as `LICENSES/LABEL/FILE NAME`.
 
-    `licences` maps a label (a part's prefix such as `left/gripper`, or a source) to its licence files. Files of one
-    label with the same name and different contents are numbered. Raises OSError if a file cannot be read.
+    `licences` maps a label (a part's prefix such as `left/gripper`, or a source) to its licence files. Equal files
+    of one name go under the first label. Files of one label with the same name and different contents are numbered.
+    Raises OSError if a file cannot be read.
     """
     files: dict[str, bytes] = {}
     of: dict[str, tuple[str, ...]] = {}

@@ -330,9 +330,7 @@ def files_of(bundle: Bundle) -> tuple[File, ...]:
 
 
 def to_json(manifest: Manifest) -> bytes:
-    """Return the manifest as text: fields in the order of the schema, indented by two spaces, UTF-8, with a final
-    newline.
-    """
+    """Return the manifest as UTF-8 text: fields in the order of the schema, indented by two spaces, a final newline."""
     data = manifest.model_dump(mode="json")
     for name in ("picture", "target"):
         if data[name] is None:

@@ -16,9 +16,7 @@ from composer.tree.unit import Unit
 
 
 class Portable:
-    """Names files of one composition: of the recipe at `recipe`, its `sources`, and the `fetched` origins of its
-    recipes.
-    """
+    """Names the files of one composition: the recipe, its `sources`, and the `fetched` origins of its recipes."""
 
     def __init__(
         self,

@@ -17,10 +17,10 @@ from composer.plan.matrix import read_matrix
 
 
 def cells_of(recipe: Path, context: Context, given: dict[str, Node] | None = None) -> list[Cell]:
-    """Return what `--all` builds, in order, with all names and values checked; empty after errors, which go to the
-    sink.
+    """Return what `--all` builds, in order, with all names and values checked.
 
-    These are the cells of the matrix, each with its samples if the recipe draws some.
+    These are the cells of the matrix, each with its samples if the recipe draws some. The result is empty after
+    errors, which go to the sink.
     """
     if use_lock(recipe, context) is None:
         return []

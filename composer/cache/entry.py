@@ -38,9 +38,9 @@ class KeptRecipe:
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """A successful build. `text` is the hash of the model's text, if only that was wanted; `mujoco` is the version
-    that compiled it.
+    """A record of a successful build.
 
+    `text` is the hash of the model's text, if only that was wanted; `mujoco` is the version that compiled it.
     `draws` are the numbers drawn for a sample, by table column; None if it is not a sample. `recipes` are the
     recipe files, the outermost first. `places` is a hash of all positions in them, and `names_places` says that the
     record contains such positions. `cells` is the number of cells of the recipe's matrix if this model is none of

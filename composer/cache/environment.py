@@ -25,10 +25,9 @@ def _stamp() -> str:
 
 
 def tool_version(store: Path) -> str:
-    """Return the version and a hash of all files of the package, because in a checkout the code changes without the
-    version.
+    """Return the version and a hash of all files of the package.
 
-    The hash is stored by the files' sizes and times.
+    In a checkout the code changes without the version. The hash is stored by the files' sizes and times.
     """
     stamp = _stamp()
     known = blobs.get(store, "asked", stamp)

@@ -33,9 +33,7 @@ class Inputs:
         return tuple(dict.fromkeys(map(os.path.abspath, paths)))
 
     def others(self, built: Built, context: Context) -> tuple[str, ...]:
-        """Return all other files: models, included files, assets, licences and the folders they are searched in,
-        the lock.
-        """
+        """Return all other files: models, included files, assets, licences and the folders searched for them, lock."""
         found = self._planned(built.plan, built.plan.sources(), context)
         model = built.composed.model
         found.update(dict.fromkeys(os.path.abspath(context.folder / name) for name in model.origins.texts))

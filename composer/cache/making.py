@@ -107,9 +107,7 @@ class CellMaker:
 
 
 def handed_over(context: Context) -> Context:
-    """Return a context for another process, with the knowledge of files read and fetched here, and a sink of its
-    own.
-    """
+    """Return a context for another process: it knows the files read and fetched here, and has its own sink."""
     how = context.fetching
     return replace(
         context, sink=Sink(), timings=[], concrete={},
@@ -143,9 +141,7 @@ class Job:
     def opened(
         self, on_keep: Callable[[Record, Sequence[Seen]], None] | None = None
     ) -> Iterator[Callable[[Cell], MadeCell]]:
-        """Yield, in a worker, the function that makes a cell; `on_keep` is called with everything that the cache
-        stores.
-        """
+        """Yield, in a worker, the function that makes a cell; `on_keep` gets everything that the cache stores."""
         sink = self.context.sink
         cache = None if self.store is None else opened_cache(self.store, sink)
         if cache is not None:

@@ -65,8 +65,9 @@ class Choices:
         return found
 
     def named(self, context: Context) -> dict[str, str]:
-        """Return the values as text, by their names for the user, for comparison in the build cache. Nothing is
-        validated.
+        """Return the values as text, by their names for the user, for comparison in the build cache.
+
+        Nothing is validated.
         """
         from composer.cache.reasons import content_of, name_of
 

@@ -43,8 +43,10 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def _in_time(handler: Callable[[int, FrameType | None], Any]) -> Callable[[int, FrameType | None], None]:
-    """Return a handler that waits during the import of a module: compiled modules, such as those of lxml 6.1, drop
-    exceptions, and Python 3.11 turns them into a RuntimeError while it creates a class.
+    """Return a handler that waits while a module is being imported.
+
+    Compiled modules, such as those of lxml 6.1, drop exceptions, and Python 3.11 turns them into a RuntimeError
+    while it creates a class.
     """
     ready = with_deferring(handler)
 

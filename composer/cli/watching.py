@@ -78,8 +78,9 @@ def _code(command: Callable[[], None]) -> int:
 
 
 def _wait(before: dict[Path, Mark]) -> None:
-    """Wait until a file has changed. In a thread of its own, because a watch swallows the signal that ends a
-    command.
+    """Wait until a file has changed.
+
+    In a thread of its own, because a watch swallows the signal that ends a command.
     """
     from concurrent.futures import ThreadPoolExecutor
 

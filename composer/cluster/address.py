@@ -53,9 +53,7 @@ def client_of(text: str, workers: int) -> Iterator[Client]:
 
 @contextmanager
 def _silence() -> Iterator[None]:
-    """Silence Dask's messages, because mjcompose reports errors itself, and Dask would repeat them from several
-    threads.
-    """
+    """Silence Dask's messages: mjcompose reports errors itself, and Dask would repeat them from several threads."""
     before = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
     try:

@@ -60,8 +60,9 @@ class Crew:
         self._held.close()
 
     def results(self, making: CellMaker, cells: Sequence[Cell]) -> Iterator[MadeCell | Died]:
-        """Yield the result of each cell. If no worker can make one, it is made here, so that exceptions are raised
-        here.
+        """Yield the result of each cell.
+
+        If no worker can make one, it is made here, so that exceptions are raised here.
         """
         self._client = self._held.enter_context(client_of(self._address, self._count))
         self._stations = stations = Stations(making, cells, self._out, self._away, self._held)

@@ -61,10 +61,9 @@ def freight_of(making: CellMaker, cells: Sequence[Cell]) -> Freight:
 
 
 def away_job(making: CellMaker, finish: Finish | None) -> bytes | None:
-    """Return the job for a machine with a mirror of the files, which knows what was fetched and nothing that was
-    read.
+    """Return the job for a machine with a mirror of the files, or None if models cannot be written there.
 
-    Return None if models cannot be written there.
+    It knows what was fetched, but nothing that was read.
     """
     if making.finish is not None and finish is None:
         return None

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 
 def versions(packages: tuple[str, ...]) -> dict[str, str]:
-    """Return what the bytes of a model depend on besides its sources: the code of mjcompose, versions of packages,
-    zlib.
+    """Return what a model's bytes depend on besides its sources: mjcompose's code, versions of packages, zlib.
 
     Packages that are not installed are left out.
     """

@@ -97,10 +97,9 @@ class Station:
 
 
 async def begin(order: Order, dask_worker: Any) -> Refused | Lacks | None:
-    """Get ready for a run, or return what is missing or why that is impossible. Dask's own work continues
-    meanwhile.
+    """Get ready for a run, or return what is missing or why that is impossible.
 
-    Dask passes the worker to a parameter of that name.
+    Dask's own work continues meanwhile. Dask passes the worker to a parameter of that name.
     """
     return await asyncio.to_thread(_begin, order, Path(dask_worker.local_directory) / _CONTENTS)
 

@@ -67,9 +67,7 @@ def _cells(*arrays: str) -> Callable[[Model, int], int]:
 
 
 def _up_to_the_next(own: str, size: str, *addresses: str) -> Callable[[Model, int], int]:
-    """Return a function for the size of packed data without a count: up to the next address in these arrays, or the
-    end.
-    """
+    """Return a function for the size of packed data without a count: up to the next address, or the end."""
 
     def number(model: Model, index: int) -> int:
         first = int(getattr(model, own)[index])

@@ -68,8 +68,7 @@ _BEYOND = {"joint": ["dof"], "geom": ["body"], "mesh": ["geom", "body"], "inerti
 
 
 def arrays_of(attribute: str, tag: str | None = None) -> AbstractSet[str]:
-    """Return the arrays, or without `tag` the suffixes of their names, that follow from an attribute of its
-    elements.
+    """Return the arrays that follow from an attribute of an element, or without `tag` the suffixes of their names.
 
     Arrays computed from the inertia of the whole model, or from a gain, are included, because they follow from
     everything. The array with the attribute itself is always included.

@@ -62,8 +62,9 @@ class Sensor:
 
 @dataclass(frozen=True, slots=True)
 class Camera:
-    """`fovy` is in degrees, or in metres for an orthographic camera, as `unit` says; `resolution` is width and
-    height.
+    """The field of view and the resolution of a camera.
+
+    `fovy` is in degrees, or in metres for an orthographic camera, as `unit` says; `resolution` is width and height.
     """
 
     name: str

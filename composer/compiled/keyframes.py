@@ -206,9 +206,7 @@ def _moved(state: Array, transform: Pose) -> Array:
 
 
 def _turned(velocity: Array, transform: Pose) -> Array:
-    """Rotate a free joint's linear velocity, which is in the world's frame; its angular velocity is in the body's
-    own.
-    """
+    """Rotate a free joint's linear velocity, which is in the world's frame; its angular velocity is in the body's."""
     return np.array([*rotate(transform.quat, velocity[:3].tolist()), *velocity[3:].tolist()])
 
 

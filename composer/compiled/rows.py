@@ -31,10 +31,10 @@ def _arrays_of(model_type: Hashable) -> dict[str, tuple[str, ...]]:
 
 
 def arrays(model: Model, kind: str) -> Iterator[tuple[str, Array, Rule | None]]:
-    """Yield the arrays of one kind with one row for each element (or dof), shape (n,) or (n, width), sorted by
-    name.
+    """Yield the arrays of one kind with one row for each element (or dof), sorted by name.
 
-    An array that happens to be as long as the number of elements is included: `fields` says how it is compared.
+    The shapes are (n,) or (n, width). An array that happens to be as long as the number of elements is included:
+    `fields` says how it is compared.
     """
     count = len(model.dof_bodyid) if kind == DOF else len(getattr(model, KINDS[kind].addresses))
     for name in _arrays_of(cast("Hashable", type(model))).get(kind, ()):

@@ -33,15 +33,14 @@ def compare(
     tolerance: float = 0.0,
     cut: bool = False,
 ) -> list[Difference]:
-    """Return the differences between a part compiled alone and the same part in a composition; empty if it is
-    unchanged.
+    """Return the differences between a part compiled alone and the same part in a composition.
 
-    ``prefix`` includes its separator; the base's is empty. ``hung_on`` is the place of the part's world: the
-    unmoved world by default. ``renamed`` maps names of the part to names in the composition, by kind, if they are
-    not simply prefixed. ``ignore`` are arrays (`geom_friction`), or attributes of every kind (`friction`), that
-    were changed on purpose; ``replaced_keys`` are keys of the composition that were written in place of the part's
-    own. With ``others``, the prefixes and models of all other parts, elements with this part's prefix that belong
-    to no part count as differences too.
+    The result is empty if the part is unchanged. ``prefix`` includes its separator; the base's is empty.
+    ``hung_on`` is the place of the part's world: the unmoved world by default. ``renamed`` maps names of the part
+    to names in the composition, by kind, if they are not simply prefixed. ``ignore`` are arrays (`geom_friction`),
+    or attributes of every kind (`friction`), that were changed on purpose; ``replaced_keys`` are keys of the
+    composition that were written in place of the part's own. With ``others``, the prefixes and models of all other
+    parts, elements with this part's prefix that belong to no part count as differences too.
 
     ``tolerance`` is relative to the larger of 1 and the value. 0 requires equality bit for bit wherever composition
     can preserve it; ``fields.RULES`` says where it cannot, and why. ``cut`` says that ``composed`` is the whole

@@ -138,9 +138,7 @@ class Values:
                 return False
 
     def _hull_for_others(self, kind: str, index: int) -> bool:
-        """Return whether nothing of the part collides with this mesh: only then MuJoCo computes no convex hull of
-        it.
-        """
+        """Return whether nothing of the part collides with this mesh; only then MuJoCo computes no convex hull."""
         return kind == "mesh" and int(self.alone.mesh_graphadr[index]) < 0
 
     def _at_root(self, kind: str, index: int) -> bool:

@@ -30,8 +30,9 @@ class Differences:
         self.changed: set[str] = set()
 
     def take(self, world: int, model: Model | None = None, count: int = 1) -> None:
-        """Record the model's state for this world, or for `count` worlds from it; or the state of another model
-        with arrays of the same sizes.
+        """Record the model's state for this world, or for `count` worlds from it.
+
+        `model`, if given, is recorded instead; its arrays must have the same sizes.
         """
         for name, nominal in self.nominal.items():
             if model is None and nominal.size > _LARGE and world >= _FIRST and name not in self.values:
@@ -84,8 +85,9 @@ class Differences:
 
 
 def arrays(model: Model) -> Iterator[str]:
-    """Yield all arrays of a model, its options, and the number that scales solver tolerances; the rest of `stat` is
-    for viewers.
+    """Yield all arrays of a model, its options, and the number that scales solver tolerances.
+
+    The rest of `stat` is for viewers.
     """
     for name in dir(model):
         if not name.startswith("_") and isinstance(getattr(model, name), np.ndarray):

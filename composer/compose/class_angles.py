@@ -1,6 +1,4 @@
-"""Numbers that the recipe gives to joints through a class: if converted, one number cannot serve both hinges and
-slides.
-"""
+"""Numbers that the recipe gives to joints through a class. A converted number cannot serve both hinges and slides."""
 
 from __future__ import annotations
 

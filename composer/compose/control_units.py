@@ -1,5 +1,4 @@
-"""The units of the controls and activations of actuators that move hinges: angles, angular velocities, or plain
-numbers.
+"""The units of the controls and activations of actuators: angles, angular velocities, or plain numbers.
 
 The control of a position servo is a position, that of a velocity servo a velocity, of whatever the servo moves;
 `compiled/units.py` determines the same for a compiled model. Only a joint determines whether that is an angle: a

@@ -1,6 +1,4 @@
-"""Elements that a recipe adds and that parts are attached to. They are added during linking, once their parent
-exists.
-"""
+"""Elements that a recipe adds and that parts are attached to; they are added as soon as their parent exists."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""The values of an edit for one element: evaluates `${…}` with the current values, and converts angles to the
-model's unit.
-"""
+"""Evaluate the `${…}` in an edit for one element with its current values, and convert angles to the model's unit."""
 
 from __future__ import annotations
 

@@ -1,5 +1,6 @@
-"""Check the order of the lower and upper ends that the recipe writes. MuJoCo silently takes a wrong order as no
-limit.
+"""Check the order of the lower and upper ends that the recipe writes.
+
+MuJoCo silently takes a wrong order as no limit.
 """
 
 from __future__ import annotations

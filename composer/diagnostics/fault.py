@@ -1,5 +1,6 @@
-"""A fault in a value of a recipe, or a finding of a check, by its path. It becomes a diagnostic once its place is
-known.
+"""A fault in a value of a recipe, or a finding of a check, by its path.
+
+It becomes a diagnostic once its place is known.
 """
 
 from __future__ import annotations

@@ -20,8 +20,9 @@ _OF_MODELS = (".xml", ".mjcf", ".urdf", ".xacro")
 
 
 class TooManyFaults(Exception):
-    """There are more errors than the limit, because each takes a search for its place. `sink` has those found so
-    far.
+    """There are more errors than the limit, because each takes a search for its place.
+
+    `sink` has those found so far.
     """
 
     def __init__(self, sink: Sink) -> None:

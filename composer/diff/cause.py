@@ -225,9 +225,7 @@ class Causes:
     # -- what one of them has ----------------------------------------------------------------------------------
 
     def _one_sided(self, node: Node, side: int) -> Iterator[Cause]:
-        """Yield the part or base that came or went with the element, else the element's own line, else what removes
-        it.
-        """
+        """Yield the part or base that came or went with the element, or the element's own line, or what removes it."""
         part = self.places.part(side, node)
         if part is None:
             node = self._outermost(node, side)

@@ -91,8 +91,9 @@ def between(
     only: Collection[str] = (),
     everything: bool = False,
 ) -> Diff | None:
-    """Return the differences between two models that the session keeps, or None if MuJoCo crashes, which is
-    reported.
+    """Return the differences between two models that the session keeps, or None if MuJoCo crashes.
+
+    A crash is reported.
     """
     answer = engine.call(session, contrast, [a.kept, b.kept], {"tolerance": tolerance})
     if not answer.ok:

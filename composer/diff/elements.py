@@ -23,7 +23,9 @@ _KINDS = {path: kind for kind in KINDS if kind != "plugin" for path in paths_of(
 
 
 class Elements:
-    """`counts` has MuJoCo's number of elements of each kind; if the tree has as many, order identifies unnamed
+    """The elements of one model.
+
+    `counts` has MuJoCo's number of elements of each kind; if the tree has as many, order identifies unnamed
     elements.
     """
 

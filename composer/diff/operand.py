@@ -118,9 +118,7 @@ def _recipe_of(path: Path, opened: ExitStack) -> Path:
 
 
 def _of_revision(revision: str, path: str, context: Context, opened: ExitStack) -> tuple[Path, Path, Context]:
-    """Return the path in a checkout of the revision, the checkout's root, and a context with the user's folder in
-    it.
-    """
+    """Return the path in a checkout of the revision, its root, and a context with the user's folder in it."""
     made = opened.enter_context(scratch("revision"))
     tree = check_out(revision, context.folder / path, Path(os.path.realpath(made)), context.environment)
     # Its root counts as the root of the project, even without a file there that says so.

@@ -124,8 +124,9 @@ class Values:
             yield f"{name}[{at}]", ours[at], others[at]
 
     def _dofs(self, index: int, target: int) -> Iterator[tuple[str, Value, Value]]:
-        """Yield changes of arrays with one row for each degree of freedom; one number if all rows of a joint are
-        equal.
+        """Yield changes of arrays with a row for each degree of freedom.
+
+        If all rows of a joint are equal, one number is shown.
         """
         if int(self.a.jnt_type[index]) != int(self.b.jnt_type[target]):
             return

@@ -60,9 +60,7 @@ class Written:
         return item.file == span.file and span.line in extent(item, self.sides[side])
 
     def only(self) -> Cause | None:
-        """Return the differing stretch of lines if it is the only one in all files: nothing else can be the cause
-        then.
-        """
+        """Return the differing stretch of lines if it is the only one in all files, and so the only possible cause."""
         found: list[Cause] = []
         pairs = {(file, self._counterpart(0, file)) for file in self._named[0].values()} | {
             (self._counterpart(1, file), file) for file in self._named[1].values()

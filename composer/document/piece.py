@@ -50,8 +50,7 @@ def is_appended(path: Path) -> bool:
 
 @lru_cache(4096)  # each cell and each sample needs the same paths
 def is_of_elements(path: Path) -> bool:
-    """Return whether `${…}` at this path is evaluated for each element: in values of edits, and in `where` of
-    selectors.
+    """Return whether `${…}` at this path is evaluated for each element: in edits, and in `where` of selectors.
 
     >>> is_of_elements(("edit", 0, "set", "mass")), is_of_elements(("base", "drop", 1, "where"))
     (True, True)

@@ -10,8 +10,9 @@ _PLAIN = re.compile(r"[A-Za-z_./][\w./ -]*\w|\w|[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][
 
 
 def word(text: str) -> str:
-    """Return text as YAML, quoted if it would otherwise be something else. Text that looks like a number stays
-    unquoted.
+    """Return text as YAML, quoted if it would otherwise be something else.
+
+    Text that looks like a number stays unquoted.
     """
     if _PLAIN.fullmatch(text) and text.lower() not in ("true", "false", "null"):
         return text

@@ -29,8 +29,7 @@ class Comment:
 
 @dataclass(slots=True)
 class Token:
-    """A token of YAML's grammar: `BlockEntry`, `FlowSequenceStart`, `Scalar` and so on, with the comments before
-    it.
+    """A token of YAML's grammar, such as `BlockEntry` or `Scalar`, with the comments before it.
 
     `line` and `column` count from 0; `blank` says that an empty line precedes it. Tokens such as `BlockEnd` have no
     width and share the place of the next token.

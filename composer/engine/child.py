@@ -215,10 +215,10 @@ def _set_soft_limit(resource: Any, kind: int | None, value: int) -> None:
 
 
 def _remember_files(mujoco: Any, stands: bool) -> None:
-    """Let MuJoCo cache only files of a standing folder: it identifies files by path and time, which others may
-    share.
+    """Let MuJoCo cache only files of a standing folder.
 
-    Without capacity the cache is empty, so the first other folder clears it.
+    It identifies files by path and time, which files of other folders may share. Without capacity the cache is
+    empty, so the first other folder clears it.
     """
     with contextlib.suppress(AttributeError, TypeError):  # a version without a cache, or without access to it
         mujoco.mj_setCacheCapacity(mujoco.mj_getCache(), _REMEMBERED if stands else 0)

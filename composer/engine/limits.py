@@ -20,8 +20,9 @@ class Limits:
 
     @property
     def step(self) -> float:
-        """Seconds that the first step of a model may compute (POSIX); a slower model cannot be simulated in
-        practice.
+        """Seconds that the first step of a model may compute (POSIX).
+
+        A slower model cannot be simulated in practice.
         """
         return self.seconds / 20
 

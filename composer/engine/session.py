@@ -99,10 +99,10 @@ class Session:
         return self._crashed() if answer is None else answer
 
     def standing(self, name: str) -> Path:
-        """Return the folder for files that `name` identifies by their bytes; remove those of other names. Raises
-        OSError.
+        """Return the folder for files that `name` identifies by their bytes; remove those of other names.
 
-        The name is in their paths, by which MuJoCo identifies them. The folder does not exist until it has files.
+        Raises OSError. The name is in their paths, by which MuJoCo identifies them. The folder does not exist until
+        it has files.
         """
         if self._shelf is None:
             self._shelf = self._held.enter_context(scratch("standing"))
@@ -202,8 +202,9 @@ class Session:
         process.stdin.flush()
 
     def _receive(self, seconds: float) -> dict[str, Any] | None:
-        """Wait for one line; return None if the child ended. A child that takes too long is killed, which is the
-        answer.
+        """Wait for one line; return None if the child ended.
+
+        A child that takes too long is killed, which is the answer.
         """
         latest = time.monotonic() + seconds
         try:

@@ -39,10 +39,9 @@ class Concrete:
 
 
 def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = False) -> Concrete:
-    """Return the recipe with the values of `given`, and defaults for the rest; faulty pieces are reported and left
-    out.
+    """Return the recipe with the values of `given`, and defaults for the rest.
 
-    With `any` it has the items of all builds, whatever their `when` says.
+    Faulty pieces are reported and left out. With `any` it has the items of all builds, whatever their `when` says.
     """
     axes = read_axes(document, sink)
     chosen = choose(axes, given, sink)

@@ -125,10 +125,9 @@ class _Matrix:
         return axes
 
     def _around(self, axes: Map[str, tuple[Node, ...]]) -> dict[str, Node]:
-        """Return the given values, with one for each axis that is a parameter without a default, which every cell
-        sets.
+        """Return the given values, with one for each axis that is a parameter without a default.
 
-        Unknown names are reported when a model is planned.
+        Every cell sets such a parameter. Unknown names are reported when a model is planned.
         """
         found = expand(self.document, self.given, Sink())
         needed = {

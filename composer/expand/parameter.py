@@ -15,9 +15,9 @@ TYPES = ("bool", "int", "float", "string", "vector")
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """`low` and `high` bound numbers and every component of a vector; a parameter with `default` None must be
-    given.
+    """A parameter of a recipe.
 
+    `low` and `high` bound numbers and every component of a vector; a parameter with `default` None must be given.
     `unit` is for readers, except `deg` and `rad`: a value that is only `${name}` is then an angle with that unit.
     """
 
@@ -37,8 +37,9 @@ class Parameter:
         return self.unit in ("deg", "rad")
 
     def read(self, value: Value) -> Value | Diagnostic:
-        """Return the value as it is stored, an angle with a unit as a number in the parameter's unit; or the error
-        about it.
+        """Return the value as it is stored, or the error about it.
+
+        An angle with a unit becomes a number in the parameter's unit.
         """
         if self.is_angle and isinstance(value, str) and (angle := Angle.read(value)):
             value = angle.in_unit(str(self.unit))

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 
 
 class Substitution:
-    """`lost` has the keys and texts that were left out because an expression in them is faulty, `gone` the paths of
+    """Evaluates the expressions of nodes.
+
+    `lost` has the keys and texts that were left out because an expression in them is faulty, `gone` the paths of
     these keys.
     """
 
@@ -85,8 +87,9 @@ def report(
 
 
 def within(node: Scalar, start: int, end: int) -> Span:
-    """Return the place of some characters of a scalar's text, or the whole scalar if the file writes them
-    differently.
+    """Return the place of some characters of a scalar's text.
+
+    It is the place of the whole scalar if the file writes the characters differently.
     """
     span = node.span
     if span.end_line not in (None, span.line) or span.end_column is None:

@@ -28,10 +28,10 @@ _MAX_DEPTH = 4  # the depth of a part's edits
 
 
 class Condition:
-    """Decides by the values of variants and parameters which items belong to this build, or keeps the items of
-    `any` build.
+    """Decides by the values of variants and parameters which items belong to this build.
 
-    `in_doubt` has the names and values of items that are kept because their `when` is faulty.
+    For `any` build it keeps all items. `in_doubt` has the names and values of items that are kept because their
+    `when` is faulty.
     """
 
     def __init__(

@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 def explain(
     path: Path, asked: query.Asked, context: Context, sample: int = 0, given: Given | None = None
 ) -> Explained | None:
-    """Return the answer to a query about the model of a recipe or an MJCF file, or None if `context.sink` says why
-    not.
+    """Return the answer to a query about the model of a recipe or an MJCF file, or None after an error.
 
-    `sample` selects the draws of the model; 0 is the nominal one. `given` are values of parameters and variants.
+    Errors go to `context.sink`. `sample` selects the draws of the model; 0 is the nominal one. `given` are values
+    of parameters and variants.
     """
     traced = trace(path, context, sample, given)
     return None if traced is None else traced.answer(asked, context)

@@ -220,9 +220,7 @@ class PassWords:
         return None
 
     def _bodies_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
-        """Return the reason for a value on the attachment of a part: the recipe's pose and joints, or the pose of
-        the place.
-        """
+        """Return the reason for a value on the attachment of a part: the recipe's pose and joints, or the place."""
         part = cause.part
         if part is None:
             return None

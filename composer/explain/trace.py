@@ -1,5 +1,6 @@
-"""Record what happens to every element during composition: elements are compared by identity after each pass and
-step.
+"""Record what happens to every element during composition.
+
+Elements are compared by identity after each pass and step.
 """
 
 from __future__ import annotations
@@ -45,8 +46,9 @@ class Cause:
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A new value of an attribute or of `TAG`; None if it is not written. `owner` knows where the new value is
-    written.
+    """A new value of an attribute or of `TAG`; None if it is not written.
+
+    `owner` knows where the new value is written.
     """
 
     attribute: str

@@ -196,8 +196,9 @@ def _call(tree: Call, scope: Mapping[str, Value]) -> Value:
 
 
 def _checked(tree: Binary | Call, work: Callable[[], int | float], of: Sequence[int | float]) -> int | float:
-    """Compute a number; a result that is not finite, or too large, is an error of the expression. `of` are the
-    operands.
+    """Compute a number; a result that is not finite, or too large, is an error of the expression.
+
+    `of` are the operands.
     """
     try:
         value = work()

@@ -27,8 +27,7 @@ class Edit:
 
 
 def edit_of(diagnostic: Diagnostic, source: str) -> Edit | None:
-    """Return the change for a diagnostic's fix in the text of its file, or None if there is none or it does not
-    fit.
+    """Return the change to a file's text for a diagnostic's fix, or None if there is none or it does not fit.
 
     >>> span = Span("a.yaml", 1, 7, 1, 13)
     >>> edit_of(Diagnostic("unknown-name", "no", span, fix=Fix("arm/tip", "tipp")), 'site: "tipp"')

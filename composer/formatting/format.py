@@ -20,8 +20,7 @@ _LINE_BREAK = re.compile(r"\r\n|\n")
 
 
 def format_recipe(source: bytes, file: str, sink: Sink) -> bytes | None:
-    """Return the text in its canonical layout, or None if it is not YAML, or if the layout would change its
-    meaning.
+    """Return the text in its canonical layout, or None if it is not YAML or its meaning would change.
 
     Comments, blank lines between entries, anchors, the choice between lines and brackets, a byte order mark and the
     line breaks (those of the first line) are kept. The result is parsed again and compared: values, the order of

@@ -48,9 +48,10 @@ class Grammar:
         return tuple(self._data["elements"])
 
     def element(self, path: str) -> ElementType:
-        """Return the element at a path: canonical (`geom`, `equality/joint`), a walk from parent to child
-        (`asset/mesh`, `worldbody/body/geom`, `mujoco/sensor/force`), or a tag with a single place (`framepos`).
-        Raises `KeyError` otherwise.
+        """Return the element at a path. Raises `KeyError` if there is none.
+
+        The path is canonical (`geom`, `equality/joint`), a walk from parent to child (`asset/mesh`,
+        `worldbody/body/geom`, `mujoco/sensor/force`), or a tag with a single place (`framepos`).
         """
         known = self._elements.get(path)
         if known is not None:
@@ -197,9 +198,7 @@ class Grammar:
         return tuple(rules)
 
     def _default_rows(self, path: str) -> dict[str, Attribute]:
-        """Return the attributes of an element that a class may set; `in_default` may be the first version that
-        allows it.
-        """
+        """Return the attributes of an element that a class may set; `in_default` may be the first version with it."""
         attributes = {}
         raw = self._data["elements"][path]
         for place, name, row in self._rows(path, raw):

@@ -189,8 +189,9 @@ class Comparison:
                 self.unnamed(item.node, there.node, f'//body[@name="{each.out}{name}"]', each)
 
     def changes(self, before: Item, after: Item, each: Instance) -> dict[str, str | None]:
-        """Return the values that differ between an element of the part and the merged model; empty if both mean the
-        same.
+        """Return the values that differ between an element of the part and the merged model.
+
+        The result is empty if both mean the same.
         """
         if self.same(before.node, after.node, each):
             return {}

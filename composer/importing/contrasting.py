@@ -95,8 +95,9 @@ def _lost_without_name(seen: Contrast, proposal: Proposal) -> list[Change]:
 
 
 def _only_name(change: Change, proposal: Proposal) -> bool:
-    """Return whether only names or signs differ: an equal asset under another name or an additional one, or a
-    negated quaternion.
+    """Return whether only names or signs differ.
+
+    That is an equal asset under another name, or an additional one, or a negated quaternion.
     """
     if change.field.endswith("quat") and _opposite(change):
         return True

@@ -1,5 +1,4 @@
-"""Pass: `alignfree`, which aligns the frames of free bodies with their inertia, becomes explicit on each free
-joint.
+"""Pass: `alignfree`, which aligns free bodies' frames with their inertia, becomes explicit on each free joint.
 
 Only `<freejoint>` has the attribute `align`. If a `<joint type="free">` has other attributes that a `<freejoint>`
 cannot take, the model keeps `alignfree` and all other free joints opt out.

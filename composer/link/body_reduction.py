@@ -1,5 +1,4 @@
-"""Pass: `fusestatic` and `discardvisual` make MuJoCo leave out elements of a unit; the linker removes the same
-ones.
+"""Pass: `fusestatic` and `discardvisual`, which make MuJoCo leave out elements. The linker removes the same ones.
 
 MuJoCo compiles the unit alone to determine which elements these are, because its rules differ between versions.
 `discardvisual` removes geoms that nothing collides with, the assets that only these use, and everything that gives

@@ -1,6 +1,4 @@
-"""The contract of a linker pass: the facts it needs, the facts it establishes, and its words for `mjcompose
-explain`.
-"""
+"""The contract of a linker pass: the facts it needs and establishes, and its words for `mjcompose explain`."""
 
 from __future__ import annotations
 

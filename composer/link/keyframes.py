@@ -1,7 +1,6 @@
-"""Rewrite the keys of all parts for the layout of the finished model: values follow their joints, actuators and
-bodies.
+"""Rewrite the keys of all parts for the layout of the finished model.
 
-This runs when nothing more will be added to the model.
+Values follow their joints, actuators and bodies. This runs when nothing more will be added to the model.
 """
 
 from __future__ import annotations

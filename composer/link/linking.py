@@ -23,10 +23,9 @@ from composer.tree.watch import Watch, nobody
 
 
 class Measure(Protocol):
-    """Compiles a unit alone with MuJoCo and returns arrays of `mjModel` by name, or none if MuJoCo refuses the
-    unit.
+    """Compiles a unit alone with MuJoCo and returns arrays of `mjModel` by name.
 
-    A refusal is reported, unless `attempt` is set.
+    There are none if MuJoCo refuses the unit. A refusal is reported, unless `attempt` is set.
     """
 
     def __call__(

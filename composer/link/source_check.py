@@ -1,10 +1,9 @@
-"""Check that a model file is valid MJCF: linking must not hide an error that MuJoCo would report for the file
-alone.
+"""Check that a model file is valid MJCF, because linking can hide errors that MuJoCo would report.
 
-Linking can hide such errors: sections of settings are joined, a part's root is unwrapped, and options give way to
-those of the recipe. Inside `<frame>` and `<replicate>`, where parts are attached, MuJoCo's reader ignores unknown
-elements and attributes (4.0: `<frame><geom mode="x" size="1"/></frame>` compiles, `<geom mode="x" size="1"/>` does
-not). What MuJoCo ignores in the file itself is not an error here: `tree/ignored.py` reports it as a warning.
+Sections of settings are joined, a part's root is unwrapped, and options give way to those of the recipe. Inside
+`<frame>` and `<replicate>`, where parts are attached, MuJoCo's reader ignores unknown elements and attributes (4.0:
+`<frame><geom mode="x" size="1"/></frame>` compiles, `<geom mode="x" size="1"/>` does not). What MuJoCo ignores in
+the file itself is not an error here: `tree/ignored.py` reports it as a warning.
 
 The check takes longer than parsing and linking a file (2 ms for 250 elements, against 1.7 ms). Verified builds run
 it first; other builds run it only after the linker has raised an exception. Even then the fault may not be the

@@ -44,10 +44,9 @@ class Loaded(NamedTuple):
 
 
 def load(bundle: str | PathLike[str], *, allow_changes: bool = False) -> Loaded:
-    """Load the output of `mjcompose build`: a folder, a `.zip`, an `.mjz`, or an `.mjb` with its manifest next to
-    it.
+    """Load the output of `mjcompose build`: a folder, a `.zip`, an `.mjz`, or an `.mjb`.
 
-    It may be at an address, such as `s3://bucket/cell.zip`, except an `.mjb`.
+    An `.mjb` needs its manifest next to it. Other forms may be at an address, such as `s3://bucket/cell.zip`.
 
         model, manifest, index = composer.load("build/cell.zip")
         data = mujoco.MjData(model)

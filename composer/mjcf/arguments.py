@@ -1,4 +1,4 @@
-"""Arguments of the wrong type, reported like every other fault."""
+"""Check the types of arguments; errors are `MjcfError`s with a diagnostic."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Models on models: attaching, detaching, and the prefix between the two. No Elements here, only models and nodes."""
+"""Attach models to models, detach them, and maintain the prefix between the two. Works on nodes, not on Elements."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The frame between a model and the one it hangs on."""
+"""The frame between a model and the model it is attached to."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _JOINTS = ("joint", "freejoint")
 
 
 class AttachmentFrame(Element):
-    """The body called `PREFIX/` between a model and the one it hangs on.
+    """The body called `PREFIX/` between a model and the model it is attached to.
 
     It belongs to the parent. Its `pos` and orientation are the offset from the place of attachment (metres,
     and the parent's unit of angle). `add('joint', …)` lets the child move. A joint called `name` is

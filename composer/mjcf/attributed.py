@@ -1,4 +1,4 @@
-"""What a node has, as Python attributes: MJCF attributes that are read and set, and children by tag."""
+"""Access to a node through Python attributes: MJCF attributes can be read and set, children are found by tag."""
 
 from __future__ import annotations
 

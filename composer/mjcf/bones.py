@@ -1,4 +1,4 @@
-"""Names of bodies in skin files, which follow a rename like every other reference."""
+"""Rename bodies in skin files, as in every other reference."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Skins = list[tuple[Model, dict[str, bytes | Path]]]
 
 @dataclass(frozen=True, slots=True)
 class _Prefixes:
-    """A new prefix for the names that have an old one and are not a model's own."""
+    """Replaces the prefix `old` of a name by `new`, except in the names in `own`, which are the model's own."""
 
     old: str
     new: str

@@ -1,4 +1,4 @@
-"""The line of the caller's program that made an element."""
+"""Find the line of the caller's program that made an element."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Actuators whose class speaks of actuators in more than one way: what MuJoCo makes of all that, written out."""
+"""Write class defaults onto actuators whose class has settings for several actuator tags, as MuJoCo combines them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The textures of a material: several by their roles, or one as an attribute."""
+"""Write the textures of a material from its class: several by their roles, or one as an attribute."""
 
 from __future__ import annotations
 

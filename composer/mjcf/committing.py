@@ -1,4 +1,4 @@
-"""What default classes give, written onto the elements themselves."""
+"""Write the values from default classes onto the elements themselves."""
 
 from __future__ import annotations
 

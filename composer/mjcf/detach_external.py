@@ -1,4 +1,4 @@
-"""A unit without its references to the models that hang on it, so that MuJoCo can compile it alone."""
+"""Remove a unit's references to the models attached to it, so that MuJoCo can compile it alone."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Words of `dm_control.mjcf` that are others here, for those who come from there: docs/dm_control.md."""
+"""Names from `dm_control.mjcf` that differ here, as hints for its users; see docs/dm_control.md."""
 
 from __future__ import annotations
 

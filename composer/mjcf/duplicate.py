@@ -1,4 +1,4 @@
-"""Copies of models, attachments included."""
+"""Copy models, including their attachments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Changes of attributes: checked as a whole first, then written; references follow a new name."""
+"""Change attributes: all values are checked first, then written. References follow a new name."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from composer.tree.renaming import NewName, Renaming, unlistable_message
 
 @dataclass(slots=True)
 class Edit:
-    """Attributes to write, None for those to remove, and the bytes of files that come with them."""
+    """The attributes to write, with None for those to remove, and the bytes of the files they name."""
 
     texts: dict[str, str | None] = field(default_factory=dict)
     contents: dict[str, bytes | Path] = field(default_factory=dict)

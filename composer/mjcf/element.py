@@ -1,4 +1,4 @@
-"""Elements and models as Python sees them: views, made on demand, of one node each, and of its tree."""
+"""Elements and models in Python: views, made on demand, of one node each, and of its tree."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ from composer.tree.unit import Unit
 class Element(NodeView):
     """One element of a model.
 
-    Its MJCF attributes are Python attributes: numbers and arrays come as numpy, references as Elements,
-    files as `Asset`, keywords and names as text; what is not set is None, and setting None removes. What is
-    changed in an array is set: `body.pos[2] += 1`. `class` is spelled `dclass`; a last underscore is dropped
-    (`global_`). Children are reached by tag: one that can
-    occur once as an Element (`model.visual.headlight`), others as a list (`body.geom`) that also takes names.
-    `dir(element)` has all of them, `help(element)` what they mean; `print(element)` shows it as MJCF.
+    Its MJCF attributes are Python attributes: numbers and arrays are returned as numpy values, references as
+    Elements, files as `Asset`, keywords and names as text. An attribute that is not set is None; setting it to None
+    removes it. Changes to an array are written to the element: `body.pos[2] += 1`. `class` is spelled `dclass`; a
+    trailing underscore is dropped (`global_`). Children are found by tag: one that can occur only once as an
+    Element (`model.visual.headlight`), others as a list (`body.geom`) that also accepts names. `dir(element)` lists
+    all of them, `help(element)` explains them; `print(element)` shows the element as MJCF.
 
     There is one Element for each element of a model: `a.find('joint', 'j') is a.find('joint', 'j')`.
     """
@@ -243,7 +243,7 @@ class Element(NodeView):
 
 
 class RootElement(RootView, Element):
-    """A whole model; its sections are attributes, made when first asked for.
+    """A whole model. Its sections are attributes, created when first accessed.
 
     >>> from composer import mjcf
     >>> model = mjcf.RootElement('pendulum')

@@ -1,4 +1,4 @@
-"""The elements of one tag below another: a list, and by name a dictionary."""
+"""The children of an element that have one tag: a list that can also be indexed by name."""
 
 from __future__ import annotations
 
@@ -14,10 +14,9 @@ from composer.mjcf.errors import MjcfKeyError, failed, failure
 
 
 class ElementList(Sequence[Element]):
-    """What `body.geom` is: the elements by number or by name, as they were when it was asked for.
+    """The value of `body.geom`: the elements, by number or by name, at the time it was read.
 
-    `del` and `clear()` take elements out of the model. Elements are added by `add` and `insert` of the
-    element that they stand in.
+    `del` and `clear()` remove elements from the model. To add elements, call `add` and `insert` of their parent.
 
     >>> from composer import mjcf
     >>> world = mjcf.RootElement().worldbody

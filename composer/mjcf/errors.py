@@ -1,4 +1,4 @@
-"""What `composer.mjcf` raises and warns with."""
+"""The exceptions and warnings of `composer.mjcf`."""
 
 from __future__ import annotations
 
@@ -12,31 +12,31 @@ from composer.diagnostics.span import Span
 
 
 class MjcfError(MjcomposeError, ValueError):
-    """A model, or a call on one, that is wrong; after a failed call the model is as it was.
+    """A model, or a call on one, is wrong. After a failed call the model is unchanged.
 
-    `diagnostics` holds every fault with its code, place, what exists instead and what to write; `str()` is
-    all of them as text.
+    `diagnostics` has every fault with its code, its place, the names that exist and advice; `str()` is all of them
+    as text.
     """
 
 
 class MjcfAttributeError(MjcfError, AttributeError):
-    """An attribute that elements of this tag do not have; `hasattr` and `getattr` with a default know it."""
+    """Elements of this tag do not have this attribute. It is an `AttributeError`, as `hasattr` and `getattr` expect."""
 
 
 class MjcfKeyError(MjcfError, KeyError):
-    """A name that no element of a list has."""
+    """No element of a list has this name."""
 
 
 class MjcfFileError(MjcfError, OSError):
-    """A file that cannot be read."""
+    """A file cannot be read."""
 
 
 class MjcfFileNotFoundError(MjcfFileError, FileNotFoundError):
-    """A file that does not exist."""
+    """A file does not exist."""
 
 
 class MjcfWarning(UserWarning):
-    """Something about a model that was settled as asked, and that its author may want to know."""
+    """Something in a model was resolved as requested, but its author may want to know."""
 
 
 _OF_CODES: dict[str, type[MjcfError]] = {

@@ -1,4 +1,4 @@
-"""A model and every file it refers to, written to a folder or a zip."""
+"""Write a model and every file it refers to into a folder or a zip file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Elements by tag and name."""
+"""Find elements by tag and name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A composition as one flat model: copies of all units go through the linker, the models themselves stay."""
+"""Turn a composition into one flat model. The linker works on copies of all units; the models do not change."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ _HELP = {
 
 @dataclass(frozen=True, slots=True)
 class Flat:
-    """One model without attachments, the files it names, and what was settled on the way."""
+    """One model without attachments, the files it names, and the warnings from linking."""
 
     unit: Unit
     files: list[FileUse]
@@ -185,7 +185,7 @@ def bundle_paths(model: Model) -> dict[bytes | Path, str]:
 
 
 class _NamesChecked(Sink):
-    """Takes no complaint about names: the linker looks them up unit by unit, here they cross models."""
+    """Drops errors about names: the linker checks them unit by unit, but here references cross models."""
 
     def add(self, diagnostic: Diagnostic, cause: Cause | None = None) -> None:
         if diagnostic.code != "unknown-name":

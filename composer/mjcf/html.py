@@ -1,4 +1,4 @@
-"""Elements as notebooks show them: MJCF as a tree that opens and closes."""
+"""Show elements in notebooks: MJCF as a collapsible tree."""
 
 from __future__ import annotations
 

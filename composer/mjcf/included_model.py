@@ -1,4 +1,4 @@
-"""Files of `<model>` elements that have come from another model."""
+"""Take over the files of `<model>` elements from another model."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A copy of one model's contents in another, without a prefix between them."""
+"""Copy the contents of one model into another, without a prefix."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _FOLDERS = frozenset({"meshdir", "texturedir", "assetdir", "strippath"})
 
 
 class _Setting(NamedTuple):
-    """A value that a model has once: where it stands and what it is, None where it is not written."""
+    """A setting that a model has only once: its place and its value."""
 
     path: tuple[str, ...]
     attribute: str
@@ -88,7 +88,7 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
 
 
 class _Conflict(NamedTuple):
-    """A setting that two models do not have alike: where it stands in each, None where it is not written."""
+    """A setting that differs between two models, with its place in each; None where it is not written."""
 
     path: tuple[str, ...]
     attribute: str

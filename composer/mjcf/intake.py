@@ -1,4 +1,4 @@
-"""What is looked at and put in order when a model comes in."""
+"""Check and normalise a model when it is read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The numbers of an attribute as an array: what is changed in it is set."""
+"""Arrays for the numbers of an attribute; changes to an array are written to the element."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from composer.mjcf.errors import failure
 
 
 class Owner(Protocol):
-    """An element as its arrays know it."""
+    """The interface of an element that its arrays use."""
 
     def get(self, attribute: str) -> Any: ...
     def set_attributes(self, **attributes: object) -> None: ...
@@ -22,11 +22,11 @@ class Owner(Protocol):
 
 
 class LiveArray(np.ndarray[Any, Any]):
-    """What an attribute with several numbers gives.
+    """The value of an attribute with several numbers.
 
-    Items that are assigned, and `+=` and the like, are set on the element, checked as any value; a fault is an
-    `MjcfError` and changes nothing. Whatever is computed from it, and its copies, are plain arrays. It has the
-    numbers as they were when it was read; parts of it (`pos[:2]`) cannot be written to.
+    Assigned items, and `+=` and the like, are set on the element and checked like any value; an error is an
+    `MjcfError` and changes nothing. Results computed from it, and its copies, are plain arrays. It has the numbers
+    of the time it was read; slices of it (`pos[:2]`) are read-only.
     """
 
     _owner: tuple[Owner, str] | None

@@ -1,4 +1,4 @@
-"""What elements of one kind have, as members of a Python class: attributes and children with their docstrings."""
+"""Build the members of the Python class for one kind of element: attributes and children, with their docstrings."""
 
 from __future__ import annotations
 

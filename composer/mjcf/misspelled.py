@@ -1,4 +1,4 @@
-"""Tags and attributes that MJCF does not have, reported with those that it has."""
+"""Errors for tags and attributes that MJCF does not have, with those that it has."""
 
 from __future__ import annotations
 

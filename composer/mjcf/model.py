@@ -1,4 +1,4 @@
-"""One model of a composition: its unit, its names, and what hangs on it. No Elements here, only nodes."""
+"""One model of a composition: its unit, its names, and its attachments. Works on nodes, not on Elements."""
 
 from __future__ import annotations
 
@@ -31,11 +31,10 @@ class Target(NamedTuple):
 
 @dataclass(eq=False, slots=True)
 class Attachment:
-    """A model that hangs on another: on `host`, a site, body, frame or the worldbody of `parent`.
+    """A model attached to another: to `host`, a site, body, frame or the worldbody of `parent`.
 
-    `frame` is a body of its own, not in the parent's tree: its pose is the offset, and its joints are those
-    between the two models. Their names stand under the child's prefix, a joint without a name has the bare
-    prefix.
+    `frame` is a separate body, not in the parent's tree: its pose is the offset, and its joints are those between
+    the two models. Their names get the child's prefix; a joint without a name has just the prefix as its name.
     """
 
     parent: Model
@@ -79,11 +78,11 @@ class Attachment:
 
 @dataclass(eq=False)
 class Model:
-    """What a `RootElement` and all Elements of one model share.
+    """The state shared by a `RootElement` and all Elements of one model.
 
-    Asking for a section that does not exist makes it, under a lock: reading is safe in several threads.
-    `views` has the Element of every node that has been asked for, so that each has one; see `views.py`.
-    `attachments` are by prefix, in the order in which they were made.
+    Accessing a section that does not exist creates it, under a lock, so several threads can read at once. `views`
+    has the Element of every node accessed so far, so that each node has only one; see `views.py`. `attachments` are
+    by prefix, in the order in which they were made.
     """
 
     unit: Unit

@@ -1,4 +1,4 @@
-"""From attachments to the linker's parts: where each model hangs, with what offset and which joints."""
+"""Turn attachments into the linker's parts: the place of each model, its offset and its joints."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _OF_FREEJOINTS = frozenset({"name", "class", "group", "type"})
 
 @dataclass(slots=True)
 class _Mounted:
-    """An attachment with its copies: the part, the prefix of the parent, and the element it hangs on."""
+    """An attachment with its copies: the part, the prefix of the parent, and the element it is attached to."""
 
     attachment: Attachment
     part: Part
@@ -39,9 +39,9 @@ class _Mounted:
 
 @dataclass(slots=True)
 class Mounting:
-    """Copies of all models below one, ready to be linked.
+    """Copies of a model and all models attached below it, ready to be linked.
 
-    The linker finds places by name: those without one have one in the copies until `clear_up`.
+    The linker finds places by name. Places without a name get one in the copies until `clear_up`.
     """
 
     model: Model

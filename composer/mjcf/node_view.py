@@ -1,4 +1,4 @@
-"""The view of one node, without the tree around it: its name, its origin, its text, its copies."""
+"""The view of one node: its name, its origin, its text, its copies. It needs no view of other nodes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from composer.tree.kinds import naming_attribute, spoken
 
 
 class NodeView(Attributed):
-    """What an `Element` has that needs no other Element; see there."""
+    """The members of `Element` that need no other Element; see there."""
 
     __slots__ = ()
 

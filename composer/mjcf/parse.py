@@ -1,4 +1,4 @@
-"""Models from MJCF text and files."""
+"""Read models from MJCF text and files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Compositions and their elements as `pickle` takes them: with their files in memory, origins and attachments."""
+"""Pickle compositions and their elements, including files in memory, origins and attachments."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Reduced = tuple[Callable[..., Attributed], tuple[Any, ...]]
 
 @dataclass(frozen=True, slots=True)
 class _Tree:
-    """A node with all below it: its text, and for each node the line that it was on and where it is from."""
+    """A node with its subtree: its text and, for each node, its line and its origin."""
 
     text: bytes
     lines: list[int]
@@ -53,7 +53,7 @@ class _Tree:
 
 @dataclass(frozen=True, slots=True)
 class _Attached:
-    """An attachment: what hangs there, its frame, and its host by the place among all nodes of the parent."""
+    """An attachment: the attached model, its frame, and the index of its host among all nodes of the parent."""
 
     child: _Composition
     frame: _Tree
@@ -62,7 +62,7 @@ class _Attached:
 
 @dataclass(frozen=True, slots=True)
 class _Composition:
-    """A model and all that is attached to it; the comments of its header by their places below the root."""
+    """A model and all its attachments; comments of the model's header are stored by their places below the root."""
 
     tree: _Tree
     header: list[int]

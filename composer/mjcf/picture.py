@@ -1,4 +1,4 @@
-"""Whole models as notebooks show them: the tree, and beside it a picture where there is OpenGL."""
+"""Show whole models in notebooks: the tree, with a picture beside it if OpenGL is available."""
 
 from __future__ import annotations
 

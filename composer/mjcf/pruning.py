@@ -1,4 +1,4 @@
-"""Elements that exist because somebody only looked at them, and that mean nothing."""
+"""Remove empty elements that exist only because they were accessed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""References: from names in attributes to the nodes they mean, and back."""
+"""Resolve references: from names in attributes to nodes, and back."""
 
 from __future__ import annotations
 

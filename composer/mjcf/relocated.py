@@ -1,4 +1,4 @@
-"""The text of a model on its own, where nothing of it changes but the folders of its files: no tree is copied."""
+"""Write a model as a unit alone if only the folders of its files change: this copies no tree."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Taking elements out, alone or with everything that refers to them."""
+"""Remove elements, alone or with everything that refers to them."""
 
 from __future__ import annotations
 

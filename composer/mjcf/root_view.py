@@ -1,4 +1,4 @@
-"""The view of the root of a model, without other Elements: the model's name, its text, its files."""
+"""The view of a model's root: the model's name, its text, its files. It needs no view of other nodes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from composer.mjcf.node_view import NodeView
 
 
 class RootView(NodeView):
-    """What a `RootElement` has that needs no other Element; see there."""
+    """The members of `RootElement` that need no other Element; see there."""
 
     __slots__ = ()
 

@@ -1,4 +1,4 @@
-"""Names with separators in them made into names without."""
+"""Replace the separators in names, on request."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An element as text, for people: its own model's tree, not what MuJoCo is given."""
+"""Show an element as text, for people: the tree of its own model, not the text that MuJoCo gets."""
 
 from __future__ import annotations
 

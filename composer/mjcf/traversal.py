@@ -1,4 +1,4 @@
-"""Document order through a composition: every attached model at the place where it will stand."""
+"""Walk a composition in document order: every attached model at its place in the output."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def _flat(model: Model, node: Node, section: str, query: Query) -> Iterator[Targ
 
 
 class _World:
-    """Matches in the body tree of one model, attached models at their places."""
+    """Matches in the body tree of one model, with attached models at their places."""
 
     def __init__(self, model: Model, query: Query) -> None:
         self.model, self.query = model, query

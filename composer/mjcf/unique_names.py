@@ -1,4 +1,4 @@
-"""Names of files in memory, where MuJoCo goes by the last part of a path alone."""
+"""Give files in memory unique names, because there MuJoCo only looks at the last part of a path."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Values of attributes: Python's and numpy's to MJCF text and back. References are another file's matter."""
+"""Convert values of attributes from Python and numpy to MJCF text and back. References are handled elsewhere."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _BOOLEANS = {True: "true", False: "false"}
 
 
 class BadValue(ValueError):
-    """A value that does not fit; the message continues the attribute's name."""
+    """A value is not accepted; the message continues the attribute's name."""
 
     def __init__(self, refusal: Refusal | str) -> None:
         super().__init__(refusal)

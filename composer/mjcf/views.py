@@ -1,4 +1,4 @@
-"""The one Element of each node. What makes views does not import their classes: `composer.mjcf` registers them."""
+"""The one Element of each node. `composer.mjcf` registers the view classes, so other modules need not import them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from composer.tree.kinds import kind_of
 
 @dataclass(frozen=True, slots=True)
 class ViewClasses:
-    """The class of the views of all elements, of roots, of attachment frames, and of lists of elements."""
+    """The classes for views of elements, of roots, of attachment frames, and of lists of elements."""
 
     element: type[Any]
     root: type[Any]

@@ -42,9 +42,7 @@ class Distribution(ABC):
         return number
 
     def draw_all(self, bits: NDArray[Any]) -> NDArray[Any]:
-        """Return `draw` for each of an array of bits, `(n,)` of uint64, at once: `(n,)` with the same numbers to
-        the bit.
-        """
+        """Return `draw` for each of an array of bits, `(n,)` of uint64; the numbers are the same to the bit."""
         from composer.numerics import many  # numpy, which a model with one sample has no use for
 
         with many.overflowing():

@@ -1,5 +1,6 @@
-"""The arithmetic of distributions for arrays, one number for each sample: the same bits as one by one, but much
-faster.
+"""The arithmetic of distributions for arrays, one number for each sample.
+
+The result has the same bits as one by one, but is much faster.
 """
 
 from __future__ import annotations

@@ -91,9 +91,7 @@ def rotate(quat: Quat, vec: Sequence[float]) -> Vec3:
 
 
 def quat_from_euler(euler: Sequence[float], sequence: str) -> Quat:
-    """Convert Euler angles in radians; lower-case letters rotate about the moving axes, upper-case about the fixed
-    ones.
-    """
+    """Convert Euler angles in radians; lower-case letters rotate about moving axes, upper-case about fixed ones."""
     quat = IDENTITY_QUAT
     for angle, letter in zip(euler, sequence, strict=True):
         if not math.isfinite(angle):

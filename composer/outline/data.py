@@ -10,11 +10,10 @@ from composer.outline.outline import Body, Outline
 
 
 def as_data(outline: Outline, depth: int | None = None) -> dict[str, Any]:
-    """Return parts, and every body after its parent, with its joints and places; `depth` limits the levels of
-    bodies.
+    """Return parts, and every body after its parent, with its joints and places.
 
-    Metres and radians; poses are relative to the body (`pos`, `quat`) and to the world at the reference
-    configuration.
+    `depth` limits the levels of bodies. Metres and radians; poses are relative to the body (`pos`, `quat`) and to
+    the world at the reference configuration.
     """
     return {
         "name": outline.name,

@@ -67,9 +67,7 @@ class _Outliner:
         return tuple(joints), tuple(places), tuple(children)
 
     def members(self, holders: list[Node], pose: Pose, copies: int) -> Iterator[tuple[Node, Pose, int]]:
-        """Yield the contents of bodies, including those in frames, with the pose of their parent and the number of
-        copies.
-        """
+        """Yield the contents of bodies, including frames, with the pose of their parent and the number of copies."""
         for holder in holders:
             for node in holder.iterchildren("*"):
                 yield node, pose, copies

@@ -60,9 +60,7 @@ def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float) -> Any
 
 
 def corners(mujoco: Any, model: Any, data: Any) -> Any:
-    """Return the corners of the boxes around all drawn geoms; planes are infinite, and count only if there is
-    nothing else.
-    """
+    """Return the corners of the boxes around all drawn geoms; infinite planes count only if there is nothing else."""
     drawn = [each for each in range(model.ngeom) if _is_drawn(model, each)]
     solid = [each for each in drawn if model.geom_type[each] != mujoco.mjtGeom.mjGEOM_PLANE]
     found = [np.zeros((0, 3))]

@@ -18,11 +18,11 @@ _SAME = 2
 
 
 def pictures(mujoco: Any, a: Any, b: Any, folder: str) -> dict[str, Any]:
-    """Write `N-a.png` and `N-b.png` below `folder` for each view N; `views` has their names and the share that
-    differs.
+    """Write `N-a.png` and `N-b.png` below `folder` for each view N.
 
-    Views are the cameras that both models have by name, and one of the whole of both. Both are at their first
-    common keyframe, otherwise at the reference configuration. `no OpenGL` says why there are none.
+    `views` has their names and the share that differs. Views are the cameras that both models have by name, and one
+    of the whole of both. Both are at their first common keyframe, otherwise at the reference configuration. `no
+    OpenGL` says why there are none.
     """
     key = next(iter(_common(a, b, "key")), None)
     look = Look()

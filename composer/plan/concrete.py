@@ -40,8 +40,9 @@ class ValidRecipe(NamedTuple):
 
 
 def expanded(path: Path, given: Given, context: Context) -> Concrete | None:
-    """Return the concrete recipe, or None if the file is not a mapping. Errors go to the context's sink on each
-    call.
+    """Return the concrete recipe, or None if the file is not a mapping.
+
+    Errors go to the context's sink on each call.
     """
 
     def work(own: Context) -> Concrete | None:

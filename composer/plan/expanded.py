@@ -1,6 +1,4 @@
-"""Write a concrete recipe as text: the result of variants, parameters and expressions, with the origin of each
-value.
-"""
+"""Write a concrete recipe as text: variants, parameters and expressions resolved, with the origin of each value."""
 
 from __future__ import annotations
 

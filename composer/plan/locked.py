@@ -30,10 +30,9 @@ _SHOWN = 8
 
 
 def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -> Fetching | None:
-    """Return how to fetch for a recipe, according to its lock if it has one; None if the lock is faulty. Read once
-    a run.
+    """Return how to fetch for a recipe, according to its lock if it has one; None if the lock is faulty.
 
-    `disputes` is for a lock with merge conflicts, see `read_lock`.
+    Read once a run. `disputes` is for a lock with merge conflicts, see `read_lock`.
     """
     fetching = context.fetching = context.fetching or Fetching()
     if fetching.lock_file is not None:
@@ -196,9 +195,7 @@ def _is_whole(id: str, use: _Use, context: Context) -> bool:
 
 
 def _wrong(before: Locked, now: Locked) -> Iterator[str]:
-    """Yield contradictions between a lock's entry and its kind or its correct pin, which show that somebody edited
-    it.
-    """
+    """Yield contradictions between a lock's entry and its kind or its correct pin; they show a manual edit."""
     if before.kind == now.kind:
         own = kind_of(now).pins
         foreign = (pin for pin in PINS if pin not in own and getattr(before, pin) is not None)

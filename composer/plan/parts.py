@@ -142,9 +142,7 @@ def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> 
 
 
 def _mount_of(part: AttachPart, parts: tuple[AttachPart, ...]) -> str | None:
-    """Return the prefix of the part that this one is attached to, the longest match; None for the base and the
-    world.
-    """
+    """Return the prefix of the part that this one is attached to, the longest match; None for base and world."""
     attachment = part.attachment
     place = attachment.site or attachment.body or attachment.frame or ""
     if not place:

@@ -20,8 +20,10 @@ _MAY_BE_ELSEWHERE = ("missing-key", "expression", "unknown-name")
 
 
 def check_pieces(document: Mapping, given: Map[str, Node], sink: Sink) -> None:
-    """Validate what a build leaves out: items that `when` limits to others, and each piece of `variants` that is
-    not chosen, merged over the recipe. Report the faults in them.
+    """Validate the pieces of a recipe that a build leaves out, and report their faults.
+
+    These are the items that `when` limits to other builds, and each piece of `variants` that is not chosen, merged
+    over the recipe.
     """
     if has_conditions(document):
         _judge(document, given, None, sink)

@@ -163,9 +163,7 @@ class _Planner:
         source: Source | None = None,
         extended: tuple[tuple[Source, Span], ...] = (),
     ) -> Plan | None:
-        """Return the plan of a recipe that was read, with its base and its parts planned; `at` is its path in the
-        file.
-        """
+        """Return the plan of a recipe that was read, with its base and parts planned; `at` is its path in the file."""
         recipe, document, concrete = found.recipe, found.document, found.concrete
         base = self._base(found, inside)
         parts = without_rings(tuple(self._parts(found, inside)), recipe.separator, self.sink)

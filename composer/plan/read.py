@@ -30,10 +30,9 @@ _EMPTY = "write `recipe: 1` as its first line; `mjcompose new NAME.yaml` writes 
 
 
 def read_recipe(path: Path, context: Context) -> Node | None:
-    """Return the tree of a recipe merged with all that it extends, or None after errors, which go to the context's
-    sink.
+    """Return the tree of a recipe merged with all that it extends, or None after errors.
 
-    Each recipe is read once in a run.
+    Errors go to the context's sink. Each recipe is read once in a run.
     """
     fetching = context.fetching = context.fetching or Fetching()
     fetching.outer = fetching.outer or path

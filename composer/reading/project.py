@@ -51,10 +51,10 @@ def folder_of_recipe(path: str | os.PathLike[str]) -> str:
 def own_door(
     model: str | os.PathLike[str], also: Iterable[str | os.PathLike[str]] = (), recipe: str | None = None
 ) -> Door:
-    """Return the door of the user's own model; `also` are more folders, `recipe` the folder of the recipe that
-    names it.
+    """Return the door of the user's own model.
 
-    Without a recipe a program names it.
+    `also` are more folders, `recipe` the folder of the recipe that names the model. Without a recipe a program
+    names it.
     """
     folders = folders_of_model(model)
     return Door.of(

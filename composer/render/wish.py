@@ -31,9 +31,9 @@ class Format(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """`size` is width and height in pixels, `background` RGB of 255 and an opacity of 0 or 1; None is the model's
-    own.
+    """The settings of a picture or film.
 
+    `size` is width and height in pixels, `background` RGB of 255 and an opacity of 0 or 1; None is the model's own.
     `key` and `camera` are names; None is the first keyframe, and a camera that shows the whole model. `play` are
     the seconds of physics in a film; None is no physics.
     """
@@ -50,9 +50,7 @@ class Wish:
 
 
 def format_of(out: Path, wish: Wish) -> Format:
-    """Return the format for a file's name; raises `OutputError` for an unknown one, or one that does not fit the
-    wish.
-    """
+    """Return the format for a file's name. Raises `OutputError` if it is unknown or does not fit the wish."""
     suffix = out.suffix.lower()
     known = [each.value for each in Format]
     if suffix not in known:

@@ -43,8 +43,9 @@ def packed(*arrays: Any) -> bytes:
 
 
 def steps(values: Any, bits: int = 16) -> tuple[Any, list[float], list[float]]:
-    """Quantize rows of numbers between the least and the greatest of each column; return the steps, the least and
-    the step.
+    """Quantize rows of numbers between the least and the greatest of each column.
+
+    Return the steps, the least and the step.
     """
     low, high = values.min(axis=0), values.max(axis=0)
     most = (1 << bits) - 1

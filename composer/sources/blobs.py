@@ -34,8 +34,9 @@ def key_of(data: object) -> str:
 
 
 def get(store: str | PathLike[str], kind: str, key: str) -> bytes | None:
-    """Return an entry and mark it as used now, or None if it does not exist. A damaged entry is removed and gives
-    None.
+    """Return an entry and mark it as used now, or None if it does not exist.
+
+    A damaged entry is removed and gives None.
     """
     path = os.path.join(store, kind, key)
     try:

@@ -28,8 +28,9 @@ def remembered_sha256(path: Path) -> str:
 
 
 def files_below(folder: Path) -> Iterator[tuple[str, Path]]:
-    """Yield every file below a folder with its relative path, with forward slashes, in no order; links are not
-    followed.
+    """Yield every file below a folder with its relative path.
+
+    Paths have forward slashes and come in no order; links are not followed.
     """
     for where, _, names in os.walk(folder):
         for name in names:

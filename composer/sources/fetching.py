@@ -65,8 +65,9 @@ class Fetching:
         return max(found, key=lambda each: len(real_path(each.root)), default=None)
 
     def door_of_text(self, folder: Path) -> Door:
-        """Return what a recipe in a folder may name by path: the user's own recipes anything, others only files of
-        their origin.
+        """Return what a recipe in a folder may name by path.
+
+        The user's own recipes may name anything, others only files of their origin.
         """
         origin = self.around(folder)
         return ALL if origin is None else self.door_of_origin(origin)
@@ -82,9 +83,7 @@ class Fetching:
         )
 
     def door_of_model(self, path: Path) -> Door:
-        """Return what the model at a path may read: its project, that of the recipe, and what the recipe trusts it
-        with.
-        """
+        """Return what the model at a path may read: its project, that of the recipe, and folders the recipe trusts."""
         key = path, self.outer, self.trust
         if key not in self.doors:
             self.doors[key] = self._own_door(path)

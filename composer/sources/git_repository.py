@@ -30,8 +30,9 @@ _ABBREVIATED = re.compile(r"[0-9a-f]{7,39}")
 
 
 def resolve(reference: Reference, lookup: Lookup) -> Source:
-    """Return the file at a revision. The commit comes from the lock, or else from the repository. Raises
-    SourceError.
+    """Return the file at a revision.
+
+    The commit comes from the lock, or else from the repository. Raises SourceError.
     """
     id, known = reference.id, lookup.fetching.origins
     if id not in known:
@@ -131,8 +132,9 @@ class _Repository:
             )
 
     def _fill(self, target: Path, commit: str, pinned: bool, about: dict[str, str]) -> None:
-        """Write the files of the commit. The clone is next to them for the time being, so that a kill leaves
-        nothing elsewhere.
+        """Write the files of the commit.
+
+        The clone is next to them for the time being, so that a kill leaves nothing elsewhere.
         """
         with tempfile.TemporaryDirectory(dir=target.parent) as folder:
             repository = Path(folder)
@@ -263,8 +265,7 @@ def _files_are_small() -> bool:
 
 
 def _other_side(url: str) -> tuple[str, ...]:
-    """Return the options that keep git on the serving side of a local repository from holding large files in
-    memory.
+    """Return the options that keep git from holding large files in memory while it serves a local repository.
 
     That git starts with the repository's own settings, without the command-line settings of this side.
     """

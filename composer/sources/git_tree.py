@@ -30,11 +30,11 @@ Contents = Callable[[_Blob], Iterator[bytes]]
 
 
 def write_tree(git: Git, repository: Path, commit: str, target: Path) -> dict[str, str]:
-    """Write the files of a commit below `target`, an empty folder. Return the omitted paths, each with a
-    description.
+    """Write the files of a commit below `target`, an empty folder.
 
-    A link to a file or folder of the same commit becomes a copy; other links and submodules are omitted. Raises
-    SourceError for a tree that is too large or whose names lead out of the folder, GitFailure, and OSError.
+    Return the omitted paths, each with a description. A link to a file or folder of the same commit becomes a copy;
+    other links and submodules are omitted. Raises SourceError for a tree that is too large or whose names lead out
+    of the folder, GitFailure, and OSError.
     """
     packed = sum(path.stat().st_size for _, path in files_below(repository))
     try:
@@ -140,9 +140,7 @@ def _blob(line: bytes) -> _Blob:
 
 @contextmanager
 def _contents(git: Git, repository: Path) -> Iterator[Contents]:
-    """Yield a function that returns the bytes of a file piece by piece, so that no file is held in memory as a
-    whole.
-    """
+    """Yield a function that returns the bytes of a file piece by piece, so that memory never holds a whole file."""
     with git.open("cat-file", "--batch", folder=repository, asked=True) as process:
 
         def content(blob: _Blob) -> Iterator[bytes]:

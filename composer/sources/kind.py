@@ -31,9 +31,7 @@ class Form:
 
 @dataclass(frozen=True, slots=True)
 class Library:
-    """A Python package that a kind of reference needs, by its name on PyPI, and the extra of mjcompose that
-    includes it.
-    """
+    """A Python package that a kind of reference needs, by its name on PyPI, and the extra of mjcompose with it."""
 
     name: str
     extra: str | None = None

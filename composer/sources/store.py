@@ -82,10 +82,9 @@ class Store:
 
     @classmethod
     def of(cls, environment: Mapping[str, str]) -> Store:
-        """Return the user's store: `MJCOMPOSE_CACHE` or the system's cache folder, limited by
-        `MJCOMPOSE_CACHE_SIZE`.
+        """Return the user's store: `MJCOMPOSE_CACHE` or the system's cache folder.
 
-        Raises SourceError if another user can change it.
+        `MJCOMPOSE_CACHE_SIZE` limits its size. Raises SourceError if another user can change it.
         """
         limit = _size(environment.get("MJCOMPOSE_CACHE_SIZE", ""))
         folder = Path(store_folder(environment))
@@ -98,8 +97,9 @@ class Store:
         return cls(folder, limit)
 
     def get(self, kind: Stored, key: str) -> Entry | None:
-        """Return an entry and mark it as used now, or None if it does not exist. It is not pruned while this
-        process lives.
+        """Return an entry and mark it as used now, or None if it does not exist.
+
+        It is not pruned while this process lives.
         """
         folder = self.folder / kind / key
         try:
@@ -210,8 +210,7 @@ class Store:
     def prune(
         self, limit: int, *, grace: float = GRACE, keep: frozenset[str] | set[str] = frozenset()
     ) -> list[Entry | Blob]:
-        """Remove the least recently used entries until at most `limit` bytes are left, and leftovers of killed
-        processes.
+        """Remove leftovers of killed processes, and the least recently used entries beyond `limit` bytes.
 
         Entries in `keep`, entries used in the last `grace` seconds and those in use by another process stay. Return
         the removed entries.

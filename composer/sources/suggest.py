@@ -75,9 +75,7 @@ def _with_slashes(text: str, near: str | None) -> str:
 
 
 def _without_folder(text: str, wanted: Path) -> tuple[str, str, str | None]:
-    """For a file in a missing folder, return the message, the existing folders, and the path with the nearest of
-    them.
-    """
+    """For a file in a missing folder, return the message, the existing folders, and the path with the nearest."""
     missing = next(
         each
         for each in (wanted.parent, *wanted.parent.parents)

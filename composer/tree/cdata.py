@@ -11,8 +11,7 @@ _FIRST = re.compile(r"<!\[CDATA\[(.*?)\]\]>", re.DOTALL)
 
 
 def take_cdata_in(root: Node, data: bytes) -> None:
-    """Move the CDATA section of every `<text>` without `data` into this attribute, because later stages use
-    attributes.
+    """Move the CDATA section of every `<text>` without `data` into this attribute, for the later stages.
 
     The parsed tree does not distinguish sections from plain text, which MuJoCo ignores, so `data` is parsed again.
     """

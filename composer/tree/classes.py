@@ -120,8 +120,9 @@ class Classes:
         return self.by_name.get(name or MAIN) or self.by_name[MAIN]
 
     def effective(self, element: Node, childclass: str | None, attribute: str) -> str | None:
-        """Return the effective value of `attribute`: the element's own first; `childclass` is the one in force
-        around it.
+        """Return the effective value of `attribute`: the element's own first.
+
+        `childclass` is the one in force around the element.
         """
         value = written(element, attribute)
         if value is not None:

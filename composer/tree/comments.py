@@ -9,8 +9,9 @@ from lxml.etree import _Element as Node
 
 
 def take_header_in(root: Node) -> tuple[Node, ...]:
-    """Move the comments before a root, such as a licence, inside of it, because trees lose outside comments when
-    they move.
+    """Move the comments before a root, such as a licence, inside of it.
+
+    Otherwise they would be lost when the tree moves.
     """
     found = [each for each in root.itersiblings(preceding=True) if isinstance(each, Comment)]
     for comment in found:

@@ -152,8 +152,9 @@ def _writer(step: DefaultClass, element: Node, attribute: Attribute) -> Node | N
 
 
 def _holders(step: DefaultClass, element: Node, attribute: Attribute | None = None) -> list[Node]:
-    """Return the elements of a class that apply to this one. All actuators share their defaults for common
-    attributes.
+    """Return the elements of a class that apply to this one.
+
+    All actuators share their defaults for common attributes.
     """
     parent = element.getparent()
     tag = default_tag(element)

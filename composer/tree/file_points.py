@@ -1,6 +1,4 @@
-"""Count the points in the file of a `<flexcomp>`: each may become a body, so they are counted before MuJoCo creates
-any.
-"""
+"""Count the points in the file of a `<flexcomp>` before MuJoCo makes bodies of them: each may become one."""
 
 from __future__ import annotations
 
@@ -46,8 +44,9 @@ def points(data: bytes, name: str) -> int:
 
 
 def _nodes(numbers: bytes) -> int:
-    """Return the number of nodes in gmsh 4 (blocks, nodes, lowest, highest) and gmsh 2 (nodes); binary files use 64
-    bits.
+    """Return the number of nodes in gmsh 4 (blocks, nodes, lowest, highest) and gmsh 2 (nodes).
+
+    Binary files use 64 bits.
     """
     first = numbers.split(b"\n")[1:2]
     words = first[0].split() if first else []

@@ -15,8 +15,9 @@ NAMED_AFTER_FILE = ("mesh", "hfield", "skin", "texture")
 
 
 def join(folder: str, name: str) -> str:
-    """Return `name` in `folder`, normalized as text (`a/../b` is `b` whether or not `a` exists); backslashes
-    separate too.
+    """Return `name` in `folder`, normalized as text: `a/../b` is `b` whether or not `a` exists.
+
+    Backslashes separate too.
     """
     if "\\" in name or "\\" in folder:
         name, folder = name.replace("\\", "/"), folder.replace("\\", "/")

@@ -83,9 +83,7 @@ def declaring(section: str) -> dict[Any, tuple[tuple[str, str], ...]]:
 
 @cache
 def _referring(section: str) -> dict[Any, tuple[tuple[str, int, str], ...]]:
-    """Return for each tag the attributes that refer to names, how, and the namespace or the attribute that selects
-    it.
-    """
+    """Return for each tag the attributes that refer to names, how, and their namespace or the attribute with it."""
     return {
         tag: tuple(
             (name, *action) for name, action in actions.items() if action[0] not in (DECLARES, GENERATES)

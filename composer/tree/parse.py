@@ -129,10 +129,10 @@ def _sections() -> frozenset[str]:
 
 
 def _unknown_section(section: Node, unit: Unit, sink: Sink) -> None:
-    """Report an unknown section. MuJoCo refuses it too, except bodies and frames, which it (3.2 to 4.0) drops
-    silently.
+    """Report an unknown section.
 
-    If nothing else were left, the file is meant to be included, and that is an error.
+    MuJoCo refuses it too, except bodies and frames, which it (3.2 to 4.0) drops silently. If nothing else were
+    left, the file is meant to be included, and that is an error.
     """
     tag, known = str(section.tag), list(GRAMMAR.root.children)
     if tag in _DROPPED and any(len(world) for world in unit.root.iterchildren("worldbody")):

@@ -35,8 +35,7 @@ def unresolved(
     help: str | None = None,
     notes: Iterable[Note] = (),
 ) -> Diagnostic:
-    """Return the error for a missing name: what exists, what was probably meant, and which other kinds have the
-    name.
+    """Return the error for a missing name: existing names, the likely one, and other kinds with the name.
 
     `written` is the format of a name in the file, `typed_by` the attribute beside it that sets the kind. `purpose`,
     `message` and `help` are as in `unknown_name`; `notes` come first.

@@ -67,8 +67,9 @@ def _outermost(nodes: Iterable[tuple[M, Node]]) -> tuple[tuple[M, Node], ...]:
 
 
 def whole(node: Node) -> Node:
-    """Return the smallest meaningful element around a node: a section's direct child, in the body tree the element
-    itself.
+    """Return the smallest meaningful element around a node.
+
+    That is a section's direct child, or in the body tree the element itself.
     """
     if section_of(node) == WORLD_SECTION:
         return node

@@ -34,9 +34,7 @@ _PLANAR = ("_TX", "_TY", "_RZ")
 
 
 def name_fused_links(root: Node) -> None:
-    """Remove the empty frames that mark links; a link that is no longer a body passes its name on to its
-    replacement.
-    """
+    """Remove the empty frames that mark links; a link that is no longer a body passes its name to its replacement."""
     bodies = {body.get("name") for body in root.iter("body")}
     for body in root.iter("body"):
         body.attrib.pop("fuse", "")  # MuJoCo has done it already
@@ -145,8 +143,10 @@ class _Sources:
 
 
 def _shapes(link: Node, number: int) -> list[Node]:
-    """Return the shapes of a link that became that many geoms: all, or only collision shapes; else the link for
-    each.
+    """Return the shapes of a link that became that many geoms.
+
+    These are the collision shapes, all shapes, or the visual shapes, whichever have that number; otherwise the link
+    itself for each geom.
     """
     for tags in (("collision",), ("visual", "collision"), ("visual",)):
         shapes = list(link.iterchildren(*tags))

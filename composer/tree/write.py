@@ -7,9 +7,7 @@ from lxml.etree import _Element as Node
 
 
 def write(root: Node) -> bytes:
-    """Return the text of a `<mujoco>` tree: UTF-8, indented by two spaces, one element on a line, with a final
-    newline.
-    """
+    """Return the text of a `<mujoco>` tree: UTF-8, indented by two spaces, an element a line, a final newline."""
     return to_text(root).encode()  # writing bytes directly is slower in lxml
 
 

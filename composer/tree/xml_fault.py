@@ -14,9 +14,7 @@ _Words = tuple[str, str | None]
 
 
 def report(said: str, file: str, line: int, column: int, text: str, sink: Sink) -> None:
-    """Report an `xml-syntax` error for lxml's message about `file`; a tag that the message names by line is shown
-    too.
-    """
+    """Report an `xml-syntax` error for lxml's message about `file`, with the tag that the message names by line."""
     if lfs.is_pointer(text):
         message = f"`{file}` is not XML: it is not the file itself but where Git LFS has it"
         sink.error("xml-syntax", message, Span(file, line, column), help=lfs.HELP)

@@ -1,6 +1,4 @@
-"""Run the checks of a recipe and of its nested recipes on the built model, and report failures where they are
-written.
-"""
+"""Run the checks of a recipe and of its nested recipes on the built model, and report failures in their recipes."""
 
 from __future__ import annotations
 

@@ -107,9 +107,7 @@ def verify(
 
 @contextmanager
 def _written(bundle: Bundle, session: engine.Session | None) -> Iterator[tuple[Path, bool]]:
-    """Yield a folder with the bundle, and whether the folder stays for bundles that differ only in the
-    model's tree.
-    """
+    """Yield a folder with the bundle, and whether the folder is reused for bundles that differ only in the tree."""
     if session is None or not session.remembers:
         with scratch("bundle") as folder:
             write_files(bundle, folder)
@@ -127,9 +125,7 @@ def _written(bundle: Bundle, session: engine.Session | None) -> Iterator[tuple[P
 
 
 def _named(bundle: Bundle) -> str:
-    """Return a hash of the files, their bytes and what the model says of them; versions of MuJoCo look at
-    less than that.
-    """
+    """Return a hash of the files, their bytes and what the model says of them. No version of MuJoCo uses more."""
     whole = hashlib.sha256(bundle.model.encode())
     for path in bundle.files:
         if path not in (bundle.model, MANIFEST):

@@ -134,9 +134,7 @@ def _check(
 
 
 def _instead(key: Keyframe, entry: tuple[str, str], bound: _Bound) -> str | None:
-    """Return what to write instead of a control that holds the key's pose; None if the recipe writes the
-    number itself.
-    """
+    """Return advice on a control that holds the key's pose, or None if the recipe writes the number itself."""
     vector, name = entry
     if vector != CTRL or key.controls.hold is None or name in key.values.get(CTRL, {}):
         return None

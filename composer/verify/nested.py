@@ -13,11 +13,11 @@ from composer.recipe.checks.kind import Check
 
 @dataclass(frozen=True, slots=True)
 class Nested:
-    """A recipe within another one. `part` is its name there with a separator behind it, empty for the
-    outermost recipe.
+    """A recipe within another one.
 
-    `prefix` starts all its names, `others` are longer prefixes that do not belong to it, and `keys` starts
-    the names of its keyframes; None if they were left out.
+    `part` is its name there with a separator behind it, empty for the outermost recipe. `prefix` starts all its
+    names, `others` are longer prefixes that do not belong to it, and `keys` starts the names of its keyframes; None
+    if they were left out.
     """
 
     plan: Plan

@@ -12,9 +12,7 @@ from composer.diagnostics.span import Span
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """A check that ran: its name in the outermost recipe (`left/reach`), kind, place, diagnostics and the
-    values it found.
-    """
+    """A check that ran: its name in the outermost recipe (`left/reach`), kind, place, diagnostics and values."""
 
     name: str
     kind: str

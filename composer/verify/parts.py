@@ -89,9 +89,7 @@ class Judge:
         return tuple(differences_of(answer.value))
 
     def _take(self, member: PartRecord, name: str) -> str | None:
-        """Compile the subtree of a source, compare it with the whole source and keep it; return an error
-        message or None.
-        """
+        """Compile the subtree of a source, compare it with the whole and keep it; return an error message or None."""
         from composer.verify.subtree_reference import keep_taken  # few recipes need it
 
         whole = f"{name} in the whole"

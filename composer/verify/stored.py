@@ -41,12 +41,11 @@ class Stored:
 def verify_stored(
     path: Path, context: Context, session: Session, recipe: Path | None = None
 ) -> Stored | None:
-    """Check a bundle in a folder, a zip or an MJZ, and report errors to the sink. Return None if it cannot be
-    read.
+    """Check a bundle in a folder, a zip or an MJZ, and report errors to the sink.
 
-    Files are compared with the hashes in the manifest, the compiled model with its index, and each part with
-    its source if a file with the hash in the manifest is found: through `recipe`, or from the folder of the
-    context. A part without a source is a warning, and with `recipe` an error.
+    Return None if it cannot be read. Files are compared with the hashes in the manifest, the compiled model with
+    its index, and each part with its source if a file with the hash in the manifest is found: through `recipe`, or
+    from the folder of the context. A part without a source is a warning, and with `recipe` an error.
     """
     shown = context.shown(path)
     try:

@@ -20,10 +20,10 @@ _NAMELESS = "a body around what was taken, "
 
 
 class Taken(NamedTuple):
-    """The outcome. `above` are the bodies around the subtree in the whole source, the nearest first, and None
-    for the world.
+    """The result of compiling a subtree and its source.
 
-    The subtree's world corresponds to the first of them, or to one further up if `fusestatic` fused them.
+    `above` are the bodies around the subtree in the whole source, the nearest first, and None for the world. The
+    subtree's world corresponds to the first of them, or to one further up if `fusestatic` fused them.
     """
 
     above: tuple[str | None, ...] = (None,)
@@ -31,8 +31,9 @@ class Taken(NamedTuple):
 
 
 def keep_taken(member: PartRecord, session: engine.Session, taken: str, whole: str) -> Taken:
-    """Compile the subtree and the whole source and keep them under these names; the result has a message if
-    that fails.
+    """Compile the subtree and the whole source and keep them under these names.
+
+    If that fails, the result has a message.
     """
     assert member.subtree is not None
     sink = Sink()

@@ -1,6 +1,4 @@
-"""`emit: worlds`: compute the numbers that differ between worlds in MuJoCo's process, and compare them with
-samples.
-"""
+"""`emit: worlds`: compute in MuJoCo's process the numbers that differ between worlds; compare with samples."""
 
 from __future__ import annotations
 

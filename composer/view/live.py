@@ -72,8 +72,9 @@ def _watch(server: Server, before: dict[Path, Mark], stop: Event, said: Callable
 
 
 def _build(server: Server, said: Callable[[Shown], None]) -> dict[Path, Mark]:
-    """Build and show the model; return the files that were read, with marks from before, so that no change is
-    missed.
+    """Build and show the model; return the files that were read.
+
+    Their marks are from before the build, so that no change is missed.
     """
     workshop = server.workshop
     before = marks(workshop.inputs)

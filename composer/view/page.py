@@ -24,10 +24,9 @@ _LINE = 4096
 
 
 def alone(description: Description, *others: Description, played: Mapping[str, bytes] | None = None) -> str:
-    """Return the page of a model, or of two models, where the second is the new state of the first and shares its
-    blobs.
+    """Return the page of a model, or of two models, where the second is the new state of the first.
 
-    With the files of a bundle in `played` it also has MuJoCo's WebAssembly.
+    The two share blobs. With the files of a bundle in `played` the page also has MuJoCo's WebAssembly.
     """
     models = "".join(_embedded(number, each) for number, each in enumerate((description, *others)))
     policy = _ALONE if played is None else _PLAYED

@@ -15,10 +15,10 @@ State = dict[str, Any]
 
 
 def advance(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> State:
-    """Simulate some ``seconds`` from a state with qpos, qvel, act, ctrl and time; runs under
-    `composer.engine.call`.
+    """Simulate some ``seconds`` from a state with qpos, qvel, act, ctrl and time.
 
-    Missing values come from the keyframe ``key``, or from the reference configuration.
+    Missing values come from the keyframe ``key``, or from the reference configuration. Runs under
+    `composer.engine.call`.
     """
     data = mujoco.MjData(model)
     key = asked.get("key", -1)

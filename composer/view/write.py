@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 
 def write_page(side: Side, out: Path, key: str | None, context: Context, session: Session) -> int | None:
-    """Write the page of a model that `session` keeps; return its size in bytes, or None after an error, which is
-    reported.
+    """Write the page of a model that `session` keeps; return its size in bytes, or None after an error.
 
-    `key` is the initial keyframe; the default is the first. If the side has its bundle, the page can simulate it.
+    Errors are reported. `key` is the initial keyframe; the default is the first. If the side has its bundle, the
+    page can simulate it.
     """
     made = described(side, session, key_named=key)
     if made is None or not made.has_key(key, context.sink):

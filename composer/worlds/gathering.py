@@ -11,8 +11,7 @@ from composer.worlds.worlds import Worlds
 
 
 def gather(path: str | PathLike[str], where: str | None = None) -> Worlds:
-    """Load the models that `mjcompose build --all` wrote to a folder as worlds: one model, and what differs in the
-    others.
+    """Load the models that `mjcompose build --all` wrote to a folder as worlds of one model.
 
         study = worlds.gather("build/study", where="payload > 0")
         study.save("study.npz")     # worlds.load("build/study/first.zip", "study.npz") needs no other model

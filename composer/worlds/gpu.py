@@ -47,8 +47,9 @@ def warp(worlds: Worlds) -> Any:
 
 
 def per_world(model: Any, worlds: Worlds) -> list[str]:
-    """Return the differing arrays that a `mujoco_warp.Model` can have for each world. Raises LoadError for another
-    differing array that its steps read.
+    """Return the differing arrays that a `mujoco_warp.Model` can have for each world.
+
+    Raises LoadError for another differing array that its steps read.
     """
     names = []
     for name in worlds.arrays:

@@ -36,8 +36,9 @@ class Joined(NamedTuple):
 
 @dataclass(slots=True)
 class Group:
-    """Models that differ from the `first` one in numbers only: what differs, and which worlds they are. For a union
-    they also have the same `shape`: geoms of the same types and with the same meshes.
+    """Models that differ from the `first` one in numbers only: what differs, and which worlds they are.
+
+    For a union they also have the same `shape`: geoms of the same types and with the same meshes.
     """
 
     first: Joined
@@ -110,8 +111,9 @@ class Joining:
 
 
 def join(found: Iterable[Joined], expected: int) -> Worlds:
-    """Return these models, `expected` or more, as worlds of the first one's model. Raises LoadError for another
-    model.
+    """Return these models, `expected` or more, as worlds of the first one's model.
+
+    Raises LoadError for another model.
     """
     joining = Joining(expected)
     for each in found:

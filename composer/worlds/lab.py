@@ -76,8 +76,9 @@ def _set(worlds: Worlds, names: list[str], entity: str | None, sim: Any, env_ids
 def _places(
     worlds: Worlds, name: str, entity: str | None, scene: Model
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return which numbers of an array a scene takes, and their indices there. Raises LoadError for one that it
-    lacks.
+    """Return which numbers of an array a scene takes, and their indices there.
+
+    Raises LoadError for one that it lacks.
     """
     index = worlds.arrays[name].index
     if entity is None:

@@ -27,8 +27,9 @@ def check_installed() -> Any:
 
 
 def write_parquet(path: Path, model: Model, table: Table) -> None:
-    """Write a table with columns such as `geom_friction pads/left friction[0]`; the schema has array and index of
-    each.
+    """Write a table with columns such as `geom_friction pads/left friction[0]`.
+
+    The schema has the array and index of each column.
     """
     arrow = check_installed()
     fields, columns = [], []

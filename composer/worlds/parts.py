@@ -72,8 +72,9 @@ class Tree:
         return (name,)
 
     def _surface(self, shape: int, asset: int) -> str:
-        """Return the data of a mesh or a height field; a mesh that a geom of another type was fitted to does not
-        count.
+        """Return the data of a mesh or a height field.
+
+        A mesh that a geom of another type was fitted to does not count.
         """
         model = self.model
         if shape == _HFIELD:

@@ -38,8 +38,7 @@ def is_stepped(name: str) -> bool:
 def check_nothing_is_shared(
     worlds: Worlds, convert: Callable[[Model], Any], varied: Collection[str], simulator: str, instead: str
 ) -> None:
-    """Compare a simulator's conversion of the nominal model and of a model in which every varying number has
-    changed.
+    """Compare a simulator's conversions of the nominal model and of one in which every varying number differs.
 
     Every difference must be among the `varied` arrays. MuJoCo Warp, for instance, leaves springs of tendons out of
     its steps if the converted model has none, whatever the arrays of the worlds say. Raises LoadError.

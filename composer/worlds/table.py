@@ -26,8 +26,10 @@ _ABOUT = "about.json"
 
 @dataclass(frozen=True, slots=True)
 class Varying:
-    """Numbers of one array: `index` are their places in the flattened array, `(numbers,)`, and `values` are
-    absolute and in the array's units, `(worlds, numbers)`.
+    """The numbers of one array that vary.
+
+    `index` are their places in the flattened array, `(numbers,)`. `values` are absolute and in the array's units,
+    `(worlds, numbers)`.
     """
 
     index: NDArray[np.int64]

@@ -1,6 +1,4 @@
-"""Convert models with different parts to worlds of one model that has all parts; see `union_values` for absent
-parts.
-"""
+"""Convert models with different parts to worlds of one model with all parts; see `union_values` for absent parts."""
 
 from __future__ import annotations
 

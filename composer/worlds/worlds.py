@@ -86,10 +86,10 @@ class Worlds:
         return replace(self, table=table)
 
     def values(self, name: str) -> NDArray[Any]:
-        """Return an array in all worlds, `(worlds, *shape)`, including equal numbers. Raises AttributeError if
-        there is none.
+        """Return an array in all worlds, `(worlds, *shape)`, including equal numbers.
 
-        This is the form for batched simulators: `values("geom_friction")` has the shape `(worlds, ngeom, 3)`.
+        Raises AttributeError if there is none. This is the form for batched simulators: `values("geom_friction")`
+        has the shape `(worlds, ngeom, 3)`.
         """
         shape = np.shape(value_of(self.nominal, name))
         whole = np.repeat(flat(self.nominal, name)[None], self.count, axis=0)

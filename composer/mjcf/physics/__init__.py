@@ -1,4 +1,4 @@
-"""Compiled models: MuJoCo's own `MjModel` and `MjData`, and views on them for the elements of a tree.
+"""Compiled models: MuJoCo's own `MjModel` and `MjData`, and views on their arrays for the elements of a tree.
 
-MuJoCo is imported when a model is compiled, not before.
+MuJoCo is imported only when a model is compiled.
 """

@@ -1,4 +1,4 @@
-"""What MuJoCo reads of an actuator: all its settings, whatever tag and classes they come from."""
+"""Read all settings of an actuator as MuJoCo compiles them, whichever tag and classes they come from."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A composition compiled by MuJoCo in this process, and a note of what became of each element."""
+"""Compile a composition with MuJoCo in this process, and note the rows of each element."""
 
 from __future__ import annotations
 
@@ -34,9 +34,10 @@ _IN_PYTHON = {
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """The elements of a composition as they were, by node: their rows in a compiled model.
+    """The elements of a composition when it was compiled, by node, with their rows in the compiled model.
 
-    `known` has every node there was, `rows` those that MuJoCo has, each with the number in its kind's arrays.
+    `known` has every node that existed; `rows` has those that are in MuJoCo's model, each with the number in its
+    kind's arrays.
     """
 
     models: frozenset[Model]
@@ -46,7 +47,7 @@ class Snapshot:
 
 @dataclass(slots=True)
 class _Copies:
-    """Copies units for the linker and notes which node is a copy of which."""
+    """Copies units for the linker and notes the original of each copied node."""
 
     originals: dict[Node, Target] = field(default_factory=dict)
     models: set[Model] = field(default_factory=set)

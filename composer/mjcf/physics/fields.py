@@ -1,6 +1,6 @@
-"""Which arrays of `mjModel` and `mjData` have something for each element of a kind, by every name.
+"""The arrays of `mjModel` and `mjData` that have rows for the elements of a kind, by all their names.
 
-The running MuJoCo says: it describes its own structs, with the size that each array has rows for.
+They come from the running MuJoCo, which describes its own structs and the size that determines each array's rows.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _FIRST_OF_STEP = "contact"
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """An array by MuJoCo's name, whether `mjData` has it, and the size it has rows for (`nv`)."""
+    """An array by MuJoCo's name, whether it belongs to `mjData`, and the size that determines its rows (`nv`)."""
 
     array: str
     of_data: bool

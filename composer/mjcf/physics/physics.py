@@ -38,8 +38,8 @@ from composer.tree.parse import parse_file
 class Physics:
     """A compiled model with its state: MuJoCo's own `MjModel` and `MjData`, and views for elements of a tree.
 
-    It is what the tree was when it was compiled. Elements that have been edited, renamed, attached or
-    detached since are still bound to what they were then.
+    It reflects the tree at the time it was compiled. Elements that have been edited, renamed, attached or detached
+    since then are still bound to their earlier state.
 
     >>> from composer import mjcf
     >>> root = mjcf.from_xml_string('<mujoco><worldbody><body><joint name="j"/><geom size="1"/></body>'

@@ -1,6 +1,6 @@
-"""Poses of a compiled model. MuJoCo does not read one of which it knows that it is that of another frame.
+"""Poses of a compiled model. MuJoCo ignores a pose that it has marked as equal to the pose of another frame.
 
-Whoever writes such a pose wants it read: what MuJoCo noted when it compiled the model is taken back then.
+Writing a pose here clears that mark, so that MuJoCo reads the new pose.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ RELEASES: dict[str, Release] = {
 
 
 class Posed(np.ndarray[Any, np.dtype[Any]]):
-    """Rows of an array of poses, in MuJoCo's own memory; so are slices of it. What is written releases its rows."""
+    """Rows of an array of poses, in MuJoCo's own memory, or a slice of them. Writing clears the marks of the rows."""
 
     __slots__ = ("array", "model")
     array: str

@@ -1,4 +1,4 @@
-"""Pictures of a compiled model, by MuJoCo's own renderer."""
+"""Render pictures of a compiled model with MuJoCo's own renderer."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from composer.mujoco_errors.sentence import Topic, read_sentence
 
 
 class Rendering:
-    """A renderer, kept as long as pictures of one size are asked for."""
+    """A renderer that is reused while the size of the pictures stays the same."""
 
     __slots__ = ("_renderer", "_size")
 

@@ -1,4 +1,4 @@
-"""Rows that do not stand side by side, as one array that writes back what is written to it."""
+"""Rows that are not evenly spaced, as one array that writes changes back."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ _Number = TypeVar("_Number", bound=np.generic)
 
 
 class Scattered(np.ndarray[Any, np.dtype[Any]]):
-    """A copy of some rows of an array of MuJoCo, taken when it was asked for.
+    """A copy of some rows of one of MuJoCo's arrays, made when it was read.
 
-    Items, slices and `+=` and the like are written to MuJoCo's array as well, and nothing but these; what
-    numpy's functions write (`out=`, `fill`, `sort`) is not. What is computed from it is an array of its own.
+    Assigned items and slices, and `+=` and the like, are also written to MuJoCo's array, and only these: what
+    numpy's functions write (`out=`, `fill`, `sort`) is not. Results computed from it are separate arrays.
     """
 
     __slots__ = ("home",)
@@ -54,10 +54,9 @@ def places(of: NDArray[Any], view: NDArray[Any]) -> NDArray[np.intp]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Home(Generic[_Number]):
-    """Where scattered rows belong: the rows `index`, an array of integers, of `source`.
+    """The origin of scattered rows: the rows `index`, an array of integers, of `source`.
 
-    `before` is called with the rows that are about to be written, some of them repeatedly, where they have several
-    numbers each.
+    `before` is called with the rows that are about to be written; rows with several numbers may be repeated.
     """
 
     source: NDArray[_Number]

@@ -1,4 +1,4 @@
-"""From MuJoCo's own editable models."""
+"""Read models from MuJoCo's own `MjSpec`."""
 
 from __future__ import annotations
 

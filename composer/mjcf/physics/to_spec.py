@@ -1,4 +1,4 @@
-"""To MuJoCo's own editable models."""
+"""Convert models to MuJoCo's own `MjSpec`."""
 
 from __future__ import annotations
 

@@ -1,9 +1,8 @@
-"""Find joint positions that bring a site to a point: damped least squares with joint limits, from several
-starts.
+"""Find joint positions that bring a site to a point.
 
-`mujoco.minimize.least_squares` (3.12 to 4.0) finds the same on arms of hinges and slides in about the same
-time. Its bounds are boxes, and the range of a ball joint is not a box: of 19 targets that two ball joints
-reach with one of them at its limit, it found 10.
+The method is damped least squares with joint limits, from several starts. `mujoco.minimize.least_squares` (3.12 to
+4.0) finds the same on arms of hinges and slides in about the same time. Its bounds are boxes, and the range of a
+ball joint is not a box: of 19 targets that two ball joints reach with one of them at its limit, it found 10.
 """
 
 from __future__ import annotations

@@ -11,9 +11,7 @@ from composer.verify.kinds.scope import Scope
 
 
 def keys_named(scope: Scope, globs: Sequence[str]) -> list[str] | Fault:
-    """Return the names of the keyframes that the globs match, as the recipe writes them; all of them without
-    globs.
-    """
+    """Return the names of the keyframes that the globs match, as in the recipe; all of them without globs."""
     known = [] if scope.keys is None else scope.names("key")
     if not globs:
         return known

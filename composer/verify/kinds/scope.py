@@ -1,6 +1,4 @@
-"""The elements of a compiled model that belong to a recipe: all of them, or for a nested recipe those with
-its prefix.
-"""
+"""The elements of a compiled model that belong to a recipe: all of them, or those with a nested recipe's prefix."""
 
 from __future__ import annotations
 
@@ -89,8 +87,9 @@ class Scope:
         return [name.removeprefix(self.before(kind)) for name in found if name]
 
     def find(self, kind: str, name: str, *at: str | int) -> int | Fault:
-        """Return the id of the element of that name, or a finding that there is none. Every recipe may name
-        the world.
+        """Return the id of the element of that name, or a finding that there is none.
+
+        Every recipe may name the world.
         """
         if kind == "body" and name == "world":
             return 0
@@ -111,6 +110,7 @@ class Scope:
 
     def fitting(self, glob: str, names: Collection[str]) -> frozenset[str]:
         """Return those of `names`, as the recipe writes them, that a glob or regular expression matches.
+
         Raises BadPattern.
         """
         return frozenset(filter(fitter(glob, lambda: names, self.separator), names))
