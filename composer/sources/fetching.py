@@ -60,6 +60,8 @@ class Fetching:
 
     def around(self, path: Path) -> Origin | None:
         """What a file or folder was fetched or installed with; the innermost where folders lie in one another."""
+        if not self.origins:
+            return None
         real = Path(real_path(path))
         found = [each for each in self.origins.values() if real.is_relative_to(real_path(each.root))]
         return max(found, key=lambda each: len(real_path(each.root)), default=None)
