@@ -1,4 +1,4 @@
-"""What a run has from outside: handed to every stage, never global."""
+"""The inputs of a run from outside, passed to every stage, never global."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ReadRecipe:
-    """A recipe file that was read, merged over what it extends, and what was found in it.
+    """A recipe file that was read, merged over the recipes that it extends, with its diagnostics.
 
-    `extended` are the recipes that it extends, each with the place that names it; `said` has what each of all these
-    files, as messages name it, says of `angle` and `eulerseq`; `trust` is what all of them say together.
+    `extended` are the recipes that it extends, each with the place that names it; `said` has, by file name in
+    messages, what each of these files sets for `angle` and `eulerseq`; `trust` is the union of their `trust`.
     """
 
     node: Node | None
@@ -39,12 +39,11 @@ class ReadRecipe:
 
 @dataclass(slots=True)
 class Context:
-    """The environment variables, the folder that paths are shown from, where faults go, and how to fetch.
+    """The environment variables, the folder that displayed paths start from, the sink, and how to fetch.
 
-    `recipes` is the memory of one run: the recipe files that it has read, none of which is read twice. `concrete` has
-    what it made last of these and of values, with what was found (`plan/concrete.py`). With `strict` a
-    warning that is not allowed is an error. `timings` has how many seconds each stage took, in the order in which they
-    ended.
+    `recipes` are the recipe files read in this run, each read once. `concrete` caches their latest expansions with
+    given values, with their diagnostics (`plan/concrete.py`). With `strict`, warnings that are not allowed are
+    errors. `timings` has the seconds of each stage, in the order in which they ended.
     """
 
     sink: Sink = field(default_factory=Sink)
@@ -58,17 +57,17 @@ class Context:
 
     @contextmanager
     def timed(self, stage: str) -> Iterator[None]:
-        """Note how long the block takes."""
+        """Note the time of the block."""
         start = perf_counter()
         yield
         self.timings.append((stage, perf_counter() - start))
 
     def door_of_text(self, folder: Path) -> Door:
-        """What a recipe in a folder may name by a path."""
+        """Return what a recipe in a folder may name by a path."""
         return ALL if self.fetching is None else self.fetching.door_of_text(folder)
 
     def shown(self, path: Path) -> str:
-        """A path as messages name it: from the user's folder where it is below that."""
+        """Return a path as messages name it: relative to the user's folder if it is below that."""
         absolute = os.path.abspath(os.path.join(self.folder, path))
         if absolute.startswith(below := os.path.join(self.folder, "")):
             return absolute[len(below) :]  # what `relpath` finds in ten times the time
@@ -77,7 +76,7 @@ class Context:
 
 
 def as_text(name: str) -> str:
-    r"""A file's name as text: bytes that are not UTF-8, which some file systems allow, are replaced.
+    r"""Return a file's name as text: bytes that are not UTF-8, which some file systems allow, are replaced.
 
     >>> as_text("caf\udce9")
     'caf�'

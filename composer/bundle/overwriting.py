@@ -1,4 +1,4 @@
-"""An output never takes the place of what it is made from."""
+"""Prevent an output from replacing one of its inputs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def check_is_no_source(out: Path, files: Iterable[Path]) -> None:
-    """Refuse an output that is, or as a folder holds, a recipe, a model or an asset of this very build.
+    """Refuse an output that is a recipe, a model or an asset of this build, or a folder with one in it.
 
     Raises OutputError.
     """
@@ -34,7 +34,7 @@ def check_is_no_source(out: Path, files: Iterable[Path]) -> None:
 
 
 def files_read(plan: Plan, model: Unit, uses: Iterable[FileUse]) -> Iterator[Path]:
-    """The recipes, models and assets that a model was made of."""
+    """Yield the recipes, models and assets that a model is made from."""
     yield from (each.path for each in plan.plans())
     yield from (source.path for source in plan.sources())
     yield from (text for text in model.origins.texts.values() if isinstance(text, Path))

@@ -1,4 +1,4 @@
-"""A run over many cells, by this process and others that are kept warm: the same outcome, in the same order."""
+"""Make many cells in this process and in warm worker processes, with the same results in the same order."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from composer.processes.helper import Died
 from composer.processes.pool import Pool, cores
 
 _CELLS_A_PROCESS = 2
-"""So many pay for the start of one, where nobody says how many there are to be."""
+"""Starting a process pays off for this many cells, if the user gives no number of processes."""
 _MODULES = (
     "composer.cache.making",
     "composer.stages",
@@ -27,7 +27,7 @@ _MODULES = (
 
 
 class Crew(Protocol):
-    """Others than processes of this machine that make cells: `cluster/crew.py`."""
+    """Makes cells elsewhere than in processes of this machine: `cluster/crew.py`."""
 
     def results(self, making: CellMaker, cells: Sequence[Cell]) -> Iterator[MadeCell | Died]: ...
 
@@ -35,12 +35,10 @@ class Crew(Protocol):
 
 
 class CellRun:
-    """Makes cells with so many processes, `jobs`; without a number with one for each core, if that pays.
+    """Makes cells with `jobs` processes; by default with one for each core, if that pays off.
 
-    Where signals are deferred around it, no cell is lost between the moment it is written and the one it is given.
-
-    A `crew` does all of it instead. What is reported of the run as a whole goes to the maker's context. Use it as a
-    context manager.
+    If signals are deferred around it, no cell is lost between writing and yielding it. A `crew` does all the work
+    instead. Diagnostics of the run as a whole go to the maker's context. Use it as a context manager.
     """
 
     def __init__(self, making: CellMaker, jobs: int | None = None, crew: Crew | None = None) -> None:
@@ -57,7 +55,7 @@ class CellRun:
         self._held.close()
 
     def made(self, cells: Sequence[Cell]) -> Iterator[MadeCell]:
-        """What comes of each cell, in order."""
+        """Yield the result of each cell, in order."""
         for place, cell in enumerate(cells):
             known = self.making.known(cell)
             if known is None:
@@ -66,7 +64,7 @@ class CellRun:
             yield self._taken(known)
 
     def finished(self) -> Iterator[MadeCell]:
-        """For a run that is interrupted: what was made already, and not yet taken. No more is made."""
+        """Yield the results that exist but were not yielded, after an interruption. Makes no more cells."""
         ended = self.crew or self._pool
         for each in ended.finished() if ended is not None else ():
             yield self._taken(each)
@@ -89,7 +87,7 @@ class CellRun:
             yield self._taken(_lost(cell, result) if isinstance(result, Died) else result)
 
     def _fetch(self, cell: Cell) -> None:
-        """Read and fetch what a cell needs: most often what all need, which workers then have from here."""
+        """Read and fetch what a cell needs. Most cells need the same sources, and workers take them from here."""
         from composer import stages  # which a run whose cells are all known does not need
 
         making, maker = self.making, self.making.maker
@@ -108,7 +106,7 @@ class CellRun:
 
 
 def _add_up(whole: list[tuple[str, float]], more: Iterable[tuple[str, float]]) -> None:
-    """Add the times of one cell to those of the run: one entry a stage, however many cells there are."""
+    """Add the times of one cell to those of the run, with one entry for each stage."""
     seconds: dict[str, float] = {}
     for stage, took in (*whole, *more):
         seconds[stage] = seconds.get(stage, 0.0) + took

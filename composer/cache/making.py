@@ -1,4 +1,4 @@
-"""A cell of a recipe's matrix, made in this process or in another: what comes of it is the same, as small data."""
+"""Make a cell of a recipe's matrix in this process or another, with the same result as small data."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ from composer.sources.store import Store
 from composer.verify.outcome import Outcome
 
 Finish = Callable[[Made, Maker, Context, Session], "Made | None"]
-"""What is done with each model that is made, such as to write it; None where that fails, which it reports."""
+"""Processes each model that is made, for example by writing it; returns None after a failure, which it reports."""
 
 
 @dataclass(frozen=True, slots=True)
 class MadeCell:
-    """What came of a cell: `made` is None where it failed.
+    """The result of a cell: `made` is None if it failed.
 
-    `found` is what is to be reported of it, `of_run` what is of the run as a whole; `outcomes` are its checks, `files`
-    those that it was made of, and `timings` how long each stage took. Can be pickled.
+    `found` are its diagnostics, `of_run` those of the run as a whole; `outcomes` are its checks, `files` its
+    inputs, and `timings` the time of each stage. Can be pickled.
     """
 
     cell: Cell
@@ -50,7 +50,7 @@ class MadeCell:
 
 @dataclass(slots=True)
 class CellMaker:
-    """Makes one cell after another, with one session: each source file is read once for all of them."""
+    """Makes one cell after another with one session, so that each source file is read once."""
 
     maker: Maker
     given: dict[str, Node]
@@ -63,11 +63,11 @@ class CellMaker:
             self.session.begin()
 
     def make(self, cell: Cell) -> MadeCell:
-        """The cell, from the cache or built; what went wrong is in what it gives."""
+        """Return the cell, from the cache or built, with its errors."""
         return self._made(cell, *self._recalled(cell))
 
     def known(self, cell: Cell) -> MadeCell | None:
-        """The cell if the cache knows it."""
+        """Return the cell if the cache has it."""
         own, made, outcomes, why = self._recalled(cell)
         return None if made is None else self._made(cell, own, made, outcomes, why)
 
@@ -97,7 +97,7 @@ class CellMaker:
     def keep(
         self, made: MadeCell, record: Record, inputs: Sequence[Seen], packages: Iterable[Package]
     ) -> None:
-        """Remember what others made, as long as what it was made of is the same here, and that it is written."""
+        """Store what other processes made, if its inputs are the same here, and record that it is written."""
         cache, key = self.maker.cache, self._key(made.cell)
         if cache is None or key is None or made.made is None:
             return
@@ -112,7 +112,7 @@ class CellMaker:
 
 
 def handed_over(context: Context) -> Context:
-    """A context for another process, which knows what was read and fetched here, and reports on its own."""
+    """Return a context for another process: it knows the files read and fetched here, and has its own sink."""
     how = context.fetching
     return replace(
         context, sink=Sink(), timings=[], concrete={},
@@ -146,7 +146,7 @@ class Job:
     def opened(
         self, on_keep: Callable[[Record, Sequence[Seen]], None] | None = None
     ) -> Iterator[Callable[[Cell], MadeCell]]:
-        """In a worker: what makes a cell; `on_keep` hears of what the cache keeps."""
+        """Yield, in a worker, the function that makes a cell; `on_keep` gets everything that the cache stores."""
         sink = self.context.sink
         cache = None if self.store is None else opened_cache(self.store, sink)
         if cache is not None:

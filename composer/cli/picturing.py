@@ -1,4 +1,4 @@
-"""`build --picture`: a picture beside each model that is written."""
+"""`build --picture`: a picture next to each written model."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _KEPT = "picture"
 
 
 def check_has_picture(out: str, kind: Form) -> None:
-    """Raise OutputError for outputs of which no picture is made."""
+    """Raise OutputError for outputs without pictures."""
     from composer.bundle.output_error import OutputError
 
     if is_address(out):
@@ -38,15 +38,15 @@ def check_has_picture(out: str, kind: Form) -> None:
 
 @dataclass(slots=True)
 class Picturing:
-    """Makes the pictures, in one child process that may draw; it ends with `opened`."""
+    """Draws the pictures in one child process with a renderer, which ends with `opened`."""
 
     opened: ExitStack
     _session: Session | None = field(default=None)
 
     def put(self, target: str, name: str, *, is_known: bool, context: Context) -> None:
-        """The picture of what was written to `target`; where that `is_known` an older one stays.
+        """Draw the picture of the output `target`; if the output `is_known`, an existing picture stays.
 
-        Faults go to the sink.
+        Errors go to the sink.
         """
         out = Path(os.path.dirname(target.rstrip("/"))) / picture_of(name)
         if is_known and (context.folder / out).exists():

@@ -1,4 +1,4 @@
-"""The licence files that go with a model file, and what such files are called."""
+"""Find the licence files of a model, and recognise them by name."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ _NOT_TEXT = frozenset(
 
 
 def find(model: Path, base: Path | None = None) -> tuple[Path, ...]:
-    """The licence files in the folder nearest to `model` that has any: its own, or one of the three above it.
+    """Return the licence files of the nearest folder that has any: the model's own, or one of the three above it.
 
-    All texts in a folder `LICENSES` there are such. The search leaves neither `base` nor a folder that holds
-    `.git`, and ends below the folder where Python packages are installed. Empty when there are none. Reads folders
-    only, no files.
+    All texts in a folder `LICENSES` count. The search stays inside `base`, does not go above a folder with `.git`,
+    and stops below the folder where Python packages are installed. Empty if there are none. Reads folders only, no
+    files.
     """
     folder = Path(real_folder(os.fspath(model.parent)))
     top = Path(os.path.realpath(base)) if base is not None else None
@@ -46,7 +46,7 @@ def _in_folder(folder: Path) -> list[Path]:
 
 
 def is_licence(name: str) -> bool:
-    """Whether a file of that name is a licence or a notice. No I/O.
+    """Return whether a file name is that of a licence or a notice. No I/O.
 
     >>> [name for name in ("LICENSE", "licence-mit.txt", "licenses.py", "NOTICED") if is_licence(name)]
     ['LICENSE', 'licence-mit.txt']
@@ -55,9 +55,9 @@ def is_licence(name: str) -> bool:
 
 
 def licences_in(folder: str) -> list[str]:
-    """The licences in a folder, by their paths in it, in order. Raises OSError.
+    """Return the sorted relative paths of the licences in a folder. Raises OSError.
 
-    All texts in a folder `LICENSES` there are such: the layout of REUSE, and of a bundle.
+    All texts in a folder `LICENSES` count, as in the layout of REUSE and in a bundle.
     """
     names = _remembered.ask(folder)
     found = [name for name in names if is_licence(name) and not os.path.isdir(os.path.join(folder, name))]
@@ -78,7 +78,7 @@ _remembered = Memory(_names, _names)
 
 
 def licence_folders(folder: str) -> list[str]:
-    """The folders `LICENSES` in a folder, and those below them; none where it cannot be read."""
+    """Return the folders `LICENSES` in a folder and all folders below them; none if it cannot be read."""
     try:
         names = [name for name in os.listdir(folder) if _FOLDER.fullmatch(name)]
     except OSError:
@@ -87,9 +87,9 @@ def licence_folders(folder: str) -> list[str]:
 
 
 def licence_names(folder: str) -> str:
-    """What shows whether the licences in a folder have changed, a line for each. Raises OSError.
+    """Return a text that changes when the licences in a folder change. Raises OSError.
 
-    That has the folders in which there may be more, of which each is asked by itself.
+    Folders that may hold more licences are checked separately.
     """
     if any(map(_FOLDER.fullmatch, folder.split(os.sep)[-_DEPTH:])):
         return "\n".join(sorted(os.listdir(folder)))

@@ -1,4 +1,4 @@
-"""A bundle that was written before, by anyone: whether it still is what its manifest says."""
+"""Verify a bundle that was written earlier, by anyone, against its manifest."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Stored:
-    """A bundle that was opened, what MuJoCo made of it, and its parts in the order of the manifest."""
+    """A bundle that was read, its compiled model, and its parts in the order of the manifest."""
 
     bundle: Bundle
     manifest: Manifest | None
@@ -41,10 +41,10 @@ class Stored:
 def verify_stored(
     path: Path, context: Context, session: Session, recipe: Path | None = None
 ) -> Stored | None:
-    """Check a bundle in a folder, a zip or an MJZ; what is wrong goes to the sink. None if it cannot be read.
+    """Check a bundle in a folder, a zip or an MJZ, and report errors to the sink.
 
-    Files are held against the hashes of the manifest, the compiled model against its index, and each part
-    against its source, where that can be found with the hash that the manifest has: through `recipe`, or
+    Return None if it cannot be read. Files are compared with the hashes in the manifest, the compiled model with
+    its index, and each part with its source if a file with the hash in the manifest is found: through `recipe`, or
     from the folder of the context. A part without a source is a warning, and with `recipe` an error.
     """
     shown = context.shown(path)
@@ -57,7 +57,7 @@ def verify_stored(
     if manifest is not None:
         check_files(bundle, manifest, shown, context.sink)
     if manifest is not None and manifest.target is not None and manifest.index is None:
-        return Stored(bundle, manifest, None, ())  # it is written for another program
+        return Stored(bundle, manifest, None, ())  # it was written for another program
     compiled = _compiled(bundle, shown, context, session)
     if manifest is None or compiled is None:
         return Stored(bundle, manifest, compiled, ())

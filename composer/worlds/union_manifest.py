@@ -1,4 +1,4 @@
-"""What a union was made of: all that its models were made of, not the models, which are temporary."""
+"""The manifest of a union: it lists the sources of its models instead of the models, which are temporary."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _LICENCES = "LICENSES/"
 
 
 def of_sources(bundle: Bundle, models: Sequence[Bundle]) -> Bundle:
-    """A union with the inputs, licences and recipe of its models, in whose manifests they stand."""
+    """Return a union with the inputs, licences and recipe from the manifests of its models."""
     manifests = [from_json(each.files[MANIFEST]) for each in models]
     texts: dict[str, bytes] = {}
     inputs: dict[tuple[str, str], Input] = {}
@@ -44,7 +44,7 @@ def _updated(
     licences: dict[str, dict[str, None]],
     read: dict[tuple[str, str], Read],
 ) -> Manifest:
-    """Without `parts`: a part of several models is compared with its source in each of them."""
+    """Return the manifest without `parts`: a part of several models is compared with its source in each of them."""
     first = models[0]
     return made.model_copy(
         update={
@@ -62,7 +62,7 @@ def _updated(
 
 
 def _free(path: str, content: bytes, texts: dict[str, bytes]) -> str:
-    """A path for a licence that no other text has."""
+    """Return a path for a licence that no other text has."""
     number, free = 1, path
     while texts.get(free, content) != content:
         number += 1

@@ -1,4 +1,4 @@
-"""The check `stable`."""
+"""The check `stable`: the simulation comes to rest."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from composer.verify.kinds.failure import failed
 from composer.verify.kinds.scope import SOLVED, Scope
 
 _AT_THE_END = 0.1
-"""The share of the time in which speeds are looked at."""
+"""The final share of the simulated time in which speeds are checked."""
 _DIVERGED = ("mjWARN_BADQPOS", "mjWARN_BADQVEL", "mjWARN_BADQACC")
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
-    """The finding that the simulation diverges or does not come to rest, if so."""
+    """Report a simulation that diverges or does not come to rest."""
     mujoco, model = scope.mujoco, scope.model
     data = scope.at_key(asked["key"])
     if isinstance(data, Fault):
@@ -32,7 +32,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     first = steps - max(1, round(_AT_THE_END * steps))
     for step in range(steps):
         mujoco.mj_step(model, data)
-        # MuJoCo resets what diverged, and is then at rest: its warnings say so.
+        # MuJoCo resets a diverged simulation, which is then at rest; only its warnings show it.
         if any(each.number for each in warnings):
             message = f"the simulation diverges after {(step + 1) * model.opt.timestep:.4g} s"
             return [
@@ -55,7 +55,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
 
 
 def _near(scope: Scope, data: Any, asked: dict[str, Any]) -> list[Fault]:
-    """The finding that a joint is far from where it is in a keyframe, if so."""
+    """Report joints that end far from their position in a keyframe."""
     named = asked["near"] is not None
     there = scope.at_key(asked["near"] if named else asked["key"])
     if isinstance(there, Fault):
@@ -84,6 +84,6 @@ def _near(scope: Scope, data: Any, asked: dict[str, Any]) -> list[Fault]:
 
 
 def _unit(model: Any, dof: int, joint: int) -> str:
-    """The unit of the velocity of one degree of freedom."""
+    """Return the unit of the velocity of a degree of freedom."""
     units = JOINT_TYPES[int(model.jnt_type[joint])].velocity_units
     return units[dof - span(model, "qvel", joint).start]
