@@ -68,7 +68,9 @@ class Context:
 
     def shown(self, path: Path) -> str:
         """Return a path as messages name it: relative to the user's folder if it is below that."""
-        absolute = os.path.abspath(self.folder / path)
+        absolute = os.path.abspath(os.path.join(self.folder, path))
+        if absolute.startswith(below := os.path.join(self.folder, "")):
+            return absolute[len(below) :]  # what `relpath` finds in ten times the time
         relative = os.path.relpath(absolute, self.folder)
         return absolute if relative.startswith("..") else relative
 

@@ -315,6 +315,11 @@ class Manifest(_Part):
     target: Aimed | None = Field(
         default=None, description="Of `--target`: what the bundle was written for; left out without one."
     )
+    union: int | None = Field(
+        default=None,
+        ge=2,
+        description="Of a union: how many models it has the parts of; left out for any other model.",
+    )
     checks: tuple[Check, ...] = Field(default=(), description="What was checked, and held.")
     index: Index | None = Field(default=None, description="null when the model was not verified.")
     warnings: tuple[str, ...] = ()
@@ -332,7 +337,7 @@ def files_of(bundle: Bundle) -> tuple[File, ...]:
 def to_json(manifest: Manifest) -> bytes:
     """Return the manifest as UTF-8 text: fields in the order of the schema, indented by two spaces, a final newline."""
     data = manifest.model_dump(mode="json")
-    for name in ("picture", "target"):
+    for name in ("picture", "target", "union"):
         if data[name] is None:
             del data[name]
     return _text(data)

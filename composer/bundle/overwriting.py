@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from composer.bundle.output_error import OutputError
 from composer.bundle.staging import real
+from composer.reading.folders import real_path
 
 if TYPE_CHECKING:
     from composer.link.linking import FileUse
@@ -22,7 +23,7 @@ def check_is_no_source(out: Path, files: Iterable[Path]) -> None:
     """
     target = real(out)
     for path in files:
-        source = real(path)
+        source = Path(real_path(path))
         if source == target:
             what = f"`{out}` is one of the files that this model is built from"
         elif target in source.parents:

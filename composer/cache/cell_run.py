@@ -74,6 +74,7 @@ class CellRun:
             self._fetch(cells[0])
             yield from self._all_taken(cells, self.crew.results(self.making, cells))
             return
+        self.making.begin()
         count = min(len(cells), self.jobs or min(cores(), max(1, len(cells) // _CELLS_A_PROCESS)))
         self._pool = self._held.enter_context(Pool[Cell, MadeCell](count - 1, _MODULES))
         if count > 1:

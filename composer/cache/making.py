@@ -57,6 +57,11 @@ class CellMaker:
     session: Session
     finish: Finish | None = None
 
+    def begin(self) -> None:
+        """Let MuJoCo's process start while the first cell is planned and composed."""
+        if self.maker.options.verified:
+            self.session.begin()
+
     def make(self, cell: Cell) -> MadeCell:
         """Return the cell, from the cache or built, with its errors."""
         return self._made(cell, *self._recalled(cell))
@@ -149,4 +154,5 @@ class Job:
         maker = Maker(self.recipe, self.options, cache, self.context, self.form, self.place)
         with allow(**asdict(self.limits)), Session(remembers=True) as session:
             making = CellMaker(maker, self.given, session, self.finish)
+            making.begin()
             yield lambda cell: replace(making.make(cell), of_run=tuple(sink.diagnostics))

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from composer.bundle.beside import picture_of
+from composer.bundle.place import is_address
+from composer.diagnostics.secret import hide
 
 if TYPE_CHECKING:
     from composer.bundle.form import Form
@@ -22,6 +24,10 @@ def check_has_picture(out: str, kind: Form) -> None:
     """Raise OutputError for outputs without pictures."""
     from composer.bundle.output_error import OutputError
 
+    if is_address(out):
+        help = "write to this machine and copy the files from there, or leave `--picture` out"
+        message = f"`--picture` is for what is written to this machine, and `{hide(out)}` is an address"
+        raise OutputError("output-kind", message, help)
     why = {"mjb": "MuJoCo's binary form", "usd": "USD"}.get(kind)
     if out == "-" or why is not None:
         message = f"`--picture` is for bundles and MJCF files, and `{out}` is {why or 'standard output'}"

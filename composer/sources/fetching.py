@@ -60,6 +60,8 @@ class Fetching:
 
     def around(self, path: Path) -> Origin | None:
         """Return the origin that a file or folder belongs to; the innermost if origins are nested."""
+        if not self.origins:
+            return None
         real = Path(real_path(path))
         found = [each for each in self.origins.values() if real.is_relative_to(real_path(each.root))]
         return max(found, key=lambda each: len(real_path(each.root)), default=None)

@@ -6,6 +6,9 @@ import os
 import re
 from pathlib import Path
 
+from composer.reading.folders import real_folder
+from composer.reading.memory import Memory
+
 _LEVELS = 3
 _NAME = re.compile(r"(licen[sc]e|copying|notice)s?([-_. ].*)?", re.IGNORECASE)
 _FOLDER = re.compile("licen[sc]es", re.IGNORECASE)
@@ -22,7 +25,7 @@ def find(model: Path, base: Path | None = None) -> tuple[Path, ...]:
     and stops below the folder where Python packages are installed. Empty if there are none. Reads folders only, no
     files.
     """
-    folder = Path(os.path.realpath(model.parent))
+    folder = Path(real_folder(os.fspath(model.parent)))
     top = Path(os.path.realpath(base)) if base is not None else None
     for _ in range(_LEVELS + 1):
         if folder.name in ("site-packages", "dist-packages"):
@@ -56,13 +59,22 @@ def licences_in(folder: str) -> list[str]:
 
     All texts in a folder `LICENSES` count, as in the layout of REUSE and in a bundle.
     """
-    names = os.listdir(folder)
+    names = _remembered.ask(folder)
     found = [name for name in names if is_licence(name) and not os.path.isdir(os.path.join(folder, name))]
     for name in filter(_FOLDER.fullmatch, names):
         for path, _, files in os.walk(os.path.join(folder, name)):
             below = os.path.relpath(path, folder)
             found += [os.path.join(below, file) for file in files if _is_text(file)]
     return sorted(found)
+
+
+def _names(folder: str) -> list[str]:
+    """What has to do with licences in a folder."""
+    return [name for name in os.listdir(folder) if is_licence(name) or _FOLDER.fullmatch(name)]
+
+
+# Each of many models looks in the same four folders.
+_remembered = Memory(_names, _names)
 
 
 def licence_folders(folder: str) -> list[str]:

@@ -68,7 +68,14 @@ def verify_stored(
     parts = tuple(_parts(manifest, inputs, Judge(session, manifest.merged, renamed)))
     for compared in parts:
         _report(compared, manifest, inputs, context)
-    if manifest.inputs and not parts and manifest.target is None:
+    if manifest.union is not None:
+        context.sink.warning(
+            "part-not-compared",
+            f"`{shown}` is the union of {manifest.union} models: its parts are compared with their sources in each of"
+            " these, not in the union",
+            help="build the models with `--all`, and verify these",
+        )
+    elif manifest.inputs and not parts and manifest.target is None:
         context.sink.warning(
             "part-not-compared",
             f"the manifest of `{shown}` does not say where its parts hang: none was compared with its source",

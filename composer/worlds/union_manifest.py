@@ -33,18 +33,19 @@ def of_sources(bundle: Bundle, models: Sequence[Bundle]) -> Bundle:
     files = {path: content for path, content in bundle.files.items() if not path.startswith(_LICENCES)}
     whole = Bundle({**files, **texts}, bundle.model)
     made = from_json(bundle.files[MANIFEST])
-    return with_manifest(whole, _updated(made, whole, manifests[0], inputs, licences, read))
+    return with_manifest(whole, _updated(made, whole, manifests, inputs, licences, read))
 
 
 def _updated(
     made: Manifest,
     bundle: Bundle,
-    first: Manifest,
+    models: Sequence[Manifest],
     inputs: dict[tuple[str, str], Input],
     licences: dict[str, dict[str, None]],
     read: dict[tuple[str, str], Read],
 ) -> Manifest:
     """Return the manifest without `parts`: a part of several models is compared with its source in each of them."""
+    first = models[0]
     return made.model_copy(
         update={
             "recipe": first.recipe,
@@ -55,6 +56,7 @@ def _updated(
             "read": tuple(each for _, each in sorted(read.items())),
             "licences": {licence: tuple(parts) for licence, parts in sorted(licences.items())},
             "files": files_of(bundle),
+            "union": len(models),
         }
     )
 

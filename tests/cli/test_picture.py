@@ -47,7 +47,7 @@ def test_every_cell_has_its_own(folder: Path) -> None:
     assert sorted(each.name for each in (folder / "out").glob("*.png")) == ["cell-1.png", "cell-2.png"]
 
 
-@pytest.mark.parametrize("out", ["-", "cell.mjb"])
+@pytest.mark.parametrize("out", ["-", "cell.mjb", "memory://models/cell.zip"])
 def test_what_has_no_picture_is_an_error(folder: Path, out: str) -> None:
     result = run("build", "cell.yaml", "-o", out, "--picture")
     assert result.exit_code == 2 and "error[output-kind]" in result.stderr and "--picture" in result.stderr

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -103,3 +104,12 @@ def test_names_of_licences(name: str) -> None:
 )
 def test_names_of_other_files(name: str) -> None:
     assert not is_licence(name)
+
+
+def test_a_licence_that_is_put_there_later_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("composer.reading.memory._SETTLED", -1)  # else nothing is remembered of a new folder
+    (tmp_path / "arm" / ".git").mkdir(parents=True)
+    os.utime(tmp_path / "arm", (1, 1))
+    assert found(tmp_path, "arm/arm.xml") == []
+    write(tmp_path, "arm/LICENSE")
+    assert found(tmp_path, "arm/arm.xml") == ["arm/LICENSE"]

@@ -187,6 +187,17 @@ def test_an_older_manifest_says_nothing_of_parts(folder: Path, check: Check) -> 
     assert told.startswith("warning part-not-compared: the manifest of `out` does not say")
 
 
+def test_a_union_has_no_parts_of_its_own(folder: Path, check: Check) -> None:
+    def change(data: dict[str, Any]) -> None:
+        data["parts"], data["union"] = [], 4
+
+    _manifest(folder, change)
+    (told,) = check()[1]
+    assert told.startswith(
+        "warning part-not-compared: `out` is the union of 4 models: its parts are compared"
+    )
+
+
 def test_a_manifest_that_names_no_input_and_no_body_harms_nobody(folder: Path, check: Check) -> None:
     def change(data: dict[str, Any]) -> None:
         data["parts"][0]["input"] = 99

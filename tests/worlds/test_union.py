@@ -207,6 +207,11 @@ def test_warp_of_a_union(both: tuple[worlds.Worlds, list[composer.Loaded]]) -> N
         assert np.allclose(data.qpos.numpy()[world], wanted.qpos, atol=1e-4)
 
 
+def test_a_union_says_of_how_many_models(both: tuple[worlds.Worlds, list[composer.Loaded]]) -> None:
+    manifest = both[0].manifest
+    assert manifest.parts == () and manifest.union is not None and manifest.union > 1
+
+
 def test_one_structure_needs_no_union(tmp_path: Path) -> None:
     lay_out(tmp_path)
     text = MATRIX.replace("[hammer, hook]", "[hook]").replace(

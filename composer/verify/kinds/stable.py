@@ -24,7 +24,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     data = scope.at_key(asked["key"])
     if isinstance(data, Fault):
         return [data]
-    warnings = [int(getattr(mujoco.mjtWarning, name)) for name in _DIVERGED]
+    warnings = [data.warning[int(getattr(mujoco.mjtWarning, name))] for name in _DIVERGED]
     limit, seconds = asked["max_speed"], asked["seconds"]
     steps = max(1, round(seconds / model.opt.timestep))
     dofs = np.flatnonzero([int(joint) in scope.joints for joint in model.dof_jntid])
@@ -33,7 +33,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     for step in range(steps):
         mujoco.mj_step(model, data)
         # MuJoCo resets a diverged simulation, which is then at rest; only its warnings show it.
-        if any(data.warning[each].number for each in warnings):
+        if any(each.number for each in warnings):
             message = f"the simulation diverges after {(step + 1) * model.opt.timestep:.4g} s"
             return [
                 failed(
