@@ -128,7 +128,10 @@ class Tolerance:
 
 FORM = Keyed(
     "An attribute has a value in the compiled model.",
-    *(Key(tag, Glob("a name or a glob"), f"{'an' if tag[0] in 'ae' else 'a'} {tag}, or a glob for several") for tag in TAGS),
+    *(
+        Key(tag, Glob("a name or a glob"), f"{'an' if tag[0] in 'ae' else 'a'} {tag}, or a glob for several")
+        for tag in TAGS
+    ),
     Key(
         "attr",
         Name("an attribute of MJCF"),
