@@ -49,7 +49,8 @@ test-worlds: $(STAMP)
 	  $(BIN)/python -m venv build/$$name && build/$$name/bin/pip install --quiet pytest pytest-timeout . $$packages && \
 	  touch build/$$name/.ready; } || exit 1; done
 	@build/simulators/bin/pip install --quiet --no-deps robosuite
-	@build/simulators/bin/python -m pytest tests/worlds tests/docs/test_pages.py -k "worlds or mjx or robosuite"
+	@build/simulators/bin/python -m pytest tests/worlds
+	@build/simulators/bin/python -m pytest tests/docs/test_pages.py -k "mjx or robosuite"
 	@build/mjlab/bin/python -m pytest tests/worlds/test_mjlab.py tests/worlds/test_warp.py
 
 # What other programs read of what `build --target` writes for them. They come from PyPI, each into an environment of its own below
