@@ -1,4 +1,4 @@
-"""The options that choose cells of a recipe's matrix and samples of what it draws, and the cells that they choose."""
+"""The options that select cells of a recipe's matrix and samples, and the selected cells."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def cells_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`--all`, `--pick` and `--sample`; the command gets them as `every`, `picks` and `only_samples`."""
+    """Add `--all`, `--pick` and `--sample`; the command gets them as `every`, `picks` and `only_samples`."""
     for option in reversed((
         click.option("--all", "every", is_flag=True,
                      help="Every cell of the recipe's matrix, and every sample."),
@@ -37,7 +37,7 @@ def cells_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def jobs_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`--jobs`, `--cluster` and `--shard`; the command gets them as `jobs`, `cluster` and `shard`."""
+    """Add `--jobs`, `--cluster` and `--shard`; the command gets them as `jobs`, `cluster` and `shard`."""
     sharded = click.option("--shard", callback=_shard, metavar="I/N",
                            help="Only the I-th of N parts of the cells, 1/N to N/N: for the jobs of a cluster or a CI"
                            " system, whose results may stand in one folder.")(command)  # fmt: skip
@@ -48,7 +48,7 @@ def jobs_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def jobs_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`--jobs`; the command gets it as `jobs`."""
+    """Add `--jobs`; the command gets it as `jobs`."""
     return click.option("--jobs", "-j", type=click.IntRange(min=1), metavar="NUMBER", envvar="MJCOMPOSE_JOBS",
                         help="How many processes do the work. Default: MJCOMPOSE_JOBS, or one for each core if there"
                         " are enough cells.")(command)  # fmt: skip
@@ -67,7 +67,7 @@ def _shard(ctx: click.Context, option: click.Parameter, text: str | None) -> Sha
 def check_several(
     one: bool, *, jobs: int | None, shard: Shard | None = None, cluster: str | None = None
 ) -> None:
-    """One model has no work for several processes and no parts; raises a usage error where that is asked for."""
+    """Raise a usage error if options for several models are given for one, which cannot be split."""
     for option, given in (("--shard", shard), ("--jobs", jobs), ("--cluster", cluster)):
         if one and given is not None and _is_written(option):
             raise click.UsageError(f"{option} is for --all, --pick and --sample: here is one model.")
@@ -80,13 +80,13 @@ def _is_written(option: str) -> bool:
 
 
 def pick_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`--pick` of a command that looks at one model; the command gets `pick`."""
+    """Add `--pick` for a command about one model; the command gets `pick`."""
     return click.option("--pick", metavar="CELL", shell_complete=completing.cells,
                         help="This cell of the matrix or this sample; or AXIS=VALUE[,...].")(command)  # fmt: skip
 
 
 def cell_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`--pick` and `--sample` of a command that looks at one model; the command gets `pick` and `sample`."""
+    """Add `--pick` and `--sample` for a command about one model; the command gets `pick` and `sample`."""
     numbered = click.option("--sample", type=click.IntRange(min=0), metavar="NUMBER",
                      shell_complete=completing.samples,
                             help="This sample of what the recipe draws; 0, the default, has no draws.")  # fmt: skip
@@ -101,7 +101,7 @@ def chosen_cells(
     context: Context,
     verb: str,
 ) -> tuple[list[Cell], int]:
-    """The cells that the options choose, none where the recipe is one model; and the exit code, 0 without a fault.
+    """Return the selected cells, none if the recipe is one model, and the exit code, 0 without errors.
 
     Faults go to the context's sink.
     """
@@ -123,7 +123,7 @@ def chosen_cells(
 def chosen_cell(
     recipe: Path, pick: str, sample: int | None, given: dict[str, Node], context: Context, verb: str
 ) -> tuple[Cell | None, int]:
-    """The one cell that the options choose, None where there is none; and the exit code, 0 without a fault.
+    """Return the one selected cell, or None if there is none, and the exit code, 0 without errors.
 
     Faults go to the context's sink.
     """

@@ -1,4 +1,4 @@
-"""`--watch`: the command once more whenever a file changes that it read."""
+"""`--watch`: run the command again whenever a file changes that it read."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _PATIENCE = 0.5
 
 
 def watch_option(command: Callable[..., None]) -> Callable[..., None]:
-    """`--watch`; the command does not get it, and runs until the user interrupts it."""
+    """Add `--watch`; the command does not get it, and runs until the user interrupts it."""
 
     @wraps(command)
     def watched(watch: bool, **given: Any) -> None:
@@ -36,7 +36,7 @@ def watch_option(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def _named(given: dict[str, Any]) -> list[Path]:
-    """The recipes that the command was given, and their locks."""
+    """Return the recipes given to the command, and their locks."""
     recipes = [path for key in ("recipe", "recipes") for path in _listed(given.get(key))]
     return [path for recipe in recipes for path in (recipe, recipe.with_suffix(".lock"))]
 
@@ -58,7 +58,7 @@ def _again_and_again(command: Callable[[], None], named: list[Path]) -> None:
             note_files(named)
             code = _code(command)
             let_go()
-            if code == USAGE and not before:  # there never was anything to watch
+            if code == USAGE and not before:  # there is nothing to watch
                 raise SystemExit(code)
             files = [Path.cwd() / path for path in noted_files()]
             before = {path: started.get(path, mark) for path, mark in marks(files).items()}
@@ -79,11 +79,15 @@ def _code(command: Callable[[], None]) -> int:
 
 
 def _wait(before: dict[Path, Mark]) -> None:
-    """Until a file is not as before. In a thread of its own: a watch swallows the signal that ends a command."""
+    """Wait until a file has changed.
+
+    In a thread of its own, because a watch swallows the signal that ends a command.
+    """
     from composer.view.watching import Watch
 
     stop, done = Event(), Event()
-    # What stops the thread is set up before it starts: an interrupt that comes with it would wait for it forever.
+    # Set up what stops the thread before it starts: otherwise an interrupt at that moment would wait for it
+    # forever.
     with ThreadPoolExecutor(1) as executor, ExitStack() as at_the_end:
         at_the_end.callback(stop.set)
         executor.submit(Watch(stop).wait, before).add_done_callback(lambda _: done.set())
