@@ -42,13 +42,15 @@ test-usd:
 	  VENV=.venv-usd MUJOCO=3.16.0 EXTRAS=test,usd PYTHON=$$python bash .ci/setup && touch .venv-usd/.ready; }
 	@.venv-usd/bin/python -m pytest tests/bundle/test_usd.py
 
-# The tests of worlds in simulators: MuJoCo Warp, MJX and playground in one environment, mjlab, which pins MuJoCo 3.11, in another.
+# The tests of worlds in simulators, and the guides that need such packages: MuJoCo Warp, MJX and playground in one environment, mjlab, which pins MuJoCo 3.11, in another.
 test-worlds: $(STAMP)
 	@for name in simulators mjlab; do [ -e build/$$name/.ready ] || { \
-	  packages="mujoco-warp mujoco-mjx playground brax pyarrow"; [ $$name = simulators ] || packages="mjlab==1.6.0"; \
+	  packages="mujoco-warp mujoco-mjx playground brax pyarrow pillow"; [ $$name = simulators ] || packages="mjlab==1.6.0"; \
 	  $(BIN)/python -m venv build/$$name && build/$$name/bin/pip install --quiet pytest pytest-timeout . $$packages && \
 	  touch build/$$name/.ready; } || exit 1; done
+	@build/simulators/bin/pip install --quiet --no-deps robosuite
 	@build/simulators/bin/python -m pytest tests/worlds
+	@build/simulators/bin/python -m pytest tests/docs/test_pages.py -k "mjx or robosuite"
 	@build/mjlab/bin/python -m pytest tests/worlds/test_mjlab.py tests/worlds/test_warp.py
 
 # What other programs read of what `build --target` writes for them. They come from PyPI, each into an environment of its own below

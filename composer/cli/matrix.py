@@ -24,7 +24,7 @@ def cells_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add `--all`, `--pick` and `--sample`; the command gets them as `every`, `picks` and `only_samples`."""
     for option in reversed((
         click.option("--all", "every", is_flag=True,
-                     help="Every cell of the recipe's matrix and every sample, or the one model that it is."),
+                     help="Every cell of the recipe's matrix, and every sample."),
         click.option("--pick", "picks", multiple=True, metavar="CELL", shell_complete=completing.cells,
                      help="This cell of the matrix, or this sample; AXIS=VALUE[,AXIS=VALUE...] means all cells with"
                           " these values."),

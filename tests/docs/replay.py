@@ -17,15 +17,22 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from pathlib import Path
 
 from cli.shell import environment, run
+from targets.environments import is_ready, python_of
 
 _BLOCKS = re.compile(
     r'^```(?P<language>\w+)(?: title="(?P<file>[^"]+)")?\n(?P<text>.*?)^```|^!\[[^\]]*\]\((?P<picture>[^)]+\.png)\)',
     re.MULTILINE | re.DOTALL,
 )
 _SECTION = re.compile(r"\n(?=\w)")
+
+
+_LACKS = re.compile(r"ModuleNotFoundError: No module named '(\w+)")
+_INSTALLED = {"pydrake": "drake", "pinocchio": "pinocchio", "newton": "newton"}
+"""The modules that `make test-targets` installs into environments of their own."""
 
 
 class NotHere(Exception):
@@ -39,11 +46,17 @@ class Replay:
     page: Path
     folder: Path
     written: Path | None = None
+    lacking: set[str] = field(default_factory=set)
+    """Modules without which programs of the page were not run."""
     pictures: dict[Path, bytes] = field(default_factory=dict)
     """The pictures of the page, each with what the command above it made."""
 
     def whole(self) -> None:
-        for block in _BLOCKS.finditer(self.page.read_text(encoding="utf-8")):
+        text = self.page.read_text(encoding="utf-8")
+        for package in re.findall(r"model: package:(\w+)/", text):
+            if find_spec(package) is None:
+                raise NotHere(f"{package} is not installed")
+        for block in _BLOCKS.finditer(text):
             if block["picture"]:
                 assert self.written is not None, f"no command made {block['picture']}"
                 self.pictures[self.page.parent / block["picture"]] = self.written.read_bytes()
@@ -52,7 +65,9 @@ class Replay:
             elif block["language"] == "text":
                 for command, shown in _commands(block["text"]):
                     fails = any("error[" in line for line in shown)
-                    self._compare(command, shown, self._run(shlex.split(command), fails))
+                    printed = self._run(shlex.split(command), fails)
+                    if printed is not None:
+                        self._compare(command, shown, printed)
 
     def _write(self, file: Path, text: str, is_yaml: bool) -> None:
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -61,15 +76,11 @@ class Replay:
             text = "\n".join(f"{section.rstrip()}\n" for section in sections.values())
         file.write_text(text, encoding="utf-8")
 
-    def _run(self, words: list[str], fails: bool) -> str:
+    def _run(self, words: list[str], fails: bool) -> str | None:
+        """What a command prints; None if it needs a module that is not installed."""
         program, *arguments = words
         if program == "python":
-            made = subprocess.run(
-                [sys.executable, *arguments], cwd=self.folder, env=environment(), capture_output=True, text=True,
-                timeout=120, check=False,
-            )  # fmt: skip
-            assert made.returncode == 0, made.stderr
-            return made.stdout
+            return self._python(sys.executable, arguments)
         assert program == "mjcompose", f"pages show commands of mjcompose and python, not {program}"
         result = run(*arguments)
         if "no-rendering" in result.stderr:
@@ -79,6 +90,20 @@ class Replay:
         if found := re.search(r"^wrote (\S+\.png)", result.stdout, re.MULTILINE):
             self.written = self.folder / found[1]
         return result.stdout + result.stderr
+
+    def _python(self, program: str, arguments: list[str]) -> str | None:
+        made = subprocess.run(
+            [program, *arguments], cwd=self.folder, env=environment(), capture_output=True, text=True,
+            timeout=400, check=False,
+        )  # fmt: skip
+        if lacks := _LACKS.search(made.stderr):
+            other = _INSTALLED.get(lacks[1])
+            if other is not None and is_ready(other) and program == sys.executable:
+                return self._python(str(python_of(other)), arguments)
+            self.lacking.add(lacks[1])
+            return None
+        assert made.returncode == 0, made.stderr
+        return made.stdout
 
     def _compare(self, command: str, shown: list[str], printed: str) -> None:
         lines = iter(printed.splitlines())
