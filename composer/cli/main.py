@@ -34,6 +34,7 @@ _VERBS = {
     "new": "Write a commented starter recipe that builds.",
     "fmt": "Put recipes into their canonical layout, comments kept.",
     "import": "Propose the recipe that makes a merged model of its parts.",
+    "migrate": "Write a model that is for one version of MuJoCo for another one.",
     "doctor": "Say what this installation is and can do.",
     "lsp": "Serve an editor: completion of names, faults, where things come from.",
     "schema": "Print the JSON Schema of recipes, for editors.",
@@ -56,6 +57,7 @@ _CALLED = {
     **dict.fromkeys(("open", "viewer", "preview", "serve"), "mjcompose view"),
     "clean": "mjcompose cache prune",
     "upgrade": "mjcompose update",
+    "port": "mjcompose migrate",
 }  # fmt: skip
 
 
