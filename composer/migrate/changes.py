@@ -22,13 +22,13 @@ NAME, DEFAULT, MEANING, GONE, ENGINE = Sort.NAME, Sort.DEFAULT, Sort.MEANING, So
 
 
 def _flag(
-    name: str, version: str, of: str, was: str, now: str, since: str = "3.0.0", arrays: str = "flags"
+    name: str, version: str, of: str, was: str, now: str, since: str = "3.0.0", arrays: str | None = None
 ) -> Change:
     path, _, attribute = of.rpartition("/")
     return Change(
         name, version, DEFAULT, f"`{attribute}` of `<{path.rpartition('/')[2]}>`", f"`{was}`", f"`{now}`",
         "what was meant is written where nothing is", *keep_default(path, attribute, was, now),
-        arrays=(arrays,), since=since,
+        arrays=(arrays or f"flags.{attribute}",), since=since,
     )  # fmt: skip
 
 
@@ -126,10 +126,6 @@ def _fits_boxes(editing: Editing) -> bool:
     return any(node.get("fitaabb") == "true" for node in editing.at("compiler"))
 
 
-def _limits_by_themselves(editing: Editing) -> bool:
-    return all(node.get("autolimits") != "false" for node in editing.at("compiler"))
-
-
 def _turns(editing: Editing) -> bool:
     free = next(editing.root.iter("freejoint"), None) is not None
     return free or any(editing.value(node, "type") in ("ball", "free") for node in editing.at("body/joint"))
@@ -155,6 +151,7 @@ TABLE: tuple[Change, ...] = (
         "it is taken away, with a warning where it was enabled",
         drop("option/flag", "sensornoise", ("disable",),
              "MuJoCo adds no noise to sensors any more: `noise` is only kept as a number"),
+        arrays=("flags.sensornoise",),
     ),
     Change(
         "camera-colour", "3.2.0", DEFAULT, "`camera` of `<rgba>`", "`0.6 0.9 0.6 0.3`", "`0.6 0.9 0.6 1`",
@@ -186,7 +183,7 @@ TABLE: tuple[Change, ...] = (
     Change(
         "shell-meshes", "3.3.0", MEANING, "`shellinertia` of a `<geom>` with a mesh", "puts the mass on the surface",
         "ignored: `inertia` of the `<mesh>` says it", "the mesh gets `inertia=\"shell\"`", rules.shells_of_meshes,
-        arrays=("body_mass", "body_inertia"),
+        arrays=("body_inertia", "body_ipos", "geom_pos", "geom_quat"),
     ),
     Change(
         "flex-internal", "3.3.1", DEFAULT, "`internal` of the `<contact>` of a flex", "`true`", "`false`",
@@ -229,7 +226,7 @@ TABLE: tuple[Change, ...] = (
     ),
     Change(
         "passive", "3.3.6", NAME, "`passive` of `<flag>`", "this", "`spring` and `damper`", "it becomes both",
-        rules.split_passive, rules.join_passive, arrays=("flags",),
+        rules.split_passive, rules.join_passive, arrays=("flags.spring", "flags.damper"),
     ),
     _flag("islands", "3.3.6", "option/flag/island", "disable", "enable"),
     Change(
@@ -261,6 +258,7 @@ TABLE: tuple[Change, ...] = (
         "it is taken away, with a warning where it was `true`",
         drop("body/flexcomp/contact deformable/flex/contact", "vertcollide", ("false",),
              "vertices of a flex do not collide by themselves any more"), since="3.3.3",
+        arrays=("geom names",),
     ),
     _flag("multiple-contacts", "3.8.0", "option/flag/multiccd", "disable", "enable"),
     Change(
@@ -277,9 +275,8 @@ TABLE: tuple[Change, ...] = (
     _flag("sleep-tolerance", "3.11.0", "option/sleep_tolerance", "0.0001", "0.001", "3.4.0", "opt.sleep_tolerance"),
     Change(
         "integrated-limits", "3.11.0", DEFAULT, "`actlimited` of `<intvelocity>`", "`true`",
-        "`auto`: where there is an `actrange`", "`actlimited=\"true\"` where `autolimits` is off", *keep_of_each(
-            "actuator/intvelocity", "actlimited", "true", "auto",
-            lambda editing, node: not _limits_by_themselves(editing)),
+        "`auto`: where there is an `actrange`",
+        "`actlimited=\"true\"` where `autolimits` is off, up to 3.15; an error since then", rules.limited_by_hand,
         arrays=("actuator_actlimited",),
     ),
     _flag("bounding-volumes", "3.12.0", "visual/global/bvactive", "true", "false", "3.1.2", "vis.global.bvactive"),
@@ -301,7 +298,7 @@ TABLE: tuple[Change, ...] = (
     ),
     Change(
         "flex-integration", "3.13.0", GONE, "an elastic flex with the integrator `implicit` or `implicitfast`",
-        "simulated", "an error when it is simulated", "nothing: a warning with what to write", rules.implicit_flexes,
+        "simulated", "an error", "nothing: an error with what to write", rules.implicit_flexes,
     ),
     Change(
         "tendon-forces", "3.14.0", DEFAULT, "`actuatorfrclimited` of a tendon", "`false`", "`auto`",

@@ -362,8 +362,8 @@ def _compare_flags(one: _Side, two: _Side, outcome: Outcome) -> None:
         sides.append(flags)
     wrong = list(_other_flags(*sides))
     outcome.differences.extend(wrong)
-    if not wrong:
-        outcome.equal.append("flags")
+    several = {f"flags.{flag}" for side in sides for flag in side}
+    outcome.equal.extend(sorted(several - {each.array for each in wrong}))
 
 
 def _other_flags(one: Mapping[str, bool], two: Mapping[str, bool]) -> Iterator[Difference]:
@@ -371,7 +371,7 @@ def _other_flags(one: Mapping[str, bool], two: Mapping[str, bool]) -> Iterator[D
         before, after = (each.get(flag, FLAGS.get(flag, False)) for each in (one, two))
         if before != after:
             words = [("enabled" if each else "disabled") for each in (before, after)]
-            yield Difference("flags", f"`{flag}`", words[0], words[1], 1)
+            yield Difference(f"flags.{flag}", "the model", words[0], words[1], 1)
 
 
 def _label(array: str, row: int, side: _Side) -> str:

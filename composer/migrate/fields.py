@@ -74,7 +74,7 @@ FLAGS = {"nativeccd": False, "multiccd": False, "island": False, "autoreset": Tr
 @cache
 def follows(array: str) -> bool:
     """Whether an array is made of others that are compared."""
-    if array.startswith("n") and "_" not in array:
+    if array == "nnames_map" or (array.startswith("n") and "_" not in array):
         return True  # a count: `nbody`
     return any(fnmatchcase(array, pattern) for patterns in _FOLLOWS.values() for pattern in patterns.split())
 

@@ -109,7 +109,8 @@ def _leave_out(editing: Editing) -> None:
         elif found.value is None and _says_nothing(editing, node, name):
             editing.unset(node, name)
         elif f"{place(node)}@{name}" in _OF_THE_ENGINE:
-            editing.warn(node, editing.lacking(place(node), name, str(node.get(name))), None, name, ())
+            words = editing.lacking(place(node), name, str(node.get(name)))
+            editing.warn(node, words, None, name, (f"flags.{name}",))
             editing.unset(node, name)
         else:
             editing.refuse(node, f"MuJoCo {editing.after} has no {found.called}: {found.when()}", None, name)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from composer.grammar.format import number_text
 from composer.grammar.number import parse_real
 from composer.migrate.editing import Editing, called
+from composer.migrate.released import later
 from composer.tree.classes import childclass_of
 
 if TYPE_CHECKING:
@@ -107,7 +108,7 @@ def shells_of_meshes(editing: Editing) -> None:
         if not shells:
             continue
         if len(shells) < len(uses) or name not in meshes:
-            editing.warn(
+            editing.refuse(
                 shells[0],
                 f"only some of the geoms with the mesh `{name}` have their mass on the surface,"
                 f" which MuJoCo {editing.after} says of the mesh",
@@ -116,8 +117,13 @@ def shells_of_meshes(editing: Editing) -> None:
             )
             continue
         editing.set(meshes[name], "inertia", "shell")
-        for node in shells:
+        for node in (*shells, *(each for each in editing.at("default/geom") if each.get("shellinertia"))):
             editing.unset(node, "shellinertia")
+        editing.warn(
+            meshes[name],
+            f"the inertia of the surface of the mesh `{name}` is computed more exactly since MuJoCo 3.3",
+            "write the inertia of its body as `<inertial>`",
+        )
 
 
 def _stem(mesh: Node) -> str:
@@ -149,6 +155,24 @@ def limits_that_are_meant(editing: Editing) -> None:
     for node in editing.at("tendon/spatial", "tendon/fixed"):
         if editing.value(node, "actuatorfrcrange") is not None and node.get("actuatorfrclimited") is None:
             editing.set(node, "actuatorfrclimited", "true")
+
+
+def limited_by_hand(editing: Editing) -> None:
+    """Before 3.11 an `<intvelocity>` was always limited, also where `autolimits` is off."""
+    if all(node.get("autolimits") != "false" for node in editing.at("compiler")):
+        return
+    for node in editing.at("actuator/intvelocity"):
+        if editing.value(node, "actrange") is None or editing.value(node, "actlimited") is not None:
+            continue
+        if later("3.16.0", editing.after):
+            editing.set(node, "actlimited", "true")
+        else:  # since 3.16 MuJoCo passes over the attribute, and refuses the actuator
+            editing.refuse(
+                node,
+                f"MuJoCo {editing.after} refuses {called(node)} where `autolimits` is off",
+                'take `autolimits="false"` away, and write what is not limited',
+                "actrange",
+            )
 
 
 def is_interpolated(node: Node) -> bool:
@@ -260,14 +284,13 @@ def implicit_flexes(editing: Editing) -> None:
     if integrator not in ("implicit", "implicitfast") or not has_elasticity(editing):
         return
     holder = next(node for node in reversed(options) if node.get("integrator"))
-    editing.warn(
+    editing.refuse(
         holder,
-        f"MuJoCo {editing.after} simulates no elastic flex with the integrator `{integrator}`",
+        f"MuJoCo {editing.after} has no elastic flex with the integrator `{integrator}`",
         'write `integrator="discrete"`, which is close to it'
         + (" with the solver CG" if solver == "CG" else "")
         + ', or `integrator="Euler"` with a small timestep',
         "integrator",
-        (),
     )
 
 

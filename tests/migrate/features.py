@@ -31,7 +31,7 @@ HINGE = '<worldbody><body><joint name="j" axis="0 1 0"/><geom size=".1" pos=".3 
 TWO = """<body><joint axis="0 1 0"/><geom size=".1" pos=".3 0 0"/>
       <body pos=".6 0 0"><joint name="k" axis="0 1 0"/><geom size=".1" pos=".3 0 0"/></body></body>"""
 MESH = 'vertex="0 0 0 1 0 0 0 1 0 0 0 1 .6 .7 .8"'
-HOLLOW = 'vertex="0 0 0 1 0 0 0 1 0 0 0 1 .2 .2 .2" face="0 2 4 0 4 3 0 3 2 2 3 4 0 1 2 0 3 1 1 3 2"'
+HOLLOW = 'vertex="0 0 0 1 0 0 0 1 0 0 0 1 .2 .2 .2" face="0 2 1 0 1 3 0 3 2 1 2 4 2 3 4 3 1 4"'
 FLEX = """<flexcomp name="f" type="grid" dim="{dim}" count="{count}" spacing=".1 .1 .1" radius=".01" mass="1">
         {inside}</flexcomp>"""
 
@@ -48,7 +48,7 @@ def option(text: str, rest: str = BALL) -> str:
 FEATURES = (
     Feature("mesh-volume", "3.0.0", f"""<mujoco><asset><mesh name="m" {MESH}/></asset><worldbody>
       <body><freejoint/><geom type="mesh" mesh="m"/></body></worldbody></mujoco>""", warns=True, shows=False),
-    Feature("flexcomp-class", "3.0.0", """<mujoco><default><default class="c"/></default><worldbody><body>
+    Feature("flexcomp-class", "3.0.0", """<mujoco><default><default class="c"/></default><worldbody><body name="b">
       <flexcomp name="f" class="c" type="grid" dim="1" count="3 1 1" spacing=".1 .1 .1" radius=".01" mass="1"/>
       </body></worldbody></mujoco>""", gone=("class=\"c\" type",), shows=False),
     Feature("sensor-noise", "3.1.3", option('<option><flag sensornoise="enable"/></option>'), gone=("sensornoise",),
@@ -79,19 +79,19 @@ FEATURES = (
     Feature("native-ccd", "4.0.0", option("<!-- nothing -->"), "3.2.7", written=('nativeccd="enable"',)),
     Feature("shell-meshes", "3.2.7", f"""<mujoco><asset><mesh name="m" {MESH}/></asset><worldbody>
       <body><freejoint/><geom type="mesh" mesh="m" shellinertia="true"/></body></worldbody></mujoco>""",
-            written=('inertia="shell"',), gone=("shellinertia",)),
+            written=('inertia="shell"',), gone=("shellinertia",), warns=True, shows=False),
     Feature("shell-meshes", "3.2.7", f"""<mujoco><asset><mesh name="m" {MESH}/></asset><worldbody>
       <body><freejoint/><geom type="mesh" mesh="m" shellinertia="true"/></body>
-      <body><freejoint/><geom type="mesh" mesh="m"/></body></worldbody></mujoco>""", warns=True, shows=False),
+      <body><freejoint/><geom type="mesh" mesh="m"/></body></worldbody></mujoco>""", refuses=True, shows=False),
     Feature("flex-internal", "3.3.0", flex('<edge equality="true"/>'), "3.14.0", written=('internal="true"',)),
     Feature("flex-internal", "3.14.0", flex('<edge equality="true"/>'), "3.3.0", written=('internal="false"',)),
     Feature("flex-inside", "3.3.0", flex('<edge equality="true"/>'), warns=True, shows=False),
     Feature("light-type", "4.0.0", '<mujoco><worldbody><light type="directional"/></worldbody></mujoco>', "3.2.7",
-            written=('directional="true"',)),
+            written=('directional="true"',), shows=False),
     Feature("light-type", "4.0.0", '<mujoco><worldbody><light type="image"/></worldbody></mujoco>', "3.2.7",
             refuses=True, shows=False),
     Feature("texture-colours", "3.3.2", f'<mujoco><asset><texture name="t" type="2d" file="t.png"/></asset>{BALL}</mujoco>',
-            written=('colorspace="linear"',)),
+            written=('colorspace="linear"',), shows=False),
     Feature("shell-plugin", "3.3.2", flex('<plugin plugin="mujoco.elasticity.shell"/>'), refuses=True, shows=False),
     Feature("solid-plugins", "3.2.3", flex('<plugin plugin="mujoco.elasticity.membrane"/>'), refuses=True, shows=False),
     Feature("sdf-plugin", "3.3.4", """<mujoco><extension><plugin plugin="mujoco.sdf.sdflib"/></extension></mujoco>""",
@@ -141,7 +141,9 @@ FEATURES = (
     Feature("sleep-tolerance", "4.0.0", option('<option><flag sleep="enable"/></option>'), "3.10.0",
             written=('sleep_tolerance="0.001"',)),
     Feature("integrated-limits", "3.10.0", f"""<mujoco><compiler autolimits="false"/>{HINGE}<actuator>
-      <intvelocity joint="j" actrange="-1 1"/></actuator></mujoco>""", written=('actlimited="true"',)),
+      <intvelocity joint="j" actrange="-1 1"/></actuator></mujoco>""", "3.12.0", written=('actlimited="true"',), shows=False),
+    Feature("integrated-limits", "3.10.0", f"""<mujoco><compiler autolimits="false"/>{HINGE}<actuator>
+      <intvelocity joint="j" actrange="-1 1"/></actuator></mujoco>""", refuses=True, shows=False),
     Feature("bounding-volumes", "3.11.0", f"<mujoco>{BALL}</mujoco>", written=('bvactive="true"',)),
     Feature("bounding-volumes", "4.0.0", f"<mujoco>{BALL}</mujoco>", "3.11.0", written=('bvactive="false"',)),
     Feature("motor-inputs", "3.11.0", f"""<mujoco>{HINGE}<actuator>
@@ -150,7 +152,7 @@ FEATURES = (
     Feature("mocap-bodies", "3.11.0", """<mujoco><worldbody><body mocap="true"><geom size=".1"/></body></worldbody></mujoco>""",
             warns=True, shows=False),
     Feature("flex-integration", "3.12.0", flex('<elasticity young="1e4" elastic2d="both" thickness=".01"/>',
-            more='<option integrator="implicitfast" solver="CG"/>'), warns=True, shows=False),
+            more='<option integrator="implicitfast" solver="CG"/>'), refuses=True, shows=False),
     Feature("tendon-forces", "3.13.0", f"""<mujoco>{HINGE}<tendon><fixed name="t" actuatorfrcrange="-1 1">
       <joint joint="j" coef="1"/></fixed></tendon></mujoco>""", written=('actuatorfrclimited="false"',)),
     Feature("tendon-forces", "4.0.0", f"""<mujoco>{HINGE}<tendon><fixed name="t" actuatorfrcrange="-1 1">
@@ -168,7 +170,7 @@ FEATURES = (
       <keyframe><key qpos="1"/></keyframe></mujoco>""", warns=True, shows=False),
     Feature("actuator-classes", "3.15.0", f"""<mujoco><default><position kp="10"/></default>{HINGE}<actuator>
       <motor joint="j"/></actuator></mujoco>""", warns=True, shows=False),
-    Feature("rods", "3.16.0", flex('<elasticity young="1e5"/><edge equality="true"/>', 1, "5 1 1"),
+    Feature("rods", "3.16.0", flex('<elasticity young="1e5"/>', 1, "5 1 1"),
             written=('young="0"',)),
     Feature("cables", "3.17.0", """<mujoco><extension><plugin plugin="mujoco.elasticity.cable"/></extension><worldbody>
       <composite type="cable" prefix="c" count="5 1 1" size="1"><geom type="capsule" size=".01"/></composite>
@@ -187,7 +189,7 @@ FEATURES = (
             "3.17.0", written=('poisson="0.1"',)),
     Feature("flex-stiffness", "3.17.0", flex('<elasticity young="1e4" poisson=".3" thickness=".01" elastic2d="both"/>'),
             warns=True, shows=False),
-    Feature("flexes-in-frames", "3.17.0", f"""<mujoco><worldbody><body><frame pos="0 0 1">
+    Feature("flexes-in-frames", "3.17.0", f"""<mujoco><worldbody><body name="b"><frame pos="0 0 1">
       {FLEX.format(dim=2, count="3 3 1", inside='<edge equality="true"/>')}</frame></body></worldbody></mujoco>""",
             warns=True, shows=False),
     Feature("headlight", "3.17.0", f"<mujoco>{BALL}</mujoco>", written=('<headlight active="1"/>',)),
