@@ -214,15 +214,36 @@ def _settle_surfaces(one: _Side, two: _Side, outcome: Outcome) -> None:
         scale = one.scale[start : start + counts[mesh]]
         if mesh not in used and a.shape == b.shape:
             b = a  # no geom shows it: where it stands means nothing, and is not the same in all versions
-        elif (a.shape != b.shape or not _close(a, b, scale).all()) and _same_surface(a, b):
-            b = a
-            outcome.recut.append(_called("mesh", mesh, one))
+        elif a.shape != b.shape or not _close(a, b, scale).all():
+            if _same_surface(a, b):
+                b = a
+                outcome.recut.append(_called("mesh", mesh, one))
+            elif _stand_alike(a, b, mesh, one, two):
+                b = a
         kept[0].append(a)
         kept[1].append(b)
         scales.append(scale)
     if starts.size:
         one.arrays["mesh_face"], two.arrays["mesh_face"] = np.concatenate(kept[0]), np.concatenate(kept[1])
         one.scale = np.concatenate(scales)
+
+
+def _stand_alike(x: Array, y: Array, mesh: int, one: _Side, two: _Side) -> bool:
+    """Whether all geoms with a mesh stand alike in their bodies: a mesh may be moved, and its geoms against it."""
+    geoms = np.flatnonzero(one.arrays["geom_dataid"] == mesh)
+    if not np.array_equal(geoms, np.flatnonzero(two.arrays["geom_dataid"] == mesh)):
+        return False
+    for geom in geoms:
+        placed = [
+            corners.reshape(-1, 3) @ side.arrays["geom_quat"][geom].reshape(3, 3).T
+            + side.arrays["geom_pos"][geom]
+            for corners, side in ((x, one), (y, two))
+        ]
+        if not _same_surface(placed[0], placed[1]):
+            return False
+    for name in ("geom_pos", "geom_quat"):
+        two.arrays[name][geoms] = one.arrays[name][geoms]
+    return bool(len(geoms))
 
 
 def _same_surface(x: Array, y: Array) -> bool:
