@@ -1,4 +1,4 @@
-"""The command: verbs are imported when they are called, so that `--help` costs nothing."""
+"""The command. Verbs are imported when they are called, so that `--help` is fast."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _VERBS = {
     "version": "Print the version.",
 }
 
-# What other tools call it, and what to write here.
+# Names of verbs in other tools, and the corresponding command here.
 _CALLED = {
     **dict.fromkeys(("init", "create", "start"), "mjcompose new"),
     **dict.fromkeys(("validate", "lint", "test"), "mjcompose check"),
@@ -61,9 +61,9 @@ _CALLED = {
 }  # fmt: skip
 
 
-# Pydantic would look for plugins in every package that is installed, which takes longer than a small build.
+# Pydantic would look for plugins in every installed package, which takes longer than a small build.
 os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-# Nothing here is large enough for threads of linear algebra, and their buffers alone are 30 MiB for each core.
+# No matrix here is large enough for threads of linear algebra, whose buffers alone are 30 MiB for each core.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 _FAILED, _INTERRUPTED, _BUG = 1, 130, 70
@@ -88,7 +88,7 @@ class _Verbs(click.Group):
         return command
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        ctx.meta["composer.arguments"] = list(args)  # to be repeated where a run is interrupted
+        ctx.meta["composer.arguments"] = list(args)  # to be repeated if a run is interrupted
         return super().parse_args(ctx, args)
 
     def resolve_command(
@@ -109,7 +109,7 @@ class _Verbs(click.Group):
         return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the verb. An interruption ends it in order: what was begun is taken away again, and no trace is shown."""
+        """Run the verb. After an interruption it removes unfinished output, and shows no traceback."""
         _print_any_name()
         try:
             return super().invoke(ctx)
@@ -122,13 +122,13 @@ class _Verbs(click.Group):
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
         except MemoryError:
-            raise  # reported where the process begins, when all that took the memory is gone
+            raise  # reported at the entry point, after the memory is released
         except SystemError as error:
             if ran_out():
                 raise MemoryError from error
             raise
         except BrokenPipeError:
-            raise  # the reader of the output has gone, which click takes care of
+            raise  # the reader of the output is gone, which click handles
         except OSError as error:
             if error.errno == errno.ENOMEM:
                 raise MemoryError from error
@@ -142,7 +142,7 @@ class _Verbs(click.Group):
             _say_aside(f"cannot go on: {what} cannot be part of a file's name here; set PYTHONUTF8=1")
             ctx.exit(_FAILED)
         except Exception as error:
-            # Pydantic 2.14 makes an error of its own of whatever ends it.
+            # Pydantic 2.14 replaces any exception that ends it by its own.
             if (code := exit_code_asked()) is not None:
                 ctx.exit(code)
             if _is_reported(error):
@@ -161,7 +161,7 @@ class _Verbs(click.Group):
 
 
 def _is_reported(error: Exception) -> bool:
-    """Whether it says that there are more errors than are looked for; those that were found are reported now."""
+    """Report the errors found so far if the exception says that there are too many; return whether it does."""
     from composer.cli.reporting import report_as_chosen
     from composer.context import Context
     from composer.diagnostics.sink import TooManyFaults
@@ -173,7 +173,7 @@ def _is_reported(error: Exception) -> bool:
 
 
 def _say_aside(words: str) -> None:
-    """To standard error, in the place of a line that shows progress."""
+    """Print to standard error, in place of a progress line."""
     from composer.cli.reporting import clear_progress
 
     clear_progress()
@@ -181,7 +181,7 @@ def _say_aside(words: str) -> None:
 
 
 def _near_options(error: click.NoSuchOption) -> list[str]:
-    """The options that were probably meant; click itself suggests whatever begins alike."""
+    """Return the options that were probably meant; click itself only suggests common prefixes."""
     from composer.diagnostics.suggest import closest
 
     if error.ctx is None:
@@ -191,14 +191,14 @@ def _near_options(error: click.NoSuchOption) -> list[str]:
 
 
 def _print_any_name() -> None:
-    """Standard output takes what standard error takes: names of files that are not text in this locale."""
+    """Let standard output accept file names that are not valid text in this locale, as standard error does."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         utf8 = sys.stdout.encoding.lower().replace("-", "") == "utf8"
         sys.stdout.reconfigure(errors="surrogateescape" if utf8 else "backslashreplace")
 
 
 def _bug(error: Exception) -> str:
-    """The last resort: what to report of an exception that nobody foresaw."""
+    """Return the message for an unexpected exception, as a last resort."""
     trace = error.__traceback__
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next
