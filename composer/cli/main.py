@@ -34,6 +34,7 @@ _VERBS = {
     "new": "Write a commented starter recipe that builds.",
     "fmt": "Format recipes: one canonical layout, comments kept.",
     "import": "Propose the recipe that makes a merged model of its parts.",
+    "migrate": "Rewrite a model for another version of MuJoCo.",
     "doctor": "Show what this installation is and can do.",
     "lsp": "Run a language server for editors: completion, errors, where things come from.",
     "schema": "Print the JSON Schema of recipes, for editors.",
@@ -56,6 +57,7 @@ _CALLED = {
     **dict.fromkeys(("open", "viewer", "preview", "serve"), "mjcompose view"),
     "clean": "mjcompose cache prune",
     "upgrade": "mjcompose update",
+    "port": "mjcompose migrate",
 }  # fmt: skip
 
 

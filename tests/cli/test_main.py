@@ -154,18 +154,18 @@ def test_an_unknown_option(folder: Path) -> None:
 # What may be said to every command that does such a thing.
 SAME = {
     "--json": {"ls", "build", "check", "verify", "plan", "explain", "lock", "update", "diff", "new", "fmt", "import", "doctor",
-               "render", "view", "tree", "fix"},
+               "render", "view", "tree", "fix", "migrate"},
     "--quiet": {"ls", "build", "check", "verify", "plan", "explain", "lock", "update", "diff", "new", "fmt", "import",
-                "render", "view", "tree", "fix"},
-    "--output": {"build", "import", "render"},
+                "render", "view", "tree", "fix", "migrate"},
+    "--output": {"build", "import", "render", "migrate"},
     "--pick": {"build", "check", "plan", "explain", "diff", "render", "view", "tree"},
     "--sample": {"build", "check", "plan", "explain", "diff", "render", "view", "tree"},
     "--all": {"build", "check", "render"},
-    "--strict": {"build", "check", "verify"},
+    "--strict": {"build", "check", "verify", "migrate"},
     "--verbose": {"build", "check"},
-    "--timeout": {"build", "check", "verify", "diff", "import", "render", "view"},
+    "--timeout": {"build", "check", "verify", "diff", "import", "render", "view", "migrate"},
     "--limit": {"build", "check", "verify", "plan", "explain", "lock", "update", "diff", "import", "render", "view",
-                "tree", "fix"},
+                "tree", "fix", "migrate"},
     "--set": {"build", "check", "plan", "explain", "lock", "update", "diff", "render", "view", "tree", "fix"},
 }  # fmt: skip
 

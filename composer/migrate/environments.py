@@ -1,0 +1,160 @@
+"""The MuJoCo of other versions: in a Python that the user names, or in one that is made for it and kept."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from composer.limits import in_force
+from composer.migrate.released import release
+from composer.processes.process import Process
+from composer.sources.store import store_folder
+
+_DUMP = Path(__file__).with_name("dump.py")
+_READY = ".ready"
+_INSTALLING = 900.0
+_SAID = 300
+
+
+class OtherError(Exception):
+    """That MuJoCo cannot be run, in words, and what to do."""
+
+    def __init__(self, message: str, help: str | None = None) -> None:
+        super().__init__(message)
+        self.help = help
+
+
+@dataclass(frozen=True, slots=True)
+class Compiled:
+    """What a MuJoCo made of a model: the file with its arrays and its names, or why it refuses the model."""
+
+    version: str
+    arrays: Path | None = None
+    names: Mapping[str, Sequence[str | None]] = field(default_factory=dict)
+    words: Mapping[str, Any] = field(default_factory=dict)
+    error: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Other:
+    """A Python with a MuJoCo."""
+
+    python: Path
+    version: str
+
+    def compile(self, model: Path, out: Path) -> Compiled:
+        """Compile a model and write its arrays to a file. Raises OtherError where there is no answer."""
+        said = _run(self.python, [str(model), str(out)])
+        if said.get("error") is not None:
+            return Compiled(self.version, error=str(said["error"]))
+        return Compiled(self.version, out, said["names"], said["words"])
+
+
+def this_python() -> Path:
+    return Path(sys.executable)
+
+
+def open_python(python: Path) -> Other:
+    """The MuJoCo of a Python. Raises OtherError."""
+    if not python.exists():
+        raise OtherError(f"the Python `{python}` does not exist", "name an interpreter: `VENV/bin/python`")
+    if python.is_dir():
+        inside = _python_of(python)
+        if not inside.exists():
+            raise OtherError(
+                f"`{python}` is a folder without a Python", "name an interpreter or its environment"
+            )
+        python = inside
+    return Other(python.absolute(), str(_run(python.absolute(), [])["version"]))
+
+
+def make(version: str, environment: Mapping[str, str], progress: Callable[[str], None]) -> Other:
+    """The MuJoCo of a version in an environment of its own, made if it is not there yet. Raises OtherError."""
+    folder = Path(store_folder(environment)) / "mujoco" / version
+    if not (folder / _READY).exists():
+        progress(f"installing MuJoCo {version}")
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            for command in _commands(folder, version):
+                _installed(command, version)
+            (folder / _READY).touch()
+        except BaseException:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
+    return open_python(_python_of(folder))
+
+
+def _commands(folder: Path, version: str) -> list[list[str]]:
+    """How it is installed: with uv where that is, which has Pythons of its own, else with this Python and pip."""
+    wanted = [f"mujoco=={version}", "numpy"]
+    uv = shutil.which("uv")
+    if uv is not None:
+        python = ["--python", "3.11"]  # all versions since 3.0 have a wheel for it
+        return [
+            [uv, "venv", "--quiet", *python, str(folder)],
+            [uv, "pip", "install", "--quiet", "--python", str(_python_of(folder)), *wanted],
+        ]
+    quiet = ["--quiet", "--disable-pip-version-check", "--only-binary", ":all:"]
+    return [
+        [sys.executable, "-m", "venv", str(folder)],
+        [str(_python_of(folder)), "-m", "pip", "install", *quiet, *wanted],
+    ]
+
+
+def _installed(command: list[str], version: str) -> None:
+    process = Process(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    try:
+        _, said = process.communicate(timeout=_INSTALLING)
+    except subprocess.TimeoutExpired:
+        process.end()
+        raise OtherError(f"MuJoCo {version} could not be installed in {_INSTALLING:g} seconds") from None
+    finally:
+        process.release()
+    if process.returncode:
+        lines = [line for line in said.decode("utf-8", "replace").splitlines() if line.strip()]
+        errors = [line for line in lines if "error" in line.lower()] or lines
+        raise OtherError(
+            f"MuJoCo {version} cannot be installed: {errors[-1].strip()[:_SAID] if errors else 'it does not say why'}",
+            "install it into an environment yourself, and name its Python with `--with-python`",
+        )
+
+
+def _python_of(folder: Path) -> Path:
+    return folder / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python")
+
+
+def _run(python: Path, arguments: list[str]) -> dict[str, Any]:
+    """What `dump.py` says in that Python. Raises OtherError."""
+    clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    try:
+        process = Process([str(python), "-B", str(_DUMP), *arguments], env=clean, cwd=_DUMP.parent,
+                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)  # fmt: skip
+    except OSError as error:
+        raise OtherError(f"`{python}` cannot be run: {(error.strerror or str(error)).lower()}") from None
+    try:
+        out, said = process.communicate(timeout=in_force().time)
+    except subprocess.TimeoutExpired:
+        process.end()
+        raise OtherError(
+            f"the MuJoCo of `{python}` gave no answer in {in_force().time:g} seconds",
+            "give it more with `--timeout`",
+        ) from None
+    finally:
+        process.release()
+    try:
+        found = json.loads(out)
+        found["version"] = release(str(found["version"])) or str(found["version"])
+    except (ValueError, TypeError, KeyError):
+        lines = said.decode("utf-8", "replace").strip().splitlines()
+        why = lines[-1][:_SAID] if lines else f"it ended with {process.returncode}"
+        raise OtherError(f"the MuJoCo of `{python}` gave no answer: {why}", None) from None
+    assert isinstance(found, dict)
+    return found

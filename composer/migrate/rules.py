@@ -1,0 +1,357 @@
+"""What single changes do to a model where a rule of `acts` does not say it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from composer.grammar.format import number_text
+from composer.grammar.number import parse_real
+from composer.migrate.editing import Editing, called
+from composer.migrate.released import later
+from composer.tree.classes import childclass_of
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+ROLES = ("rgb", "occlusion", "roughness", "metallic", "normal", "opacity", "emissive", "rgba", "orm")
+_TURNED = ("euler", "axisangle", "xyaxes", "zaxis")
+_PLATE = 12
+
+
+def split_passive(editing: Editing) -> None:
+    """The flag `passive` is two flags since 3.3.6."""
+    for node in editing.at("option/flag"):
+        value = node.get("passive")
+        if value is None:
+            continue
+        editing.rename(node, "passive", "spring")
+        if node.get("damper") is None:
+            editing.set(node, "damper", value)
+
+
+def join_passive(editing: Editing) -> None:
+    for node in editing.at("option/flag"):
+        values = {name: node.get(name) or "enable" for name in ("spring", "damper")}
+        if values["spring"] != values["damper"]:
+            editing.refuse(
+                node,
+                f"MuJoCo {editing.after} can only disable springs and dampers together",
+                attribute="spring" if node.get("spring") else "damper",
+            )
+        elif node.get("spring") is not None:
+            editing.rename(node, "spring", "passive")
+            editing.unset(node, "damper")
+        elif node.get("damper") is not None:
+            editing.rename(node, "damper", "passive")
+
+
+def layers_by_role(editing: Editing) -> None:
+    """A texture of a material was an element by its role in 3.2.1 to 3.2.4."""
+    for role in ROLES:
+        for node in editing.at(f"asset/material/{role}"):
+            editing.retag(node, "layer")
+            editing.set(node, "role", role)
+
+
+def roles_by_layer(editing: Editing) -> None:
+    for node in editing.at("asset/material/layer"):
+        role = node.get("role")
+        if role not in ROLES:
+            editing.refuse(
+                node, f"MuJoCo {editing.after} has no layer of the role `{role}`", attribute="role"
+            )
+            continue
+        editing.unset(node, "role")
+        editing.retag(node, role)
+
+
+def inertia_of_meshes(editing: Editing) -> None:
+    """`exactmeshinertia` became an attribute of meshes in 3.2.5."""
+    exact = any(node.get("exactmeshinertia") == "true" for node in editing.at("compiler"))
+    for node in editing.at("compiler"):
+        editing.unset(node, "exactmeshinertia")
+    for node in editing.at("asset/mesh") if exact else ():
+        if editing.value(node, "inertia") is None:
+            editing.set(node, "inertia", "exact")
+
+
+def inertia_of_all(editing: Editing) -> None:
+    meshes = editing.at("asset/mesh")
+    said = {node: editing.value(node, "inertia") or "legacy" for node in meshes}
+    kinds = set(said.values())
+    if kinds - {"legacy", "exact"} or len(kinds) > 1:
+        for node, kind in said.items():
+            if kind != "legacy":
+                editing.refuse(
+                    node,
+                    f'MuJoCo {editing.after} has no `inertia="{kind}"` for one mesh alone',
+                    "write the inertia of the bodies with this mesh as `<inertial>`",
+                    "inertia",
+                )
+        return
+    if kinds == {"exact"}:
+        editing.set(editing.within("compiler"), "exactmeshinertia", "true")
+    for node in editing.at("asset/mesh", "default/mesh"):
+        editing.unset(node, "inertia")
+
+
+def shells_of_meshes(editing: Editing) -> None:
+    """Whether the mass of a mesh is on its surface is said by the mesh since 3.3.0, and was by each geom."""
+    wanted: dict[str, list[tuple[Node, bool]]] = {}
+    for node in editing.at("body/geom"):
+        mesh = editing.value(node, "mesh")
+        if mesh is not None and (editing.value(node, "type") or "sphere") == "mesh":
+            wanted.setdefault(mesh, []).append((node, editing.value(node, "shellinertia") == "true"))
+    meshes = {str(node.get("name") or _stem(node)): node for node in editing.at("asset/mesh")}
+    for name, uses in wanted.items():
+        shells = [node for node, shell in uses if shell]
+        if not shells:
+            continue
+        if len(shells) < len(uses) or name not in meshes:
+            editing.refuse(
+                shells[0],
+                f"only some of the geoms with the mesh `{name}` have their mass on the surface,"
+                f" which MuJoCo {editing.after} says of the mesh",
+                'make a second `<mesh>` of that file with `inertia="shell"`, and use it here',
+                "shellinertia",
+            )
+            continue
+        editing.set(meshes[name], "inertia", "shell")
+        for node in (*shells, *(each for each in editing.at("default/geom") if each.get("shellinertia"))):
+            editing.unset(node, "shellinertia")
+        editing.warn(
+            meshes[name],
+            f"the inertia of the surface of the mesh `{name}` is computed more exactly since MuJoCo 3.3",
+            "write the inertia of its body as `<inertial>`",
+        )
+
+
+def _stem(mesh: Node) -> str:
+    from composer.tree.files import stem
+
+    return stem(str(mesh.get("file") or ""))
+
+
+def quats_that_were_ignored(editing: Editing) -> None:
+    """Before 3.16 an orientation of a class in another form won over the `quat` of an element."""
+    for node in editing.at("body/geom", "body/site", "body/camera"):
+        if node.get("quat") is None or any(node.get(name) is not None for name in _TURNED):
+            continue
+        given = editing.unit.classes.get(str(node.get("class") or childclass_of(node) or "main")).orientation(
+            str(node.tag)
+        )
+        if given is not None and given[0] in _TURNED:
+            editing.unset(node, "quat")
+
+
+def limits_that_were_ignored(editing: Editing) -> None:
+    """Before 3.14 a tendon's `actuatorfrcrange` did nothing without `actuatorfrclimited`."""
+    for node in editing.at("tendon/spatial", "tendon/fixed"):
+        if node.get("actuatorfrcrange") is not None and node.get("actuatorfrclimited") is None:
+            editing.set(node, "actuatorfrclimited", "false")
+
+
+def limits_that_are_meant(editing: Editing) -> None:
+    for node in editing.at("tendon/spatial", "tendon/fixed"):
+        if editing.value(node, "actuatorfrcrange") is not None and node.get("actuatorfrclimited") is None:
+            editing.set(node, "actuatorfrclimited", "true")
+
+
+def limited_by_hand(editing: Editing) -> None:
+    """Before 3.11 an `<intvelocity>` was always limited, also where `autolimits` is off."""
+    if all(node.get("autolimits") != "false" for node in editing.at("compiler")):
+        return
+    for node in editing.at("actuator/intvelocity"):
+        if editing.value(node, "actrange") is None or editing.value(node, "actlimited") is not None:
+            continue
+        if later("3.16.0", editing.after):
+            editing.set(node, "actlimited", "true")
+        else:  # since 3.16 MuJoCo passes over the attribute, and refuses the actuator
+            editing.refuse(
+                node,
+                f"MuJoCo {editing.after} refuses {called(node)} where `autolimits` is off",
+                'take `autolimits="false"` away, and write what is not limited',
+                "actrange",
+            )
+
+
+def is_interpolated(node: Node) -> bool:
+    return str(node.get("dof") or "full") in ("trilinear", "quadratic") or node.get("node") is not None
+
+
+def dimension(node: Node) -> int:
+    """Of a flex or flexcomp."""
+    return int(parse_real(str(node.get("dim") or "2")) or 2)
+
+
+def _flexes(editing: Editing) -> list[tuple[Node, Node]]:
+    found = []
+    for node in editing.at("body/flexcomp/elasticity", "deformable/flex/elasticity"):
+        flex = node.getparent()
+        if flex is not None:
+            found.append((flex, node))
+    return found
+
+
+def _number(node: Node, name: str, default: float = 0.0) -> float:
+    text = node.get(name)
+    found = None if text is None else parse_real(text.strip())
+    return default if found is None else found
+
+
+def lines_did_not_bend(editing: Editing) -> None:
+    """Before 3.17 `young` of a flex of dimension 1 was not read."""
+    for flex, node in _flexes(editing):
+        if dimension(flex) == 1 and _number(node, "young"):
+            editing.set(node, "young", "0")
+
+
+def elastic_constants(editing: Editing) -> None:
+    """Before 4.0 flexes were softer than `young` and `poisson` say: other numbers give the stiffness they had."""
+    for flex, node in _flexes(editing):
+        young, nu, thickness = (
+            _number(node, "young"),
+            _number(node, "poisson"),
+            _number(node, "thickness", -1.0),
+        )
+        mode = str(node.get("elastic2d") or "none")
+        if not young or is_interpolated(flex):
+            continue
+        if dimension(flex) == 3:
+            new = 2 * nu / (1 + 2 * nu)
+            _write(editing, node, young=young * (1 + new) / (1 + nu), poisson=new)
+        elif dimension(flex) == 2 and mode == "bend":
+            _write(editing, node, young=0.75 * (1 - nu) * young)
+        elif dimension(flex) == 2 and mode in ("stretch", "both"):
+            if nu >= 0.25:
+                editing.warn(
+                    node,
+                    f"no `poisson` gives the stiffness in MuJoCo 4.0 that {nu:g} had before",
+                    "write `young` and `poisson` of the material anew",
+                )
+                continue
+            if mode == "stretch":
+                _write(editing, node, young=young * (1 + 2 * nu) / (4 * (1 + nu)), poisson=2 * nu)
+            else:
+                new = thickness * (3 * (1 - 2 * nu)) ** 0.5
+                _write(editing, node, young=young * thickness * (1 + 2 * nu) / (4 * (1 + nu) * new), poisson=2 * nu,
+                       thickness=new)  # fmt: skip
+
+
+def constants_as_they_were(editing: Editing) -> None:
+    """The same back."""
+    for flex, node in _flexes(editing):
+        young, nu, thickness = (
+            _number(node, "young"),
+            _number(node, "poisson"),
+            _number(node, "thickness", -1.0),
+        )
+        mode = str(node.get("elastic2d") or "none")
+        if not young or is_interpolated(flex):
+            continue
+        if dimension(flex) == 3:
+            old = nu / (2 * (1 - nu))
+            _write(editing, node, young=young * (1 + old) / (1 + nu), poisson=old)
+        elif dimension(flex) == 2 and mode == "bend":
+            _write(editing, node, young=young / (0.75 * (1 - nu)))
+        elif dimension(flex) == 2 and mode in ("stretch", "both"):
+            old = nu / 2
+            if mode == "stretch":
+                _write(editing, node, young=young * 4 * (1 + old) / (1 + 2 * old), poisson=old)
+            else:
+                thin = thickness / (3 * (1 - 2 * old)) ** 0.5
+                _write(editing, node, young=young * 4 * (1 + old) * thickness / (thin * (1 + 2 * old)), poisson=old,
+                       thickness=thin)  # fmt: skip
+
+
+def _write(editing: Editing, node: Node, **numbers: float) -> None:
+    for name, value in numbers.items():
+        if value or node.get(name) is not None:
+            editing.set(node, name, number_text(float(f"{value:.12g}")))
+
+
+def has_elasticity(editing: Editing) -> bool:
+    return any(_number(node, "young") for _, node in _flexes(editing))
+
+
+def implicit_flexes(editing: Editing) -> None:
+    """3.11 and 3.12 integrated flexes implicitly with the solver CG; since 3.13 that is the integrator `discrete`."""
+    options = editing.at("option")
+    integrator = next(
+        (str(node.get("integrator")) for node in reversed(options) if node.get("integrator")), "Euler"
+    )
+    solver = next((str(node.get("solver")) for node in reversed(options) if node.get("solver")), "Newton")
+    if integrator not in ("implicit", "implicitfast") or not has_elasticity(editing):
+        return
+    holder = next(node for node in reversed(options) if node.get("integrator"))
+    editing.refuse(
+        holder,
+        f"MuJoCo {editing.after} has no elastic flex with the integrator `{integrator}`",
+        'write `integrator="discrete"`, which is close to it'
+        + (" with the solver CG" if solver == "CG" else "")
+        + ', or `integrator="Euler"` with a small timestep',
+        "integrator",
+    )
+
+
+def shortcut_of_another(editing: Editing) -> None:
+    """Before 3.16 the parameters that a class gives to one kind of actuator reached those of another kind."""
+    for node in editing.root.iterfind("actuator/*"):
+        tag = str(node.tag)
+        here = editing.unit.classes.get(str(node.get("class") or "main"))
+        around: list[tuple[str, Node]] = []
+        found: object = here
+        while found is not None:
+            around += [(name, each) for name, several in found.elements.items() for each in several  # type: ignore[attr-defined]
+                       if name in _SHORTCUTS and name != tag]  # fmt: skip
+            found = found.parent  # type: ignore[attr-defined]
+        if tag in _SHORTCUTS and any(_gives_gains(name, each) for name, each in around):
+            editing.warn(
+                node,
+                f"{called(node)} had gains of its class that are written for another kind of actuator,"
+                f" which MuJoCo {editing.after} does not give it",
+                "write its gains on the actuator itself",
+            )
+
+
+_SHORTCUTS = (
+    "motor",
+    "position",
+    "velocity",
+    "intvelocity",
+    "damper",
+    "cylinder",
+    "muscle",
+    "adhesion",
+    "pid",
+    "dcmotor",
+)
+_GAINS = ("kp", "kv", "dampratio", "timeconst", "area", "diameter", "bias", "force", "scale", "gain")
+
+
+def _gives_gains(tag: str, node: Node) -> bool:
+    return tag != "motor" and any(node.get(name) is not None for name in _GAINS)
+
+
+def keys_of_replicates(editing: Editing) -> None:
+    """Before 3.16 each copy of a replicate had a copy of every key."""
+    moving = [
+        node for node in editing.at("replicate") if next(node.iter("joint", "freejoint"), None) is not None
+    ]
+    for node in editing.at("keyframe/key") if moving else ():
+        editing.warn(
+            node,
+            f"MuJoCo {editing.before} made a copy of {called(node)} for each copy of a `<replicate>`,"
+            f" and {editing.after} keeps one, of the whole model",
+            "write its values for the whole model",
+        )
+
+
+def is_turned_frame(editing: Editing, node: Node) -> bool:
+    """Whether a flexcomp is in a frame that moves what is in it."""
+    above = node.getparent()
+    while above is not None and above.tag in ("frame", "replicate"):
+        if above.tag == "frame" and any(above.get(name) is not None for name in ("pos", "quat", *_TURNED)):
+            return True
+        above = above.getparent()
+    return False
