@@ -118,7 +118,7 @@ def _source(model: Plan | Source | None) -> object:
     licences, packages = [map(str, model.licences), ((name, str(path)) for name, path in model.packages)]
     about = [str(model.path), model.kind.name, model.reference, model.package, model.version]
     origin = model.origin.id if model.origin else None
-    return [*about, list(licences), list(packages), origin, list(model.door.roots)]
+    return [*about, list(licences), list(packages), repr(model.urdf), origin, list(model.door.roots)]
 
 
 def _values(node: Node, file: str) -> Iterator[object]:

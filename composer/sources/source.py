@@ -9,6 +9,7 @@ from typing import Literal
 from composer.reading.door import NOTHING, Door
 from composer.sources.kind import Kind
 from composer.sources.origin import Origin
+from composer.sources.urdf_choices import AS_WRITTEN, UrdfChoices
 
 Format = Literal["recipe", "mjcf", "urdf"]
 
@@ -18,6 +19,7 @@ FORMATS: dict[str, Format] = {
     ".xml": "mjcf",
     ".mjcf": "mjcf",
     ".urdf": "urdf",
+    ".xacro": "urdf",
 }
 """What a file is, by its suffix in lower case."""
 
@@ -32,6 +34,7 @@ class Source:
     name, and empty when none was found. `packages` are the folders that `package://NAME` stands for
     in URDF, where the recipe gives them. `origin` is what the file belongs to, None for one that is named by its
     path. `licence` is what its package says, as an SPDX expression. `door` is what the model may read.
+    `urdf` is how a URDF is to be read.
     """
 
     path: Path
@@ -44,6 +47,7 @@ class Source:
     origin: Origin | None = None
     licence: str | None = None
     door: Door = field(default=NOTHING, compare=False, repr=False)
+    urdf: UrdfChoices = AS_WRITTEN
 
     def __post_init__(self) -> None:
         belongs_to = self.kind if self.origin is None else self.origin.kind

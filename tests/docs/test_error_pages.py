@@ -120,6 +120,10 @@ NOT_A_BUILD = {
     **dict.fromkeys(("not-a-world", "not-installed", "not-per-world"), "is not about a build: tests/worlds"),
     "output-full": "needs a disk that is full: tests/kills",
     **dict.fromkeys(("target-cannot", "target-failed", "target-loss"), "needs `--target`: tests/targets"),
+    **dict.fromkeys(
+        ("mesh-look", "mesh-shape", "mesh-size", "mesh-unreadable", "xacro"),
+        "needs files beside it: tests/urdf",
+    ),
     "cells-not-checked": "is a note of `check`: tests/cli/test_check.py",
     "git-revision": "needs a repository: tests/diff",
     "no-rendering": "needs a machine without OpenGL: tests/diff",
