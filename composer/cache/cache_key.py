@@ -1,9 +1,9 @@
-"""The key of a model in the build cache: whatever besides the contents of files its outcome depends on.
+"""The key of a model in the build cache: everything that determines the result besides the contents of files.
 
-A model is looked up twice. Before anything is read its key has the path of the recipe, the options and the versions,
-and the recipe is one of the files that must be unchanged: that takes a quarter of the time of reading and planning the
-recipe. After planning `of_plan` puts the concrete recipe in the place of the path and of the values that were given:
-that finds what a changed recipe file leaves as it was.
+A model is looked up twice. The first key, before anything is read, has the path of the recipe, the options and the
+versions, and the recipe is one of the files that must be unchanged; this takes a quarter of the time for reading
+and planning the recipe. The second key, after planning, is `of_plan`, with the concrete recipe in place of the path
+and the given values; it still matches if the recipe file changed in ways that do not matter.
 """
 
 from __future__ import annotations
@@ -26,9 +26,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class CacheKey:
-    """`subject` is what is built, whatever of: the last build of it shows why another one is needed.
+    """The key of a model in the build cache.
 
-    `parts` has all values that count by what a person calls them.
+    `subject` is the thing being built, whatever its inputs: its last build shows why a new one is needed. `parts`
+    are all values that count, by their names for the user.
     """
 
     subject: str
@@ -43,11 +44,11 @@ class CacheKey:
         return key_of([self.subject])
 
     def of_cell(self, name: str, values: Mapping[str, str]) -> CacheKey:
-        """The key of one cell of the recipe's matrix."""
+        """Return the key of one cell of the recipe's matrix."""
         return CacheKey(f"{self.subject}: {name}", {**self.parts, **values})
 
     def of_plan(self, plan: Plan, cell: str | None, choices: Mapping[str, str]) -> CacheKey:
-        """The key of what is planned, whatever recipe file says it; `choices` are in the plan already."""
+        """Return the key of a plan, independent of the recipe file; `choices` are part of the plan already."""
         parts = {name: value for name, value in self.parts.items() if name not in choices}
         planned = {"cell": cell or "", "sample": str(plan.sample), "plan": key_of(concrete(plan))}
         return CacheKey("", {**parts, **planned})
@@ -55,11 +56,11 @@ class CacheKey:
 
 @dataclass(frozen=True, slots=True)
 class BuildOptions:
-    """How models are built.
+    """The options of builds.
 
-    `text_beside` is the folder from which a model's text alone names its files, where that is wanted. `choices` are the
-    values that the user gives to parameters and variants, by what a person calls them; `locked` and `offline` say how
-    sources may be fetched.
+    `text_beside` is the folder from which a model's text refers to its files, if only text is wanted. `choices` are
+    the given values of parameters and variants, by their names for the user; `locked` and `offline` limit how
+    sources are fetched.
     """
 
     verified: bool = True
@@ -72,7 +73,7 @@ class BuildOptions:
     target: str | None = None
 
     def key(self, recipe: Path, folder: Path, environment: Mapping[str, str], store: Path) -> CacheKey:
-        """The key of the model of a recipe file, as the user asks for it in a folder."""
+        """Return the key of the model of a recipe file, with these options."""
         flags = {
             "`--no-verify`": not self.verified,
             "`--dedup`": self.deduplicated,
@@ -96,9 +97,9 @@ class BuildOptions:
 
 
 def concrete(plan: Plan) -> list[object]:
-    """All that the outcome of a plan depends on besides the contents of files, as JSON has it. No I/O.
+    """Return everything that determines the result of a plan besides the contents of files, as JSON data. No I/O.
 
-    The lines and columns of recipes are left out, their files are not: paths count from them.
+    Lines and columns in recipes are left out, but not the files, because paths are relative to them.
     """
     found: list[object] = []
     for each in plan.plans():

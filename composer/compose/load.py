@@ -1,4 +1,4 @@
-"""Step: a source becomes a unit. Each file is read once and copied for every further use."""
+"""Step: load a source as a unit. Each file is read once and copied for every further use."""
 
 from __future__ import annotations
 
@@ -29,10 +29,11 @@ Library = dict[Key, Unit]
 
 @dataclass(slots=True)
 class Loader:
-    """The units of source files. `expect` says before how often one is needed: the last use needs no copy.
+    """Loads the units of source files.
 
-    What is in the `library` is not read again, and what is read goes there. `checks` says whether all of a file has to
-    be MJCF, or only what is looked at.
+    `expect` announces how often each is needed, so the last use needs no copy. Units that are in the `library` are
+    not read again, and new ones are added to it. `checks` is set if every file must be valid MJCF as a whole, not
+    only where the composition reads it.
     """
 
     context: Context

@@ -1,4 +1,4 @@
-"""The files that a plan reads: of every source its model file and all that this names, and the licences."""
+"""The files that a plan reads: every source with its model file, the files that this names, and the licences."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ _FILE = re.compile(r"""\bfile\w*\s*=\s*["']([^"']+)["']""")
 
 
 def files_of_source(source: Source) -> Iterator[Path]:
-    """The files of a model that exist and that it may read.
+    """Yield the files of a model that exist and that it may read.
 
-    What is missing, broken or outside is reported by those who read it.
+    Files that are missing, broken or outside are reported where they are read.
     """
     found = _of_urdf(source) if source.format == "urdf" else _of_mjcf(source.path, source.door, set())
     seen = (path for path in found if source.door.sees(path))
@@ -38,12 +38,12 @@ def files_of_source(source: Source) -> Iterator[Path]:
 
 
 def files_of_recipe(plan: Plan, context: Context) -> Iterator[Path]:
-    """The files that a recipe itself names in its elements and may name."""
+    """Yield the files that a recipe itself names in its elements and may name."""
     folder = context.folder
     for step in plan.steps:
         if isinstance(step, AddElement | AppendElement):
             for at, name in _named(step.element):
-                beside = folder / locate(plan.document, at).file  # a recipe that is extended, or this one
+                beside = folder / locate(plan.document, at).file  # this recipe, or one that it extends
                 path = Path(join(str(beside.parent), name))
                 if context.door_of_text(beside.parent).sees(path) and os.path.isfile(path):
                     yield path

@@ -1,4 +1,4 @@
-"""The folders that `package://NAME` stands for in a URDF file."""
+"""Find the folders for `package://NAME` in a URDF file."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _DEPTH = 5
 
 
 def packages_in(text: str) -> tuple[str, ...]:
-    """The names of the packages that a text refers to, sorted. No I/O.
+    """Return the sorted names of the packages that a text refers to. No I/O.
 
     >>> packages_in('<mesh filename="package://arm/a.stl"/> <mesh filename="package://arm/b.stl"/>')
     ('arm',)
@@ -26,7 +26,7 @@ def packages_in(text: str) -> tuple[str, ...]:
 
 
 def folders(names: tuple[str, ...], urdf: Path, given: Mapping[str, Path]) -> dict[str, Path]:
-    """The folder of each package that has one: as given, or the nearest folder above the file that is called so.
+    """Return the folder of each package: the given one, or the nearest folder of that name above the file.
 
     What a folder's `package.xml` calls it counts first. ROS keeps the description of a robot in the package that its
     meshes are named by.
@@ -77,7 +77,7 @@ def _called(folder: Path) -> str | None:
 
 
 def beside(name: str, urdf: Path) -> Path | None:
-    """A folder of that name beside one above the file: what was probably meant, and still nobody's to decide."""
+    """Return a folder of that name beside one above the file. It is probably meant, but only suggested."""
     return next((found for folder in _above(urdf) if (found := folder / name).is_dir()), None)
 
 

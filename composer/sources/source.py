@@ -1,4 +1,4 @@
-"""A model reference that was resolved: a file on this machine, and where it came from."""
+"""A resolved model reference: a file on this machine, and its origin."""
 
 from __future__ import annotations
 
@@ -21,19 +21,18 @@ FORMATS: dict[str, Format] = {
     ".urdf": "urdf",
     ".xacro": "urdf",
 }
-"""What a file is, by its suffix in lower case."""
+"""The format of a file by its suffix in lower case."""
 
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """The model file that a reference stands for.
+    """The model file of a reference.
 
-    `reference` is as it was written. `package` and `version` name the distribution that the file came with;
-    the version is None where the file need not be the one that the distribution holds; of a repository it is the
-    commit, of an archive its sha256. `licences` are the licence files that go with the model, sorted by
-    name, and empty when none was found. `packages` are the folders that `package://NAME` stands for
-    in URDF, where the recipe gives them. `origin` is what the file belongs to, None for one that is named by its
-    path. `licence` is what its package says, as an SPDX expression. `door` is what the model may read.
+    `reference` is the text as written. `package` and `version` name the distribution of the file; the version is
+    None if the file may differ from the distribution's; for a repository it is the commit, for an archive its
+    sha256. `licences` are the licence files of the model, sorted by name. `packages` are the folders for
+    `package://NAME` in URDF, if the recipe gives them. `origin` is what the file belongs to, None for a plain path.
+    `licence` is the SPDX expression of its package. `door` limits what the model may read.
     `urdf` is how a URDF is to be read.
     """
 
@@ -55,10 +54,10 @@ class Source:
 
     @property
     def format(self) -> Format:
-        """What the file is, by its suffix; a file whose suffix says nothing never becomes a source."""
+        """The format of the file by its suffix; a file with another suffix never becomes a source."""
         return FORMATS[self.path.suffix.lower()]
 
 
 def has_format(path: PurePath) -> bool:
-    """Whether the suffix says that the file is a recipe, MJCF or URDF. No I/O."""
+    """Return whether the suffix is that of a recipe, MJCF or URDF. No I/O."""
     return path.suffix.lower() in FORMATS

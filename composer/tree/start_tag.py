@@ -1,7 +1,6 @@
-"""From the line that lxml keeps of an element back to where its start tag stands in the text.
+"""Find the start tag of an element in the text by the line that lxml keeps for it.
 
-lxml's line is the one on which a start tag ends. The text is looked at only when somebody asks, which is when a
-fault is reported.
+lxml keeps the line on which a start tag ends. The text is searched only when a fault is reported.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _ATTRIBUTE = re.compile(r"""\s*([^\s=<>/"']+)\s*=\s*("[^"]*"|'[^']*')""")
 _ITEM = re.compile(r"\S+")
 _MOST_COMPARED = 500_000
-"""Start tags that are compared for one text: a file of one line may have many elements, and faults in all of them."""
+"""The maximum number of start tags compared for one text: one line may have many elements, all with faults."""
 _TAG_END = re.compile(r"\s*/?>")
 
 
@@ -30,7 +29,7 @@ class Stretch(NamedTuple):
 
 
 class _StartTag(NamedTuple):
-    """A start tag: where it begins, where it ends, and where each attribute's name and value stand."""
+    """A start tag: its start and end, and the positions of each attribute's name and value."""
 
     start: int
     end: int
@@ -51,14 +50,14 @@ def _blank(comment: re.Match[str]) -> str:
 
 
 class SourceText:
-    """The text of an XML file, for looking up where its elements are written. No I/O."""
+    """The text of an XML file, for finding where its elements are written. No I/O."""
 
     def __init__(self, data: bytes | str) -> None:
         text = data if isinstance(data, str) else _decoded(data)
         self._text = text.replace("\r\n", "\n").replace("\r", "\n")
-        # What stands in a comment is not an element, however much it looks like one.
+        # Text in a comment is not an element, even if it looks like one.
         self._bare = _COMMENT.sub(_blank, self._text)
-        # By tag and line: the start tags that end there, and the first with exactly some attributes.
+        # By tag and line: the start tags that end there, and the first one for each set of attributes.
         self._ending: dict[tuple[str, int], tuple[list[_StartTag], _Exact]] = {}
         self._compared = 0
         lines = self._text.split("\n")
@@ -70,9 +69,10 @@ class SourceText:
         return self._text
 
     def element(self, tag: str, line: int, attributes: Mapping[str, str]) -> Stretch | None:
-        """`<tag` of the element whose start tag ends on `line`; None where no such tag does.
+        """Return `<tag` of the element whose start tag ends on `line`, or None if there is none.
 
-        Of several the one whose attributes are most like the given ones, which may have got prefixes since.
+        If there are several, it is the one whose attributes are most similar to the given ones, which may have new
+        prefixes.
         """
         found = self._find(tag, line, attributes)
         return None if found is None else self._stretch(found.start, found.start + 1 + len(tag))
@@ -80,9 +80,9 @@ class SourceText:
     def attribute(
         self, tag: str, line: int, attributes: Mapping[str, str], name: str, *, key: bool = False
     ) -> Stretch | None:
-        """The value of an attribute of that element, without its quotes, or with `key` its name.
+        """Return the value of an attribute of that element, without its quotes, or with `key` its name.
 
-        None where the element has none, or none on one line.
+        Return None if the element does not have it on a single line.
         """
         found = self._find(tag, line, attributes)
         if found is None or name not in found.values:
@@ -93,7 +93,7 @@ class SourceText:
     def items(
         self, tag: str, line: int, attributes: Mapping[str, str], name: str, first: int, last: int
     ) -> tuple[Stretch, Stretch, str] | None:
-        """Where two items of an attribute are, counted from 0, and the text from one to the other."""
+        """Return the positions of two items of an attribute, counted from 0, and the text from one to the other."""
         found = self._find(tag, line, attributes)
         if found is None or name not in found.values:
             return None
@@ -111,7 +111,7 @@ class SourceText:
             exact = {self._written(each): each for each in reversed(candidates)}
             self._ending[tag, line] = candidates, exact
         candidates, exact = self._ending[tag, line]
-        # None is more like it; and a program may write ten thousand elements on one line.
+        # No other tag is more similar, and a program may write ten thousand elements on one line.
         found = exact.get(frozenset(attributes.items()))
         if found is not None:
             return found

@@ -1,4 +1,4 @@
-"""The tree that MuJoCo makes of URDF: its fused links get their names back, and every element its place in the URDF."""
+"""Restore the names of fused links in the tree that MuJoCo makes from a URDF, and locate its elements in the URDF."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ _VALUES = {
     },
     "mesh": {"file": (".", "filename"), "scale": (".", "scale")},
 }
-"""Where an attribute of MJCF is written in the element of the URDF: below it, and by which name."""
+"""For attributes of MJCF, the element below the URDF's, and the attribute there."""
 _PLANAR = ("_TX", "_TY", "_RZ")
 
 
 def name_fused_links(root: Node) -> None:
-    """Take out the empty frames that mark links; one that is not a body any more leaves its name to what it became."""
+    """Remove the empty frames that mark links; a link that is no longer a body passes its name to its replacement."""
     bodies = {body.get("name") for body in root.iter("body")}
     for body in root.iter("body"):
-        body.attrib.pop("fuse", "")  # it has been asked for and done
+        body.attrib.pop("fuse", "")  # MuJoCo has done it already
     for mark in [frame for frame in root.iter("frame") if frame.get("name")]:
         holder, name = mark.getparent(), mark.get("name")
         assert holder is not None and name is not None
@@ -75,7 +75,7 @@ def _place(
 
 
 def mesh_of(robot: Node, file: str) -> Node:
-    """The `<mesh>` of a URDF that names a file, whose path may have been shortened or resolved since."""
+    """Return the `<mesh>` of a URDF that names a file, whose path may have been shortened or resolved."""
     best, alike = robot, 0
     for each in robot.iterfind("link/*/geometry/mesh"):
         same = _steps_in_common(str(each.get("filename")), file)
@@ -85,7 +85,7 @@ def mesh_of(robot: Node, file: str) -> Node:
 
 
 def _steps_in_common(one: str, other: str) -> int:
-    """How many steps at the end of two paths are the same."""
+    """Return how many steps at the end of two paths are equal."""
     count = 0
     for mine, theirs in zip(
         *(reversed(each.replace("\\", "/").split("/")) for each in (one, other)), strict=False
@@ -98,7 +98,7 @@ def _steps_in_common(one: str, other: str) -> int:
 
 @dataclass
 class _Sources:
-    """The elements of a URDF that those of MJCF come from."""
+    """Maps elements of MJCF to their elements in the URDF."""
 
     robot: Node
     links: dict[str, Node] = field(init=False)
@@ -125,7 +125,7 @@ class _Sources:
                 yield section, found
 
     def _held(self, holder: Node, link: Node) -> Iterator[tuple[Node, Node]]:
-        """What a body, a frame or the world holds, which was `link`."""
+        """Yield the contents of a body, a frame or the world that was `link`."""
         geoms = list(holder.iterchildren("geom"))
         yield from zip(geoms, _shapes(link, len(geoms)), strict=True)
         for child in holder.iterchildren("body", "frame", "inertial", "joint"):
@@ -151,7 +151,11 @@ class _Sources:
 
 
 def _shapes(link: Node, number: int) -> list[Node]:
-    """The shapes of a link that became that many geoms: all, or those that collide; else the link for each."""
+    """Return the shapes of a link that became that many geoms.
+
+    These are the collision shapes, all shapes, or the visual shapes, whichever have that number; otherwise the link
+    itself for each geom.
+    """
     for tags in (("collision",), ("visual", "collision"), ("visual",)):
         shapes = list(link.iterchildren(*tags))
         if len(shapes) == number:

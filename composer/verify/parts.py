@@ -1,4 +1,4 @@
-"""The parts of a compiled composition against their sources compiled alone, in MuJoCo's child process."""
+"""Compare the parts of a compiled composition with their sources compiled alone, in MuJoCo's child process."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from composer.verify.question import Question, ask, differences_of
 from composer.verify.source_alone import keep_source
 
 _ROUNDING = 1e-12
-"""Relative: `springdamper` and `dampratio` go by the inertia of the whole model, which is summed in another order."""
+"""Relative: `springdamper` and `dampratio` use the inertia of the whole model, which is summed in another order."""
 
 
 @dataclass(frozen=True, slots=True)
 class Compared:
-    """What came of one part: its differences, or why it could not be compared."""
+    """The outcome for one part: its differences, or why it could not be compared."""
 
     member: PartRecord
     differences: tuple[Difference, ...] = ()
@@ -34,7 +34,7 @@ class Compared:
 
 @dataclass(frozen=True, slots=True)
 class Incomparable:
-    """Why two models cannot be compared; with `lacks_body` the second one has no body of the given name."""
+    """The reason why two models cannot be compared; `lacks_body` says that the second one lacks the given body."""
 
     why: str
     lacks_body: bool = False
@@ -42,10 +42,11 @@ class Incomparable:
 
 @dataclass(slots=True)
 class Judge:
-    """Compares parts with the composition that `session` keeps as `WHOLE`; a source is compiled once.
+    """Compares parts with the composition that `session` keeps as `WHOLE`. Each source is compiled once.
 
-    `merged` has by kind the names of the composition for which another one stands, `renamed` by part and kind what
-    edits call its elements, `cut` how a body that was taken of its source differs from the same body in its source.
+    `merged` maps by kind the names in the composition that were merged into another one. `renamed` has, by
+    part and kind, the names that edits give to its elements. `cut` has the differences between a subtree that
+    was taken from a source and the same subtree in the whole source.
     """
 
     session: engine.Session
@@ -57,9 +58,10 @@ class Judge:
     def compare(
         self, member: PartRecord, excused: Iterable[str] = (), replaced_keys: Iterable[str] = ()
     ) -> Compared:
-        """The part as it is in the composition.
+        """Compare a part with its source.
 
-        `excused` are arrays, or ends of their names; `replaced_keys` are keys of the composition that the recipe wrote.
+        `excused` are arrays, or ends of their names; `replaced_keys` are keys of the composition that the
+        recipe wrote.
         """
         if member.obscure is not None:
             return Compared(member, obscure=member.obscure)
@@ -77,7 +79,7 @@ class Judge:
         return Compared(member, (*self.cut.get(name, ()), *found))
 
     def _ask(self, alone: str, composed: str, question: Question) -> tuple[Difference, ...] | Incomparable:
-        """The differences of two models that the session keeps, or why there are none."""
+        """Return the differences of two models that the session keeps, or why they cannot be compared."""
         answer = engine.call(self.session, ask, [alone, composed], question.to_json())
         if not answer.ok:
             return Incomparable(answer.error or answer.crash or "it cannot be compared")
@@ -87,7 +89,7 @@ class Judge:
         return tuple(differences_of(answer.value))
 
     def _take(self, member: PartRecord, name: str) -> str | None:
-        """Keep what was taken of a source, after it was compared with the whole; a sentence where that cannot be."""
+        """Compile the subtree of a source, compare it with the whole and keep it; return an error message or None."""
         from composer.verify.subtree_reference import keep_taken  # few recipes need it
 
         whole = f"{name} in the whole"
@@ -109,14 +111,14 @@ class Judge:
         return why
 
     def _compile(self, member: PartRecord, name: str) -> str | None:
-        """Keep the source compiled alone; a sentence where MuJoCo refuses it."""
+        """Compile the source alone and keep it; return MuJoCo's error message or None."""
         if member.subtree is not None:
             return self._take(member, name)
         return keep_source(member, self.session, name)
 
 
 def _kept(member: PartRecord) -> str:
-    """A name for what sources that are the same alone have in common."""
+    """Return a name for the compiled source, shared by all parts with the same source."""
     stands = member.stands or member.source.format != "urdf"
     taken = "" if member.subtree is None else f"{member.subtree} of {member.keys is None} "
     read = f"{member.source.urdf} {member.source.packages} " if member.source.format == "urdf" else ""

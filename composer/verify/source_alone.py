@@ -1,4 +1,4 @@
-"""The source of a part, compiled alone and kept in the session."""
+"""Compile the source of a part alone and keep it in the session."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from composer.tree.write import write
 
 
 def keep_source(member: PartRecord, session: engine.Session, name: str) -> str | None:
-    """Keep the whole source under `name`; a sentence if it cannot be read or MuJoCo refuses it."""
+    """Keep the whole source under `name`; return a message if it cannot be read or MuJoCo refuses it."""
     path = member.source.path
     if member.source.format == "urdf":
         return _keep_urdf(member, session, name)
@@ -33,5 +33,5 @@ def _keep_urdf(member: PartRecord, session: engine.Session, name: str) -> str | 
 
 
 def refused(said: str | None) -> str:
-    """The sentence about a source that MuJoCo does not compile alone."""
+    """Return the message about a source that MuJoCo does not compile alone."""
     return f"MuJoCo does not accept its source alone: {' '.join((said or '').split())}"
