@@ -26,9 +26,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class CacheKey:
-    """`subject` is the thing being built, whatever its inputs: its last build shows why a new one is needed.
+    """The key of a model in the build cache.
 
-    `parts` are all values that count, by their names for the user.
+    `subject` is the thing being built, whatever its inputs: its last build shows why a new one is needed. `parts`
+    are all values that count, by their names for the user.
     """
 
     subject: str
@@ -118,7 +119,7 @@ def _source(model: Plan | Source | None) -> object:
     licences, packages = [map(str, model.licences), ((name, str(path)) for name, path in model.packages)]
     about = [str(model.path), model.kind.name, model.reference, model.package, model.version]
     origin = model.origin.id if model.origin else None
-    return [*about, list(licences), list(packages), origin, list(model.door.roots)]
+    return [*about, list(licences), list(packages), repr(model.urdf), origin, list(model.door.roots)]
 
 
 def _values(node: Node, file: str) -> Iterator[object]:

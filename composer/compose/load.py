@@ -11,6 +11,7 @@ from composer.context import Context
 from composer.diagnostics.span import Span
 from composer.link.source_check import check_source
 from composer.sources.source import Source
+from composer.sources.urdf_choices import UrdfChoices
 from composer.tree.admitted import all_admitted
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
@@ -19,7 +20,7 @@ from composer.tree.watch import Watch, nobody
 if TYPE_CHECKING:
     from composer.engine import Session
 
-Key = tuple[Path, tuple[tuple[str, Path], ...], bool]
+Key = tuple[Path, tuple[tuple[str, Path], ...], UrdfChoices, bool]
 
 
 Library = dict[Key, Unit]
@@ -51,7 +52,7 @@ class Loader:
         key = key_of(model, stands)
         if key not in self.parsed:
             refused = (
-                self.parsed.get((*key[:2], not key[2]), ...) is None
+                self.parsed.get((*key[:3], not key[3]), ...) is None
             )  # one fault of a file is reported once
             self.parsed[key] = None if refused else self._known(key) or self._read(model, span, stands)
         unit = self.parsed[key]
@@ -89,4 +90,4 @@ class Loader:
 
 def key_of(model: Source, stands: bool) -> Key:
     """What sources that read the same have in common; of MJCF it does not matter where it stands."""
-    return model.path, model.packages, stands or model.format != "urdf"
+    return model.path, model.packages, model.urdf, stands or model.format != "urdf"

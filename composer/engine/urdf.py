@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from xml.sax.saxutils import escape
 
 from composer.engine.digits import save_all_digits
 from composer.engine.limits import Limits
@@ -45,10 +46,17 @@ def convert_urdf(
     *,
     door: Door,
     stands: bool = True,
+    text: str | None = None,
+    made: Mapping[str, Path] | None = None,
+    massless: Sequence[str] = (),
     limits: Limits | None = None,
     session: Session | None = None,
 ) -> Converted:
     """Convert a file; `packages` has the folders for `package://NAME`, `door` limits what the file may read.
+
+    `text`, if given, is read in place of the file's own content. `made` has the meshes that were made for it, by the
+    name that the text has for each; in the converted text they have it too. The shapes of the links that are `massless`
+    weigh nothing.
 
     `stands` decides about the root link: if the robot stands in the world, MuJoCo fuses the link with the world,
     which has no inertia; a robot that moves or is attached to something keeps it as a body.
@@ -59,11 +67,16 @@ def convert_urdf(
     """
     if session is None:
         with Session(limits) as own:
-            return convert_urdf(path, packages, door=door, stands=stands, session=own)
+            return convert_urdf(
+                path, packages, door=door, stands=stands, text=text, made=made, massless=massless, session=own
+            )
     argument = {
         "path": str(path.absolute()),
         "packages": {name: folder.absolute().as_posix() for name, folder in packages.items()},
         "stands": stands,
+        "text": text,
+        "massless": list(massless),
+        "made": {name: file.absolute().as_posix() for name, file in (made or {}).items()},
     }
     read = call(session, read_meshes, (), argument)
     if read.ok:
@@ -84,7 +97,7 @@ def convert_urdf(
 def _admit(read: Mapping[str, Any], path: Path, door: Door) -> None:
     """Check the files that MuJoCo would open. Raises Refused, whose `path` is the one that MuJoCo uses."""
     for file in read["meshes"]:
-        if not file.startswith(PACKAGE):
+        if not file.startswith(PACKAGE) and file not in read["made"]:
             name = file.replace("\\", "/").rpartition("/")[2] if read["strippath"] else file
             door.admit(os.path.join(path.parent.absolute(), read["folder"], name))
 
@@ -94,15 +107,18 @@ def read_meshes(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
     try:
         spec = _read(mujoco, argument)
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
-        return {"error": _message(error), "meshes": [], "folder": "", "strippath": False}
+        return {"error": _message(error), "meshes": [], "folder": "", "strippath": False, "made": []}
     return {"error": None, "meshes": [mesh.file for mesh in spec.meshes], "folder": spec.meshdir,
-            "strippath": bool(spec.strippath)}  # fmt: skip
+            "strippath": bool(spec.strippath), "made": list(argument["made"].values())}  # fmt: skip
 
 
 def convert(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
     """Return the text, or why there is none. Runs in the child."""
     try:
-        return {"error": None, "text": _saved(mujoco, _read(mujoco, argument), argument["stands"])}
+        text = _saved(mujoco, _read(mujoco, argument), argument["stands"])
+        for name, file in argument["made"].items():
+            text = text.replace(f'"{escape(file)}"', f'"{escape(name)}"')
+        return {"error": None, "text": text}
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
         return {"error": _message(error)}
 
@@ -113,14 +129,21 @@ def _message(error: Exception) -> str:
 
 def _read(mujoco: Any, argument: dict[str, Any]) -> Any:
     """Return the spec of the file with its packages resolved."""
-    path = Path(argument["path"])
-    if path.suffix == ".urdf":
+    path, text, made = Path(argument["path"]), argument["text"], argument["made"]
+    if path.suffix == ".urdf" and text is None:
         spec = mujoco.MjSpec.from_file(argument["path"])
     else:  # MuJoCo only recognises that suffix
-        spec = mujoco.MjSpec.from_string(path.read_text(encoding="utf-8"))
+        spec = mujoco.MjSpec.from_string(path.read_text(encoding="utf-8") if text is None else text)
         spec.modelfiledir = str(path.parent)
+    if made and spec.strippath:  # which would take the folders of the made ones off as well
+        for mesh in spec.meshes:
+            mesh.file = mesh.file if mesh.file in made else mesh.file.replace("\\", "/").rpartition("/")[2]
+        spec.strippath = False
     for mesh in spec.meshes:
-        mesh.file = _found(mesh.file, argument["packages"])
+        mesh.file = made.get(mesh.file) or _found(mesh.file, argument["packages"])
+    for name in argument["massless"]:
+        for geom in spec.body(name).geoms:
+            geom.density = 0
     return spec
 
 

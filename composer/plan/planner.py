@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from collections.abc import Mapping as Map
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from composer.context import Context, as_text
 from composer.diagnostics.diagnostic import Note
@@ -35,9 +36,11 @@ from composer.recipe.in_place import completed
 from composer.recipe.randomize import Randomize
 from composer.recipe.recipe import Recipe
 from composer.recipe.validate import validate_what_remains
+from composer.sources import ros_package
 from composer.sources.error import SourceError
 from composer.sources.resolve import resolve
 from composer.sources.source import Source
+from composer.sources.urdf_choices import UrdfChoices
 
 Outer = tuple[tuple[Path, "Span | None"], ...]
 """The recipe files around a nested one, outermost first, each with the place that names it."""
@@ -330,17 +333,21 @@ class _Planner:
             if plan is not None and plan.separator != outer.separator:
                 self._separators(f"`{asked.model}`", plan, outer, span)
             return plan
-        if given is not None:
-            self._only_for("with", "recipes", f"`{asked.model}`", document, at)
-        if not asked.packages or source.format != "urdf":
+        if source.format != "urdf":
+            for key, what in (("with", "recipes and xacro templates"), ("urdf", "URDF")):
+                if find(document, (*at, key)) is not None:
+                    self._only_for(key, what, f"`{asked.model}`", document, at)
             return source
         packages = tuple(self._packages(asked.packages, document, at))
-        door = source.door.wider(tuple(folder for _, folder in packages))
-        return replace(source, packages=packages, door=door)
+        door = source.door.wider(tuple(folder for _, folder in packages)) if packages else source.door
+        arguments = tuple(self._arguments(asked.given, document, at))
+        keys = asked.urdf
+        choices = UrdfChoices(arguments, keys.visuals, keys.fixed, keys.actuators, keys.inertia)
+        return replace(source, packages=packages, door=door, urdf=choices)
 
     def _in_place(self, at: KeyPath, model: Mapping, around: _Found, inside: Outer) -> Plan | None:
         """Return the plan of a recipe that is written in place of a model reference."""
-        for key, what in (("with", "recipes in files"), ("packages", "URDF")):
+        for key, what in (("with", "recipes in files"), ("packages", "URDF"), ("urdf", "URDF")):
             if find(around.document, (*at, key)) is not None:
                 self._only_for(key, what, "a model in place", around.document, at)
         read = validate_what_remains(completed(model, around.document), self.sink)
@@ -376,11 +383,26 @@ class _Planner:
             subjects=(key,),
         )
 
+    def _arguments(
+        self, given: Map[str, Any], document: Mapping, at: tuple[str | int, ...]
+    ) -> Iterator[tuple[str, str]]:
+        """The arguments of a xacro template as text, which is all that they are there."""
+        for name, value in given.items():
+            if isinstance(value, list):
+                self.sink.error(
+                    "wrong-type",
+                    f"the argument `{name}` of a xacro template is text or a number, got a list",
+                    locate(document, (*at, "with", name)),
+                )
+                continue
+            yield name, str(value).lower() if isinstance(value, bool) else str(value)
+
     def _packages(
         self, packages: Map[str, str], document: Mapping, at: tuple[str | int, ...]
     ) -> Iterator[tuple[str, Path]]:
         """Yield the folders of the packages that a URDF refers to."""
-        for name, written in packages.items():
+        # A workspace first, so that a package that is named counts.
+        for name, written in sorted(packages.items(), key=lambda each: each[0] != "*"):
             span = locate(document, (*at, "packages", name))
             folder = folder_of(span, self.context) / written
             door = self.context.door_of_text(folder_of(span, self.context))
@@ -395,4 +417,29 @@ class _Planner:
                     help="the path is relative to the recipe, and leads to the folder that `package://"
                     f"{name}` stands for",
                 )
-            yield name, folder
+            if name == "*":
+                yield from self._workspace(folder, span)
+            else:
+                yield name, folder
+
+    def _workspace(self, folder: Path, span: Span) -> Iterator[tuple[str, Path]]:
+        """The packages of a ROS workspace."""
+        found: dict[str, Path] = {}
+        for name, at in ros_package.in_workspace(folder):
+            if name in found:
+                self.sink.error(
+                    "name-clash",
+                    f"two packages of the workspace are called `{name}`",
+                    span,
+                    notes=(Note(f"`{self.context.shown(found[name])}` and `{self.context.shown(at)}`"),),
+                    help=f"say which one is meant: `{name}: …`, and put a file `COLCON_IGNORE` into the other",
+                )
+            found.setdefault(name, at)
+        if not found and folder.is_dir():
+            self.sink.error(
+                "file-not-found",
+                f"the workspace `{self.context.shown(folder)}` has no package",
+                span,
+                help="name the folder with the packages, each of which has a `package.xml`",
+            )
+        yield from found.items()

@@ -20,6 +20,8 @@ from composer.sources import ros_package
 from composer.sources.source import Source
 from composer.tree.files import CUBE, file_attributes, join, written_path
 from composer.tree.parse import parse_file
+from composer.urdf.robot import SCHEMES
+from composer.urdf.template import files_named, is_template
 
 _MESH = re.compile(r"""\bfilename\s*=\s*["']([^"']+)["']""")
 _FILE = re.compile(r"""\bfile\w*\s*=\s*["']([^"']+)["']""")
@@ -79,12 +81,20 @@ def _of_urdf(source: Source) -> Iterator[Path]:
         text = source.door.read(source.path).decode("utf-8", "replace")
     except OSError:
         return
-    packages = ros_package.folders(ros_package.packages_in(text), source.path, dict(source.packages))
+    given = dict(source.packages)
+    if is_template(source.path, text.encode()):
+        yield from files_named(
+            source.path, text.encode(), source.door, ros_package.all_folders(source.path, given)
+        )
+        return
+    packages = ros_package.folders(ros_package.packages_in(text), source.path, given)
     for name in _MESH.findall(text):
-        package, _, inside = name.removeprefix("package://").partition("/")
-        if name.startswith("package://"):
+        scheme = next((each for each in SCHEMES if name.startswith(each)), "")
+        package, _, inside = name.removeprefix(scheme).partition("/")
+        if scheme:
             if package in packages:
                 yield packages[package] / inside
         else:
+            name = name.removeprefix("file://")
             yield source.path.parent / name
             yield source.path.parent / Path(name).name

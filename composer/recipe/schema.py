@@ -19,10 +19,11 @@ from composer.recipe.model import Model
 from composer.recipe.randomize import Randomize
 from composer.recipe.recipe import Recipe
 from composer.recipe.reference import REFERENCE, Schema, define, definition_key
+from composer.recipe.urdf_keys import UrdfKeys
 from composer.recipe.variation_schema import add_variation
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
-MODELS: tuple[type[Model], ...] = (Recipe, Attachment, Base, Randomize)
+MODELS: tuple[type[Model], ...] = (Recipe, Attachment, Base, Randomize, UrdfKeys)
 WIDTH = 110
 
 _ORDER = (

@@ -11,6 +11,7 @@ from composer.recipe.given import Given
 from composer.recipe.in_place import ModelField
 from composer.recipe.model import Model
 from composer.recipe.text import Text
+from composer.recipe.urdf_keys import UrdfKeys
 
 
 class UsedModel(Model):
@@ -19,8 +20,11 @@ class UsedModel(Model):
     model: Annotated[str | Mapping[str, Any], ModelField()]
     """A model reference (a file relative to the recipe, `package:…`, `menagerie:…`), or a recipe written in place."""
     packages: dict[str, Annotated[str, Text("packages")]] = Field(default_factory=dict)
-    """The folders that `package://NAME` stands for in URDF: a mapping from NAME to a path relative to the recipe."""
+    """The folders that `package://NAME` stands for in URDF: a mapping from NAME to a path relative to the recipe; `"*"`
+    is a ROS workspace, all of whose packages are meant."""
+    urdf: UrdfKeys = Field(default_factory=UrdfKeys)
+    """How a URDF is read: visuals, fixed links, actuators."""
     given: Annotated[dict[str, Any], Given()] = Field(default_factory=dict, alias="with")
-    """Values of the parameters and variants of a nested recipe, by name."""
+    """Values of the parameters and variants of a nested recipe, or of the arguments of a xacro template, by name."""
     subtree: Annotated[str | None, Text("subtree")] = None
     """The one body of the model to take, with exactly what it needs; without it, the whole model."""

@@ -7,7 +7,13 @@ import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-_REFERENCE = re.compile(r"package://([^/\"'<>\s]+)/")
+from composer.reading.regular import read_regular
+
+_REFERENCE = re.compile(r"(?:package|model):///*([^/\"'<>\s]+)/|\$\(find\s+([^)\s]+)\)")
+_NAME = re.compile(rb"<name>\s*([^<\s]+)\s*</name>")
+MANIFEST = "package.xml"
+_NO_SOURCES = frozenset({"build", "install", "log", "node_modules"})
+_DEPTH = 5
 
 
 def packages_in(text: str) -> tuple[str, ...]:
@@ -16,17 +22,58 @@ def packages_in(text: str) -> tuple[str, ...]:
     >>> packages_in('<mesh filename="package://arm/a.stl"/> <mesh filename="package://arm/b.stl"/>')
     ('arm',)
     """
-    return tuple(sorted(set(_REFERENCE.findall(text))))
+    return tuple(sorted({one or other for one, other in _REFERENCE.findall(text)}))
 
 
 def folders(names: tuple[str, ...], urdf: Path, given: Mapping[str, Path]) -> dict[str, Path]:
     """Return the folder of each package: the given one, or the nearest folder of that name above the file.
 
-    ROS keeps the description of a robot in the package that provides its meshes.
+    What a folder's `package.xml` calls it counts first. ROS keeps the description of a robot in the package that its
+    meshes are named by.
     """
-    above = {folder.name: folder for folder in reversed(list(_above(urdf)))}
-    known = {**above, **given}
+    known = all_folders(urdf, given)
     return {name: known[name] for name in names if name in known}
+
+
+def all_folders(urdf: Path, given: Mapping[str, Path]) -> dict[str, Path]:
+    """Every package that a file may name: those that are given, and the folders above it by all their names."""
+    above: dict[str, Path] = {}
+    for folder in reversed(list(_above(urdf))):
+        above[folder.name] = folder
+    for folder in reversed(list(_above(urdf))):  # a clone may be called otherwise than the package in it
+        if (called := _called(folder)) is not None:
+            above[called] = folder
+    return {**above, **given}
+
+
+def in_workspace(folder: Path) -> Iterator[tuple[str, Path]]:
+    """The packages in a folder and below, by their `package.xml`, sorted by path."""
+    waiting = [(folder, 0)]
+    while waiting:
+        at, depth = waiting.pop(0)
+        if (name := _called(at)) is not None:
+            yield name, at
+            continue
+        if depth < _DEPTH and not (at / "COLCON_IGNORE").exists():
+            try:
+                inner = sorted(each for each in at.iterdir() if each.is_dir() and not each.is_symlink())
+            except OSError:
+                continue
+            waiting += [
+                (each, depth + 1)
+                for each in inner
+                if each.name not in _NO_SOURCES and not each.name.startswith(".")
+            ]
+
+
+def _called(folder: Path) -> str | None:
+    """What the `package.xml` of a folder calls its package."""
+    manifest = folder / MANIFEST
+    try:
+        found = _NAME.search(read_regular(manifest)) if manifest.is_file() else None
+    except OSError:
+        return None
+    return None if found is None else found[1].decode("utf-8", "replace")
 
 
 def beside(name: str, urdf: Path) -> Path | None:

@@ -9,6 +9,7 @@ from typing import Literal
 from composer.reading.door import NOTHING, Door
 from composer.sources.kind import Kind
 from composer.sources.origin import Origin
+from composer.sources.urdf_choices import AS_WRITTEN, UrdfChoices
 
 Format = Literal["recipe", "mjcf", "urdf"]
 
@@ -18,6 +19,7 @@ FORMATS: dict[str, Format] = {
     ".xml": "mjcf",
     ".mjcf": "mjcf",
     ".urdf": "urdf",
+    ".xacro": "urdf",
 }
 """The format of a file by its suffix in lower case."""
 
@@ -31,6 +33,7 @@ class Source:
     sha256. `licences` are the licence files of the model, sorted by name. `packages` are the folders for
     `package://NAME` in URDF, if the recipe gives them. `origin` is what the file belongs to, None for a plain path.
     `licence` is the SPDX expression of its package. `door` limits what the model may read.
+    `urdf` is how a URDF is to be read.
     """
 
     path: Path
@@ -43,6 +46,7 @@ class Source:
     origin: Origin | None = None
     licence: str | None = None
     door: Door = field(default=NOTHING, compare=False, repr=False)
+    urdf: UrdfChoices = AS_WRITTEN
 
     def __post_init__(self) -> None:
         belongs_to = self.kind if self.origin is None else self.origin.kind

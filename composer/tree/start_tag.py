@@ -63,6 +63,11 @@ class SourceText:
         lines = self._text.split("\n")
         self._starts = list(map(sum, enumerate(accumulate(map(len, lines[:-1]), initial=0))))
 
+    @property
+    def text(self) -> str:
+        """All of it, with one kind of line end."""
+        return self._text
+
     def element(self, tag: str, line: int, attributes: Mapping[str, str]) -> Stretch | None:
         """Return `<tag` of the element whose start tag ends on `line`, or None if there is none.
 

@@ -48,14 +48,22 @@ def name_fused_links(root: Node) -> None:
         holder.remove(mark)
 
 
-def locate_in_urdf(unit: Unit, robot: Node, data: bytes) -> None:
-    """Set the place in the URDF text `data` for every element of `unit`, converted from `robot`."""
-    unit.origins.texts[unit.file] = data
-    written = Origins(texts={unit.file: data})
-    for element, source in _Sources(robot).of(unit.root):
-        unit.origins.own(
-            element, partial(_place, written, unit.file, source, _VALUES.get(str(element.tag), {}))
-        )
+def locate_in_urdf(unit: Unit, robot: Node, written: Origins) -> list[tuple[Node, Node]]:
+    """Give every element of `unit`, converted from `robot`, its place in the URDF, where `written` finds it.
+
+    The pairs are those elements with the ones that they come from.
+    """
+    unit.origins.texts.update(written.texts)
+    pairs = list(_Sources(robot).of(unit.root))
+    for element, source in pairs:
+        locate_as(unit, element, source, written)
+    return pairs
+
+
+def locate_as(unit: Unit, element: Node, source: Node, written: Origins) -> None:
+    """Give an element of `unit` the place of the one in the URDF that it comes from."""
+    values = _VALUES.get(str(element.tag), {})
+    unit.origins.own(element, partial(_place, written, unit.file, source, values))
 
 
 def _place(
@@ -63,7 +71,7 @@ def _place(
 ) -> Span:
     path, name = values.get(attribute or "", (".", attribute))
     holder = source.find(path)
-    return written.span_by(file, *((source, None) if holder is None else (holder, name)))
+    return written.span(*((source, file, None) if holder is None else (holder, file, name)))
 
 
 def mesh_of(robot: Node, file: str) -> Node:

@@ -121,7 +121,8 @@ def _kept(member: PartRecord) -> str:
     """Return a name for the compiled source, shared by all parts with the same source."""
     stands = member.stands or member.source.format != "urdf"
     taken = "" if member.subtree is None else f"{member.subtree} of {member.keys is None} "
-    return f"alone {'' if stands else 'and loose '}{taken}{member.source.path}"
+    read = f"{member.source.urdf} {member.source.packages} " if member.source.format == "urdf" else ""
+    return f"alone {'' if stands else 'and loose '}{taken}{read}{member.source.path}"
 
 
 def _question(

@@ -3,26 +3,32 @@
 from __future__ import annotations
 
 from composer import engine
+from composer.diagnostics.sink import Sink
+from composer.link.measure import folder_of
 from composer.plan.part_record import PartRecord
-from composer.sources import ros_package
+from composer.tree.write import write
 
 
 def keep_source(member: PartRecord, session: engine.Session, name: str) -> str | None:
     """Keep the whole source under `name`; return a message if it cannot be read or MuJoCo refuses it."""
-    path, text = member.source.path, None
+    path = member.source.path
     if member.source.format == "urdf":
-        try:
-            names = ros_package.packages_in(member.source.door.read(path).decode("utf-8", "replace"))
-            packages = ros_package.folders(names, path, dict(member.source.packages))
-            converted = engine.convert_urdf(
-                path, packages, door=member.source.door, stands=member.stands, session=session
-            )
-        except OSError as error:
-            return f"its source cannot be read: {(error.strerror or str(error)).lower()}"
-        if (text := converted.text) is None:
-            return refused(converted.error or converted.crash)
-    file = path.name if text is None else f"{path.stem}.xml"
-    compiled = engine.compile(path.parent, file, text=text, keep=name, session=session)
+        return _keep_urdf(member, session, name)
+    compiled = engine.compile(path.parent, path.name, keep=name, session=session)
+    return None if compiled.ok else refused(compiled.error or compiled.crash)
+
+
+def _keep_urdf(member: PartRecord, session: engine.Session, name: str) -> str | None:
+    from composer.urdf.read import UrdfReader  # few recipes need it
+
+    sink = Sink()
+    unit = UrdfReader(member.source, sink, session, stands=member.stands).unit()
+    if unit is None:
+        found = sink.errors
+        return f"its source cannot be read: {found[0].message}" if found else "its source cannot be read"
+    with folder_of(unit) as folder:
+        text = write(unit.root).decode()
+        compiled = engine.compile(folder, "source.xml", text=text, keep=name, session=session)
     return None if compiled.ok else refused(compiled.error or compiled.crash)
 
 

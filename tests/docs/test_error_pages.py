@@ -122,6 +122,10 @@ NOT_A_BUILD = {
     **dict.fromkeys(("migrate-cannot", "migrate-changed", "migrate-differs", "migrate-python", "migrate-version"),
                     "of `mjcompose migrate`: tests/migrate, tests/cli/test_migrate.py"),
     **dict.fromkeys(("target-cannot", "target-failed", "target-loss"), "needs `--target`: tests/targets"),
+    **dict.fromkeys(
+        ("mesh-look", "mesh-shape", "mesh-size", "mesh-unreadable", "xacro"),
+        "needs files beside it: tests/urdf",
+    ),
     "cells-not-checked": "is a note of `check`: tests/cli/test_check.py",
     "git-revision": "needs a repository: tests/diff",
     "no-rendering": "needs a machine without OpenGL: tests/diff",

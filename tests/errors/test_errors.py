@@ -75,6 +75,8 @@ BUILT = {
     "edit_scale_zero",
     "randomize_scale_zero",
     "subtree_cut",
+    "urdf_mesh_in_millimetres",
+    "urdf_roots",
 }
 MUJOCO = "4.0"
 
@@ -106,8 +108,17 @@ OF_THIS_MUJOCO = {
 }
 
 
+# What an optional package finds.
+NEEDS = {
+    "urdf_mesh_broken": "collada",
+    **{case: "xacro" for case in CASES if "xacro" in case and case != "xacro_of_mjcf"},
+}
+
+
 @pytest.mark.parametrize("case", CASES)
 def test_error(case: str) -> None:
+    if case in NEEDS:
+        pytest.importorskip(NEEDS[case])
     if case in OF_THIS_MUJOCO and not version("mujoco").startswith(MUJOCO):
         pytest.skip("another MuJoCo builds this, or says something else of it")
     folder = HERE / case

@@ -1,0 +1,235 @@
+"""The meshes of a URDF: what MuJoCo does not read becomes OBJ, one for each material; what is implausible is said."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from math import dist
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Cause
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+from composer.engine.run import call
+from composer.engine.session import Session
+from composer.reading.refused import Refused
+from composer.urdf.converting import convert, measure
+from composer.urdf.robot import Look, Robot
+
+READ_BY_MUJOCO = ("stl", "obj", "msh")
+CONVERTED = ("dae", "glb", "gltf", "ply", "off", "3mf")
+_FOLDER = "converted"
+_MOST_FACES = 200_000
+"""Of an STL file, in MuJoCo."""
+_HUGE, _TOO_FAR, _THIN = 20.0, 50.0, 1e-6
+
+
+@dataclass(slots=True)
+class Meshes:
+    """The meshes of one robot; faults go to the sink. `texts` has what more was read."""
+
+    robot: Robot
+    session: Session
+    sink: Sink
+    shown: Any
+    files: list[Path] = field(default_factory=list)
+    taken: set[str] = field(default_factory=set)
+
+    def prepare(self) -> None:
+        """Convert what has to be, and look at what there is."""
+        wanted: dict[str, list[Node]] = {}
+        for mesh in self._used():
+            found = self.robot.file_of(str(mesh.get("filename") or ""))
+            if found is not None and found.is_file():
+                try:
+                    wanted.setdefault(self.robot.unit.door.admit(found), []).append(mesh)
+                except Refused as refused:
+                    refused.report(self.sink, self._span(mesh), shown=self.shown)
+        convertible = [path for path, meshes in wanted.items() if self._is_to_convert(path, meshes)]
+        plain = [path for path in wanted if path not in convertible and _suffix(path) in ("stl", "obj")]
+        if plain:
+            for path, facts in zip(plain, self._ask(measure, plain), strict=True):
+                if facts is not None:
+                    for mesh in wanted[path]:
+                        self._judge(mesh, Path(path), facts)
+        if convertible:
+            for path, result in zip(convertible, self._ask(convert, convertible), strict=True):
+                self._replace(Path(path), wanted[path], result)
+
+    def _ask(self, function: Any, files: list[str]) -> list[Any]:
+        door = self.robot.unit.door
+        argument = {"roots": list(door.roots), "sees_all": door.sees_all, "files": files}
+        answer = call(self.session, function, (), argument)
+        if answer.ok:
+            return list(answer.value)
+        self.sink.error(
+            "mujoco-timeout" if answer.crash == "timeout" else "mesh-unreadable",
+            f"the meshes of `{self.robot.unit.file}` cannot be read: {answer.error or answer.crash}",
+            self.robot.unit.origins.span(self.robot.root, self.robot.unit.file),
+        )
+        return [None if function is measure else {"parts": None} for _ in files]
+
+    def _used(self) -> Iterator[Node]:
+        """The meshes that come into the model."""
+        tags = ("collision", "visual") if self.robot.keeps_visuals else ("collision",)
+        for link in self.robot.root.iterchildren("link"):
+            for shape in link.iterchildren(*tags):
+                yield from shape.iterfind("geometry/mesh")
+
+    def _is_to_convert(self, path: str, meshes: list[Node]) -> bool:
+        if _suffix(path) == "obj":
+            if not any(_shape(mesh).tag == "visual" for mesh in meshes):
+                return False
+            try:
+                return b"mtllib" in self.robot.unit.door.read(path)
+            except OSError:
+                return False
+        if _suffix(path) == "stl":
+            return self._is_odd_stl(path)
+        return _suffix(path) in CONVERTED
+
+    def _is_odd_stl(self, path: str) -> bool:
+        """Whether it is text, or has more faces than MuJoCo reads."""
+        try:
+            data = self.robot.unit.door.read(path)
+        except OSError:
+            return False
+        count = int.from_bytes(data[80:84], "little")
+        is_binary = len(data) >= 84 + 50 * count and count > 0
+        return count > _MOST_FACES if is_binary else data.lstrip().startswith(b"solid") and b"vertex" in data
+
+    def _span(self, mesh: Node) -> Span:
+        return self.robot.unit.origins.span(mesh, self.robot.unit.file, "filename")
+
+    def _replace(self, path: Path, meshes: list[Node], result: dict[str, Any]) -> None:
+        span, called = self._span(meshes[0]), f"`{self.shown(path)}`"
+        if result.get("missing"):
+            if _suffix(path.name) == "obj":  # MuJoCo reads it, without its materials
+                message = f"the materials of {called} are not read: the package `{result['missing']}` is not installed"
+                self.sink.note("mesh-look", message, span, help='run `pip install "mjcompose[mesh]"`')
+                return
+            package = result["missing"]
+            message = (
+                f"MuJoCo does not read {called}, and the package `{package}`, which does, is not installed"
+            )
+            self.sink.error("not-installed", message, span, help='run `pip install "mjcompose[mesh]"`',
+                            cause=Cause(f"mesh {result['missing']}", called))  # fmt: skip
+            return
+        if (refused := result.get("refused")) is not None:
+            self.robot.unit.door.outside(refused).report(self.sink, span, shown=self.shown)
+            return
+        if result.get("parts") is None:
+            if (why := result.get("error") or result.get("unreadable")) is not None:
+                message = f"the mesh {called} cannot be read: {why}"
+                self.sink.error(
+                    "mesh-unreadable", message, span, help="open it in a viewer, and export it anew"
+                )
+            return
+        if not result["parts"]:
+            self.sink.error("mesh-unreadable", f"the mesh {called} has no triangles", span,
+                            help="export it with its faces, or take it out")  # fmt: skip
+            return
+        for name in result["lost"]:
+            message = (
+                f"the file `{name}`, which {called} names, is not found: what it gives the mesh is left out"
+            )
+            self.sink.warning("mesh-look", message, span)
+        self.files += [Path(each) for each in result["files"]]
+        names = [self._keep(path, part, len(result["parts"])) for part in result["parts"]]
+        self.robot.changed = True
+        for mesh in meshes:
+            for part in result["parts"]:
+                self._judge(mesh, path, part["measures"])
+            self._split(mesh, names)
+
+    def _keep(self, path: Path, part: dict[str, Any], of: int) -> str:
+        stem = f"{path.stem}" if of == 1 else f"{path.stem}_{{}}"
+        number, name = 0, ""
+        while not name or name in self.taken:
+            called = stem.format(number) if of > 1 else stem if not number else f"{stem}-{number + 1}"
+            name, number = f"{_FOLDER}/{called}.obj", number + 1
+        self.taken.add(name)
+        self.robot.made[name] = part["obj"].encode()
+        texture = None if part["texture"] is None else base64.b64decode(part["texture"])
+        rgba = None if part["rgba"] is None else tuple(part["rgba"])
+        self.robot.looks[name] = Look(rgba, texture)
+        return name
+
+    def _split(self, mesh: Node, names: list[str]) -> None:
+        """A shape for each part of its mesh; what the URDF says of its colour comes first."""
+        shape = _shape(mesh)
+        coloured = shape.find("material") is not None
+        for name in names:
+            one = self.robot.copied(shape) if name is not names[-1] else shape
+            if name is not names[0] and one.get("name"):
+                one.set("name", f"{one.get('name')}_{names.index(name)}")
+            inner = one.find("geometry/mesh")
+            assert inner is not None
+            inner.set("filename", name)
+            rgba = self.robot.looks[name].rgba
+            if one.tag == "visual" and not coloured and rgba is not None:
+                material = etree.SubElement(one, "material", name="")
+                etree.SubElement(material, "color", rgba=" ".join(f"{each:g}" for each in rgba))
+
+    def _judge(self, mesh: Node, path: Path, facts: dict[str, Any]) -> None:
+        """Warn of what is hardly meant."""
+        scale = _numbers(mesh.get("scale"), (1.0, 1.0, 1.0))
+        extents = [abs(factor * each) for factor, each in zip(scale, facts["extents"], strict=True)]
+        largest, span, called = max(extents), self._span(mesh), f"`{self.shown(path)}`"
+        reach = _reach(self.robot.root)
+        cause = Cause(f"size of meshes of {self.robot.unit.file}", called)
+        if largest > _HUGE and largest > _TOO_FAR * reach:
+            size, small = f"{largest:.4g} m", " ".join(f"{each / 1000:g}" for each in scale)
+            message = f"the mesh {called} is {size} long, and the joints of the robot are at most {reach:.2g} m apart"
+            help = f'if it is in millimetres, write `scale="{small}"`'
+            self.sink.warning("mesh-size", message, span, help=help, cause=cause)
+        elif largest < 1e-3 and reach > _TOO_FAR * largest and largest > 0:
+            large = " ".join(f"{each * 1000:g}" for each in scale)
+            size = f"{1000 * largest:.2g} mm"
+            message = f"the mesh {called} is {size} long, and joints of the robot are {reach:.2g} m apart"
+            help = f'if it is scaled twice, write `scale="{large}"`'
+            self.sink.warning("mesh-size", message, span, help=help, cause=cause)
+        link = _shape(mesh).getparent()
+        if _shape(mesh).tag != "collision":
+            return
+        if min(extents) <= _THIN * largest:
+            message = f"the mesh {called} is flat: it has no volume, so that nothing is inside it"
+            self.sink.warning("mesh-shape", message, span, help="use a box, or a mesh with a thickness")
+        elif facts["open"] and link is not None and link.find("inertial") is None:
+            message = (
+                f"the mesh {called} is open ({facts['open']} of {facts['edges']} edges have no second face),"
+                f" and the mass of the link `{link.get('name')}` is computed from it"
+            )
+            self.sink.warning(
+                "mesh-shape", message, span, help="give the link an `<inertial>`, or close the mesh"
+            )
+
+
+def _shape(mesh: Node) -> Node:
+    geometry = mesh.getparent()
+    shape = None if geometry is None else geometry.getparent()
+    assert shape is not None
+    return shape
+
+
+def _suffix(path: str) -> str:
+    return path.rpartition(".")[2].lower()
+
+
+def _reach(root: Node) -> float:
+    """The largest distance of two joints that follow on each other, at least 0.1 m."""
+    origins = (each.get("xyz") for each in root.iterfind("joint/origin"))
+    return max([0.1, *(dist((0, 0, 0), _numbers(each, (0.0, 0.0, 0.0))) for each in origins)])
+
+
+def _numbers(text: str | None, otherwise: tuple[float, ...]) -> tuple[float, ...]:
+    try:
+        found = tuple(float(each) for each in (text or "").split())
+    except ValueError:
+        return otherwise
+    return found if len(found) == len(otherwise) else otherwise

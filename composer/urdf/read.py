@@ -1,0 +1,299 @@
+"""A URDF file or a xacro template becomes a unit; whatever is wrong is reported at its place in the file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Note, Severity
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
+from composer.diagnostics.suggest import exists_note
+from composer.diagnostics.unknown import unknown_attribute
+from composer.engine.session import Session
+from composer.engine.urdf import PACKAGE, Converted, convert_urdf
+from composer.grammar import GRAMMAR
+from composer.mujoco_errors.message import CRASHES, parse
+from composer.reading.refused import Refused
+from composer.scratch import scratch
+from composer.sources import ros_package
+from composer.sources.source import Source
+from composer.tree.admitted import includes_admitted
+from composer.tree.files import written_path
+from composer.tree.parse import parse_text, parse_xml, read_file
+from composer.tree.unit import Unit
+from composer.tree.urdf import locate_in_urdf, mesh_of, name_fused_links
+from composer.urdf import inertia
+from composer.urdf.actuators import add_actuators
+from composer.urdf.extras import Extras
+from composer.urdf.fault import explain, named_in
+from composer.urdf.looks import add_looks
+from composer.urdf.meshes import Meshes
+from composer.urdf.report import Reading
+from composer.urdf.robot import Robot, known_packages
+from composer.urdf.template import Template, is_template, owned, parsed
+
+_READ = ("compiler", "option", "size")
+"""The sections of `<mujoco>` that MuJoCo reads in URDF."""
+Shown = Callable[[Path], str]
+
+
+@dataclass(slots=True)
+class UrdfReader:
+    """Reads URDF for one caller: faults go to the sink, with a note of where it was `asked` for.
+
+    `missing` reports meshes that do not exist; it gets the robot and what MuJoCo said. `folder_of_package` says how the
+    caller writes a folder beside `model`.
+    """
+
+    source: Source
+    sink: Sink
+    session: Session | None = None
+    shown: Shown = str
+    asked: Span | None = None
+    stands: bool = True
+    missing: Callable[[Robot, Converted], None] | None = None
+    relative: Shown = str
+    reading: Reading = field(default_factory=Reading)
+    robot: Robot | None = None
+
+    def unit(self) -> Unit | None:
+        """The unit of the file; None where it has faults."""
+        with ExitStack() as stack:
+            if self.session is None:
+                self.session = stack.enter_context(Session())
+            return self._unit(stack)
+
+    def _unit(self, stack: ExitStack) -> Unit | None:
+        robot = self._robot()
+        if robot is None or not self._is_urdf(robot):
+            return None
+        self.robot = robot
+        written, before = robot.unit, self.sink.error_count
+        if not includes_admitted(written, self.sink, self.shown):
+            return None
+        self._report_unread(robot)
+        choices = self.source.urdf
+        if choices.visuals is not None:
+            robot.set("discardvisual", "false" if choices.visuals == "keep" else "true")
+        if choices.fixed is not None:
+            robot.set("fusestatic", "false" if choices.fixed == "keep" else "true")
+        robot.simplified()
+        assert self.session is not None
+        meshes = Meshes(robot, self.session, self.sink, self.shown)
+        meshes.prepare()
+        if self.sink.error_count > before:
+            return None
+        converted = self._converted(robot, stack)
+        if (
+            converted is not None
+            and converted.text is None
+            and converted.crash is None
+            and choices.inertia == "mend"
+        ):
+            # Only now: what MuJoCo accepts is left as it is.
+            converted = self._converted(robot, stack, inertia.mend(robot, self.sink))
+        if converted is None:
+            return None
+        for warning in converted.warnings:
+            self.sink.warning(
+                "mujoco-warning", f"MuJoCo warns: {warning}", self._span(named_in(warning, robot.root))
+            )
+        if converted.text is None:
+            self._refused(robot, converted)
+            return None
+        self._report_roots(robot)
+        for path in meshes.files:
+            robot.unit.origins.texts.setdefault(self.shown(path), None)
+        return self._completed(robot, converted.text)
+
+    def _robot(self) -> Robot | None:
+        """The tree of the URDF, of a template the one that it stands for."""
+        source, sink = self.source, self.sink
+        shown = self.shown(source.path)
+        data = read_file(source.path, sink, source.door, file=shown, span=self.asked)
+        if data is None:
+            return None
+        given = dict(source.packages)
+        if not is_template(source.path, data):
+            if source.urdf.arguments:
+                name = source.urdf.arguments[0][0]
+                message = f"`with` gives `{name}`, and `{shown}` is no template for xacro"
+                sink.error("unknown-name", message, self.asked, help="take `with` out")
+                return None
+            root = parse_xml(data, shown, sink)
+            if root is None:
+                return None
+            unit = Unit(root, shown, source.path.parent, source.path.stem, door=source.door)
+            unit.origins.texts[shown] = data
+            return Robot(
+                unit, source.path, known_packages(data.decode("utf-8", "replace"), source.path, given)
+            )
+        assert self.session is not None
+        packages = ros_package.all_folders(source.path, given)
+        arguments = dict(source.urdf.arguments)
+        expanded = Template(source.path, source.door, packages, arguments, self.shown).expanded(self.session)
+        for each in expanded.found:
+            notes = (*each.notes, *self._asked()) if each.severity is Severity.ERROR else each.notes
+            sink.add(replace(each, notes=notes))
+        if expanded.package is not None:
+            self._unknown_package(expanded.package, expanded.at)
+        if expanded.text is None:
+            return None
+        root = parsed(expanded.text)
+        label = source.path.name.partition(".")[0]
+        unit = Unit(root, shown, source.path.parent, label, door=source.door)
+        for path in (source.path, *expanded.files):
+            unit.origins.texts[self.shown(path)] = path
+        owned(root, expanded.owners, unit.origins)
+        text = expanded.text.decode("utf-8", "replace")
+        return Robot(unit, source.path, known_packages(text, source.path, given), changed=True)
+
+    def _converted(self, robot: Robot, stack: ExitStack, massless: Sequence[str] = ()) -> Converted | None:
+        """What MuJoCo makes of it; None for a mesh that it may not read."""
+        text = robot.text()
+        try:
+            return convert_urdf(
+                self.source.path, robot.packages, door=robot.unit.door, stands=self.stands, text=text,
+                made=self._written(robot, stack), massless=massless, session=self.session,
+            )  # fmt: skip
+        except Refused as refused:
+            span = self._span(mesh_of(robot.root, refused.path), "filename")
+            refused.report(self.sink, span, self._asked(), self.shown)
+            return None
+
+    def _written(self, robot: Robot, stack: ExitStack) -> dict[str, Path]:
+        """The meshes that were made, as files."""
+        if not robot.made:
+            return {}
+        folder = stack.enter_context(scratch("meshes"))
+        found = {name: folder / name for name in robot.made}
+        for name, path in found.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(robot.made[name])
+        return found
+
+    def _completed(self, robot: Robot, text: str) -> Unit:
+        """The unit with what MuJoCo does not read of a URDF, and with the places of everything."""
+        written = robot.unit
+        unit = parse_text(
+            text,
+            self.sink,
+            file=written.file,
+            directory=self.source.path.parent,
+            label=written.label,
+            door=written.door,
+        )
+        assert unit is not None, "MuJoCo writes MJCF"
+        unit.origins.texts.clear()
+        name_fused_links(unit.root)
+        pairs = locate_in_urdf(unit, robot.root, written.origins)
+        unit.contents = {
+            written_path(unit.settings, mesh, str(mesh.get("file"))): robot.made[str(mesh.get("file"))]
+            for mesh in unit.root.iterfind("asset/mesh")
+            if mesh.get("file") in robot.made
+        }
+        made: dict[Node, list[Node]] = {}
+        for element, source in pairs:
+            made.setdefault(source, []).append(element)
+        known = Extras(written, unit, made).add()
+        known |= add_looks(robot, unit, pairs, self.sink)
+        known |= add_actuators(written, unit, self.source.urdf.actuators, self.sink)
+        self.reading.ordinary(robot.root, robot.keeps_visuals, known)
+        self.reading.note(written, self.sink)
+        return unit
+
+    def _error(self, code: str, message: str, element: Node | None = None, attribute: str | None = None,
+               *, notes: tuple[Note, ...] = (), help: str | None = None) -> None:  # fmt: skip
+        assert self.robot is not None
+        span = self._span(self.robot.root if element is None else element, attribute)
+        self.sink.error(code, message, span, notes=(*notes, *self._asked()), help=help)
+
+    def _span(self, element: Node, attribute: str | None = None, *, key: bool = False) -> Span:
+        assert self.robot is not None
+        return self.robot.unit.origins.span(element, self.robot.unit.file, attribute, key=key)
+
+    def _asked(self) -> tuple[Note, ...]:
+        return () if self.asked is None else (Note("the recipe takes it from here", self.asked),)
+
+    def _is_urdf(self, robot: Robot) -> bool:
+        root, shown = robot.root, robot.unit.file
+        self.robot = robot
+        if root.tag != "robot":
+            help = "end its name in `.xml`" if root.tag == "mujoco" else "a URDF file begins with `<robot>`"
+            self._error(
+                "not-urdf", f"`{shown}` is not a URDF: its root is `<{root.tag}>`, not `<robot>`", help=help
+            )
+        return root.tag == "robot"
+
+    def _report_roots(self, robot: Robot) -> None:
+        """Warn of links that were probably to hang on another one: for MuJoCo each stands in the world."""
+        children = {str(each.get("link")) for each in robot.root.iterfind("joint/child")}
+        roots = [link for link in robot.root.iterchildren("link") if str(link.get("name")) not in children]
+        if len(roots) > 1:
+            names = ", ".join(f"`{link.get('name')}`" for link in roots[:8])
+            self.sink.warning(
+                "urdf-roots",
+                f"{len(roots)} links hang on nothing, and a URDF has one such link: {names}",
+                self._span(roots[1], "name"),
+                help="write a `<joint>` to each but one; in MuJoCo all stand in the world",
+            )
+
+    def _report_unread(self, robot: Robot) -> None:
+        """Warn of what MuJoCo passes over in `<mujoco>`, typing errors included."""
+        for section in robot.root.iterfind("mujoco/*"):
+            tag = str(section.tag)
+            if tag not in _READ:
+                message = f"MuJoCo does not read `<{tag}>` in the `<mujoco>` of URDF"
+                note = exists_note("section", _READ, tag)
+                span = self._span(section)
+                self.sink.warning(
+                    "unknown-element", message, span, notes=(note,), help="write it into the recipe"
+                )
+                continue
+            known = list(GRAMMAR.section(tag).attributes)
+            for name in map(str, section.keys()):
+                if name not in known:
+                    span, otherwise = self._span(section, name, key=True), f"take `{name}` out"
+                    found = unknown_attribute(name, f"`<{tag}>`", known, span, otherwise=otherwise)
+                    self.sink.add(replace(found, severity=Severity.WARNING))
+
+    def _refused(self, robot: Robot, converted: Converted) -> None:
+        """One fault for each mesh that is not to be had; if all are, what MuJoCo says."""
+        if converted.crash is not None:
+            code = CRASHES.get(converted.crash, "mujoco-crash")
+            message = f"`{robot.unit.file}` by itself: {converted.error or converted.crash}"
+            self.sink.error(code, message, self.asked)
+            return
+        before = self.sink.error_count
+        unknown: dict[str, Node] = {}
+        for file in converted.meshes:
+            if file.startswith(PACKAGE):
+                unknown.setdefault(file.removeprefix(PACKAGE).partition("/")[0], mesh_of(robot.root, file))
+        for name, mesh in unknown.items():
+            self._unknown_package(name, self._span(mesh, "filename"))
+        if self.missing is not None:
+            self.missing(robot, converted)
+        if self.sink.error_count == before:
+            inertia.report(robot, self.sink, self._asked())
+        if self.sink.error_count == before:
+            found = explain(parse(converted.error or ""), robot.root, self._span)
+            self.sink.add(replace(found, notes=(*found.notes, *self._asked())))
+
+    def _unknown_package(self, name: str, at: Span | None) -> None:
+        near = ros_package.beside(name, self.source.path)
+        folder = "PATH" if near is None else self.relative(near)
+        known = [each for each, _ in self.source.packages]
+        note = Note(f"no folder above `{self.shown(self.source.path)}` is called `{name}`")
+        notes = (note, exists_note("package", known, name)) if known else (note,)
+        self.sink.error(
+            "asset-missing",
+            f"the package `{name}` is not known",
+            at,
+            notes=(*notes, *self._asked()),
+            help=f"say beside `model` where it is: `packages: {{{name}: {folder}}}`",
+        )

@@ -1,0 +1,229 @@
+"""A template for xacro becomes the URDF that it stands for, each of whose elements keeps its place in the template."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from composer.diagnostics.diagnostic import Diagnostic, Note, Severity
+from composer.diagnostics.span import Span
+from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.engine.run import call
+from composer.engine.session import Session
+from composer.limits import advice, in_force
+from composer.reading.door import Door
+from composer.tree.origin import Origins
+from composer.tree.start_tag import SourceText
+from composer.urdf.expanding import expand
+
+_PREFIX = "xacro:"
+_NAMESPACE = re.compile(rb"\bxmlns:xacro\s*=|<xacro:")
+
+
+@dataclass(frozen=True, slots=True)
+class Expanded:
+    """The text, where each of its elements comes from, the files that were read, and what is remarkable.
+
+    Without a text there is an error among the `found`. `package` is one that is not known, and `at` where it is used.
+    """
+
+    text: bytes | None
+    owners: tuple[Span, ...] = ()
+    files: tuple[Path, ...] = ()
+    found: tuple[Diagnostic, ...] = ()
+    package: str | None = None
+    at: Span | None = None
+
+
+def is_template(path: Path, data: bytes) -> bool:
+    """Whether a file is for xacro, by its name or by what it holds."""
+    return path.suffix.lower() == ".xacro" or _NAMESPACE.search(data) is not None
+
+
+@dataclass(frozen=True, slots=True)
+class Template:
+    """A file for xacro, the values of its arguments, and what it may read."""
+
+    path: Path
+    door: Door
+    packages: Mapping[str, Path]
+    arguments: Mapping[str, str]
+    shown: object
+
+    def expanded(self, session: Session) -> Expanded:
+        argument = {
+            "path": str(self.path.absolute()),
+            "roots": list(self.door.roots),
+            "sees_all": self.door.sees_all,
+            "packages": {name: folder.absolute().as_posix() for name, folder in self.packages.items()},
+            "arguments": dict(self.arguments),
+            "elements": int(in_force().elements),
+        }
+        answer = call(session, expand, (), argument)
+        here = Span(self._name(self.path), 1, 1)
+        if not answer.ok:
+            code = "mujoco-timeout" if answer.crash == "timeout" else "xacro"
+            message = f"the template cannot be expanded: {answer.error or answer.crash}"
+            return Expanded(None, found=(Diagnostic(code, message, here),))
+        value = answer.value
+        if value.get("missing"):
+            message = "this is a template for xacro, and the package `xacro` is not installed"
+            missing = Diagnostic("not-installed", message, here, help='run `pip install "mjcompose[xacro]"`')
+            return Expanded(None, found=(missing,))
+        files = [Path(each) for each in value["files"]]
+        if "error" in value:
+            return self._failed(value["error"], files)
+        places = [self._span(each, files) for each in value["places"]]
+        warnings = [
+            Diagnostic("xacro", f"xacro warns: {text}", Span(self._name(Path(file)), 1, 1), Severity.WARNING)
+            for text, file in value["warnings"]
+        ]
+        if value["unused"]:
+            return Expanded(
+                None, files=tuple(files), found=(self._unused(value["unused"][0], value["arguments"]),)
+            )
+        return Expanded(value["text"].encode(), tuple(places), tuple(files), tuple(warnings))
+
+    def _name(self, path: Path) -> str:
+        assert callable(self.shown)
+        return str(self.shown(path))
+
+    def _span(self, place: list[object], files: list[Path]) -> Span:
+        number, line, column, tag = place
+        assert isinstance(number, int) and isinstance(line, int) and isinstance(column, int)
+        length = len(str(tag)) + 1 if tag else 1
+        return Span(self._name(files[number]), line, column + 1, line, column + 1 + length)
+
+    def _unused(self, name: str, arguments: list[str]) -> Diagnostic:
+        message = f"the template has no argument `{name}`"
+        note = exists_note("argument", arguments, name)
+        help = did_you_mean(name, arguments) or f"take `{name}` out of `with`"
+        return Diagnostic(
+            "unknown-name", message, Span(self._name(self.path), 1, 1), notes=(note,), help=help
+        )
+
+    def _failed(self, error: dict[str, object], files: list[Path]) -> Expanded:
+        at = error["at"]
+        span = self._span(at, files) if isinstance(at, list) else Span(self._name(self.path), 1, 1)
+        calls = error["calls"]
+        assert isinstance(calls, list)
+        notes = [Note("called from here", self._span(each, files)) for each in calls]
+        message, subject = str(error["message"]), str(error["subject"])
+        code, help = "xacro", None
+        match error["code"]:
+            case "package":
+                return Expanded(None, files=tuple(files), package=subject, at=span)
+            case "argument":
+                help = f"write beside `model`: `with: {{{subject}: …}}`"
+            case "environment":
+                help = "make it an argument of the template: `<xacro:arg>`, and `with` in the recipe"
+            case "unsafe":
+                help = "templates may calculate, and nothing else: write it without"
+            case "limit":
+                code, help = "limit-exceeded", advice("elements")
+            case "file":
+                code = "asset-missing" if "no such file" in message else "file-unreadable"
+                message = f"the file `{self._name(Path(subject))}` does not exist"
+                if code == "file-unreadable":
+                    message = f"the file `{self._name(Path(subject))}` cannot be read: {error['message']}"
+                help = "compare the path with what is on the disk"
+            case "refused":
+                code = "source-outside"
+                refused = self.door.outside(subject)
+                message, help = refused.message(), refused.help
+            case "syntax":
+                code = "xml-syntax"
+        return Expanded(
+            None, files=tuple(files), found=(Diagnostic(code, message, span, notes=tuple(notes), help=help),)
+        )
+
+
+def owned(root: Node, owners: tuple[Span, ...], origins: Origins) -> None:
+    """Give every element of the expanded tree its place in the template."""
+    for element, owner in zip(root.iter("*"), owners, strict=True):
+        origins.own(
+            element,
+            partial(_place, origins, owner, {str(name): str(value) for name, value in element.items()}),
+        )
+
+
+def _place(origins: Origins, owner: Span, attributes: dict[str, str], attribute: str | None) -> Span:
+    """The element, or its attribute, if that is written there and not only in what a macro is given."""
+    text = origins.text(owner.file) if attribute in attributes else None
+    found = text and _attribute_from(text, owner, str(attribute))
+    return found or owner
+
+
+def _attribute_from(text: SourceText, owner: Span, attribute: str) -> Span | None:
+    lines = text.text.split("\n")[owner.line - 1 :]
+    if not lines:
+        return None
+    lines[0] = " " * (owner.column - 1) + lines[0][owner.column - 1 :]
+    tag = re.match(r"""\s*<(?:[^>"']|"[^"]*"|'[^']*')*>""", "\n".join(lines[:100]))
+    found = tag and re.search(rf"""[\s]{re.escape(attribute)}\s*=\s*(?:"([^"]*)"|'([^']*)')""", tag.group())
+    if not found:
+        return None
+    start, end = found.span(1 if found.group(1) is not None else 2)
+    before = found.string[:start]
+    line, column = before.count("\n"), start - (before.rfind("\n") + 1)
+    return Span(owner.file, owner.line + line, column + 1, owner.line + line, column + 1 + (end - start))
+
+
+_WRITTEN = re.compile(rb"""(?:filename\s*=\s*["']|load_yaml\(\s*["'])([^"'<>]*)["']""")
+_FIND = re.compile(r"\$\(find\s+([^)\s]+)\)")
+_VALUE = re.compile(r"\$\{[^}]*\}|\$\([^)]*\)")
+
+
+def files_named(path: Path, data: bytes, door: Door, packages: Mapping[str, Path]) -> Iterator[Path]:
+    """The files that a template names, and those that these name; where a value is in a path, all that fit.
+
+    It is for what must be known before the template is expanded. What is expanded says itself what it has read.
+    """
+    waiting, seen = [(path, data)], {path}
+    while waiting:
+        file, content = waiting.pop()
+        for each in _WRITTEN.findall(content):
+            for found in _named(each.decode("utf-8", "replace"), file, packages):
+                if found in seen or not door.sees(found) or not found.is_file():
+                    continue
+                seen.add(found)
+                yield found
+                if found.suffix in (".xacro", ".urdf", ".xml", ".yaml", ".yml"):
+                    try:
+                        waiting.append((found, door.read(found)))
+                    except OSError:
+                        continue
+
+
+def _named(written: str, file: Path, packages: Mapping[str, Path]) -> Iterator[Path]:
+    text = _FIND.sub(lambda found: str(packages.get(found[1], f"/{found[1]}")), written)
+    for scheme in ("package://", "model://"):
+        if text.startswith(scheme):
+            name, _, inside = text.removeprefix(scheme).partition("/")
+            text = f"{packages.get(name, '/' + name)}/{inside}"
+    text = text.removeprefix("file://")
+    path = Path(text) if text.startswith("/") else file.parent / text
+    if not _VALUE.search(text):
+        yield path
+        return
+    parts = [_VALUE.sub("*", part) for part in path.parts]
+    first = next(i for i, part in enumerate(parts) if "*" in part)
+    folder = Path(*parts[:first])
+    if folder.is_dir() and len(folder.parts) > 1:
+        yield from sorted(folder.glob("/".join(parts[first:])))
+
+
+def packages_found(data: bytes) -> tuple[str, ...]:
+    """The packages that a template looks for with `$(find NAME)`."""
+    return tuple(sorted(set(_FIND.findall(data.decode("utf-8", "replace")))))
+
+
+def parsed(text: bytes) -> Node:
+    """The tree of a text that was made here."""
+    return etree.fromstring(text, etree.XMLParser(huge_tree=True, resolve_entities=False, no_network=True))

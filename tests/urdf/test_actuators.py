@@ -1,0 +1,125 @@
+"""Actuators for what a URDF says is commanded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from urdf.parts import ARM, joint, link, robot
+
+from composer.urdf.read import UrdfReader
+
+Reader = Callable[..., UrdfReader]
+
+
+def actuators(reader: UrdfReader) -> list[dict[str, str]]:
+    unit = reader.unit()
+    assert unit is not None, [each.message for each in reader.sink.errors]
+    found = unit.root.find("actuator")
+    return [] if found is None else [{"tag": each.tag, **dict(each.attrib)} for each in found]
+
+
+def control(*joints: str) -> str:
+    return f'<ros2_control name="c" type="system"><hardware/>{"".join(joints)}</ros2_control>'
+
+
+def commanded(name: str, *interfaces: str, inside: str = "") -> str:
+    tags = "".join(f'<command_interface name="{each}"/>' for each in interfaces)
+    return f'<joint name="{name}">{tags}<state_interface name="position"/>{inside}</joint>'
+
+
+def test_an_interface_without_gains_is_a_motor_of_the_joints_effort(reader: Reader) -> None:
+    text = robot(*ARM, control(commanded("shoulder", "position"), commanded("elbow", "position", "effort")))
+    assert actuators(reader("r.urdf", text)) == [
+        {"tag": "motor", "name": name, "joint": name, "ctrlrange": "-20 20"} for name in ("shoulder", "elbow")
+    ]
+
+
+def test_gains_make_servos(reader: Reader) -> None:
+    pid = '<param name="kp">300</param><param name="kd">12.5</param>'
+    text = robot(*ARM, control(commanded("shoulder", "position", inside=pid),
+                               commanded("elbow", "velocity", inside='<param name="kv">4</param>')))  # fmt: skip
+    assert actuators(reader("r.urdf", text)) == [
+        {
+            "tag": "position",
+            "name": "shoulder",
+            "joint": "shoulder",
+            "kp": "300",
+            "kv": "12.5",
+            "ctrlrange": "-1 1.5",
+        },
+        {"tag": "velocity", "name": "elbow", "joint": "elbow", "kv": "4", "ctrlrange": "-2 2"},
+    ]
+
+
+def test_the_range_of_an_interface_and_soft_limits_count(reader: Reader) -> None:
+    soft = '<safety_controller k_velocity="1" soft_lower_limit="-0.5" soft_upper_limit="0.75"/>'
+    effort = '<joint name="elbow"><command_interface name="effort"><param name="min">-3</param><param name="max">4</param></command_interface></joint>'
+    text = robot(
+        *ARM[:3],
+        joint("shoulder", "base", "upper", soft),
+        ARM[4],
+        control(commanded("shoulder", "position", inside='<param name="p">9</param>'), effort),
+    )
+    assert [each["ctrlrange"] for each in actuators(reader("r.urdf", text))] == ["-0.5 0.75", "-3 4"]
+
+
+@pytest.mark.parametrize("kind", ["<type>transmission_interface/SimpleTransmission</type>", ""])
+def test_a_transmission_has_a_gear(reader: Reader, kind: str) -> None:
+    attribute = "" if kind else ' type="pr2_mechanism_model/SimpleTransmission"'
+    text = robot(
+        *ARM,
+        f'<transmission name="t"{attribute}>{kind}<joint name="elbow"><hardwareInterface>hardware_interface/EffortJointInterface'
+        '</hardwareInterface></joint><actuator name="m"><mechanicalReduction>50</mechanicalReduction></actuator></transmission>',
+    )
+    assert actuators(reader("r.urdf", text)) == [
+        {"tag": "motor", "name": "elbow", "joint": "elbow", "gear": "50", "ctrlrange": "-0.4 0.4"}
+    ]
+
+
+def test_other_transmissions_are_in_the_table(reader: Reader) -> None:
+    text = robot(
+        *ARM,
+        '<transmission name="t"><type>x/DifferentialTransmission</type><joint name="elbow"/></transmission>',
+    )
+    read = reader("r.urdf", text)
+    assert actuators(read) == []
+    assert [row.what for row in read.reading.rows.values() if row.why][:1] == ["joint/limit"] or any(
+        row.what == "transmission" and row.why for row in read.reading.rows.values()
+    )
+
+
+def test_what_mimics_and_what_is_fixed_has_none(reader: Reader) -> None:
+    text = robot(
+        *ARM[:4],
+        joint("elbow", "upper", "fore", '<mimic joint="shoulder"/>'),
+        link("tip"),
+        joint("tip", "fore", "tip", kind="fixed"),
+        control(*(commanded(each, "effort") for each in ("shoulder", "elbow", "tip"))),
+    )
+    assert [each["name"] for each in actuators(reader("r.urdf", text))] == ["shoulder"]
+
+
+def test_a_joint_that_does_not_exist_is_a_warning(reader: Reader) -> None:
+    read = reader("r.urdf", robot(*ARM, control(commanded("elbw", "effort"))))
+    assert actuators(read) == []
+    (found,) = (each for each in read.sink.sorted() if each.code == "unknown-name")
+    assert found.help == 'did you mean `name="elbow"`?'
+
+
+@pytest.mark.parametrize(
+    ("choice", "names"), [("none", []), ("all", ["shoulder", "elbow"]), ("declared", ["elbow"])]
+)
+def test_the_choice(reader: Reader, choice: str, names: list[str]) -> None:
+    text = robot(*ARM, control(commanded("elbow", "effort")))
+    assert sorted(each["name"] for each in actuators(reader("r.urdf", text, actuators=choice))) == sorted(
+        names
+    )
+
+
+def test_an_actuator_knows_its_place(reader: Reader) -> None:
+    read = reader("r.urdf", robot(*ARM, control(commanded("elbow", "effort"))))
+    unit = read.unit()
+    assert unit is not None
+    (motor,) = unit.root.iterfind("actuator/motor")
+    assert unit.origins.span(motor, unit.file).line == 7

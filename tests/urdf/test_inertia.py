@@ -1,0 +1,94 @@
+"""Inertias that no body can have."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from urdf.parts import ARM, joint, link, robot
+
+from composer.urdf.inertia import eigen
+from composer.urdf.read import UrdfReader
+
+Reader = Callable[..., UrdfReader]
+
+
+def inertial(mass: float, *diagonal: float, xy: float = 0.0) -> str:
+    x, y, z = diagonal
+    return f'<inertial><mass value="{mass}"/><inertia ixx="{x}" iyy="{y}" izz="{z}" ixy="{xy}" ixz="0" iyz="0"/></inertial>'
+
+
+def test_eigen_is_that_of_numpy() -> None:
+    random = np.random.default_rng(0)
+    for _ in range(100):
+        half = random.normal(size=(3, 3)) * 10.0 ** random.integers(-6, 3)
+        tensor = half @ half.T
+        values, axes = eigen(tensor.tolist())
+        assert np.allclose(values, np.linalg.eigvalsh(tensor), rtol=1e-9, atol=1e-12 * values[2])
+        assert np.allclose(
+            np.array(axes) @ np.diag(values) @ np.array(axes).T, tensor, atol=1e-12 * values[2]
+        )
+
+
+BROKEN = {
+    "triangle": inertial(1, 0.1, 0.1, 0.5),
+    "negative": inertial(1, 0.1, 0.1, 0.1, xy=0.2),
+    "flat": inertial(1, 0.0, 0.1, 0.1),
+}
+
+
+@pytest.mark.parametrize("broken", BROKEN.values(), ids=BROKEN)
+def test_it_is_an_error_at_its_place(reader: Reader, broken: str) -> None:
+    read = reader("r.urdf", robot(ARM[0], link("upper", broken), *ARM[2:]))
+    assert read.unit() is None
+    (error,) = read.sink.errors
+    assert (error.code, error.span and error.span.line) == ("urdf-inertia", 3)
+    assert "`upper`" in error.message and "mend" in str(error.help)
+
+
+@pytest.mark.parametrize("broken", BROKEN.values(), ids=BROKEN)
+def test_it_is_mended_with_a_warning(reader: Reader, broken: str) -> None:
+    read = reader("r.urdf", robot(ARM[0], link("upper", broken), *ARM[2:]), inertia="mend")
+    unit = read.unit()
+    assert unit is not None, [each.message for each in read.sink.errors]
+    assert [each.code for each in read.sink.sorted()][:1] == ["urdf-inertia"]
+    (upper,) = (body for body in unit.root.iter("body") if body.get("name") == "upper")
+    found = upper.find("inertial")
+    assert found is not None and found.get("mass") == "1"
+
+
+def test_the_axes_stay_and_the_large_moments_too(reader: Reader) -> None:
+    read = reader(
+        "r.urdf", robot(ARM[0], link("upper", inertial(1, 0.1, 0.2, 0.5)), *ARM[2:]), inertia="mend"
+    )
+    unit = read.unit()
+    assert unit is not None
+    (upper,) = (body for body in unit.root.iter("body") if body.get("name") == "upper")
+    found = upper.find("inertial")
+    assert found is not None
+    moments = sorted(
+        float(each) for each in str(found.get("diaginertia") or found.get("fullinertia")).split()[:3]
+    )
+    assert moments == pytest.approx([0.2, 0.3, 0.5])
+
+
+def test_a_link_that_moves_without_mass(reader: Reader) -> None:
+    parts = (
+        ARM[0],
+        link("virtual", ""),
+        ARM[1],
+        joint("a", "base", "virtual"),
+        joint("b", "virtual", "upper"),
+    )
+    read = reader("r.urdf", robot(*parts))
+    assert read.unit() is None and [each.code for each in read.sink.errors] == ["urdf-inertia"]
+    assert reader("r.urdf", robot(*parts), inertia="mend").unit() is not None
+
+
+def test_what_mujoco_accepts_is_not_touched(reader: Reader) -> None:
+    zeros = inertial(0, 0, 0, 0)
+    parts = (*ARM, link("tip", zeros), joint("tip", "fore", "tip", kind="fixed"))
+    read = reader("r.urdf", robot(*parts), inertia="mend")
+    assert read.unit() is not None
+    assert "urdf-inertia" not in {each.code for each in read.sink.sorted()}

@@ -1,0 +1,208 @@
+"""Meshes that MuJoCo does not read, and those that are hardly meant as they are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from urdf.parts import ARM, INERTIAL, link, robot
+
+from composer.urdf.read import UrdfReader
+
+Reader = Callable[..., UrdfReader]
+DATA = Path(__file__).parent / "data"
+CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+FACES = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]
+
+
+def obj(scale: float = 0.2, *, flat: bool = False, faces: int = 4) -> str:
+    rows = [f"v {scale * x} {scale * y} {0 if flat else scale * z}" for x, y, z in CORNERS]
+    rows += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in FACES[:faces]]
+    return "\n".join(rows) + "\n"
+
+
+def ascii_stl() -> str:
+    rows = ["solid wedge"]
+    for face in FACES:
+        rows += ["facet normal 0 0 0", "outer loop"]
+        rows += [f"vertex {0.2 * CORNERS[k][0]} {0.2 * CORNERS[k][1]} {0.2 * CORNERS[k][2]}" for k in face]
+        rows += ["endloop", "endfacet"]
+    return "\n".join([*rows, "endsolid"]) + "\n"
+
+
+def shape(file: str, tag: str = "collision", inside: str = "") -> str:
+    return f'<{tag}><geometry><mesh filename="{file}"/></geometry>{inside}</{tag}>'
+
+
+def told(read: UrdfReader) -> list[str]:
+    read.unit()
+    return [each.code for each in read.sink.sorted() if each.code != "urdf-unread"]
+
+
+@pytest.mark.parametrize(
+    ("mesh", "inertial", "codes"),
+    [
+        (obj(), INERTIAL, []),
+        (obj(300.0), INERTIAL, ["mesh-size"]),
+        (obj(0.0005), INERTIAL, ["mesh-size"]),
+        (obj(faces=3), INERTIAL, []),
+        (obj(faces=3), "", ["mesh-shape"]),
+    ],
+    ids=["plausible", "in millimetres", "scaled twice", "open beside an inertial", "open"],
+)
+def test_what_is_plausible(
+    reader: Reader, tmp_path: Path, mesh: str, inertial: str, codes: list[str]
+) -> None:
+    (tmp_path / "m.obj").write_text(mesh)
+    assert told(reader("r.urdf", robot(ARM[0], link("upper", inertial + shape("m.obj")), *ARM[2:]))) == codes
+
+
+def test_a_flat_mesh(reader: Reader, tmp_path: Path) -> None:
+    (tmp_path / "m.obj").write_text(obj(flat=True))
+    assert "mesh-shape" in told(
+        reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + shape("m.obj")), *ARM[2:]))
+    )
+
+
+def test_the_help_for_millimetres_is_right(reader: Reader, tmp_path: Path) -> None:
+    (tmp_path / "m.obj").write_text(obj(300.0))
+    read = reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + shape("m.obj")), *ARM[2:]))
+    read.unit()
+    (warning,) = (each for each in read.sink.sorted() if each.code == "mesh-size")
+    assert warning.help == 'if it is in millimetres, write `scale="0.001 0.001 0.001"`'
+    assert warning.span and warning.span.line == 3
+
+
+def test_stl_as_text(reader: Reader, tmp_path: Path) -> None:
+    (tmp_path / "m.stl").write_text(ascii_stl())
+    unit = reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + shape("m.stl")), *ARM[2:])).unit()
+    assert unit is not None
+    (mesh,) = unit.root.iterfind("asset/mesh")
+    assert mesh.get("file") == "converted/m.obj" and unit.contents["converted/m.obj"].count(b"\nf ") == 4  # type: ignore[union-attr]
+
+
+COLLADA = """<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+ <asset><unit name="centimeter" meter="0.01"/><up_axis>Z_UP</up_axis></asset>
+ <library_effects>{effects}</library_effects><library_materials>{materials}</library_materials>
+ <library_geometries>{geometries}</library_geometries>
+ <library_visual_scenes><visual_scene id="s">{nodes}</visual_scene></library_visual_scenes>
+ <scene><instance_visual_scene url="#s"/></scene>
+</COLLADA>"""
+
+
+def collada(*colours: str) -> str:
+    """A wedge for each colour, 20 cm large."""
+    given: dict[str, list[str]] = {"effects": [], "materials": [], "geometries": [], "nodes": []}
+    for k, colour in enumerate(colours):
+        given["effects"].append(
+            f'<effect id="e{k}"><profile_COMMON><technique sid="t"><lambert><diffuse><color>{colour}</color></diffuse>'
+            "</lambert></technique></profile_COMMON></effect>"
+        )
+        given["materials"].append(
+            f'<material id="m{k}" name="m{k}"><instance_effect url="#e{k}"/></material>'
+        )
+        places = " ".join(f"{20 * x + k} {20 * y} {20 * z}" for x, y, z in CORNERS)
+        corners = " ".join(str(each) for face in FACES for each in face)
+        given["geometries"].append(
+            f'<geometry id="g{k}"><mesh><source id="p{k}"><float_array id="a{k}" count="12">{places}</float_array>'
+            f'<technique_common><accessor source="#a{k}" count="4" stride="3"><param name="X" type="float"/>'
+            '<param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>'
+            f'<vertices id="v{k}"><input semantic="POSITION" source="#p{k}"/></vertices>'
+            f'<triangles count="4" material="s{k}"><input semantic="VERTEX" source="#v{k}" offset="0"/><p>{corners}</p>'
+            "</triangles></mesh></geometry>"
+        )
+        given["nodes"].append(
+            f'<node id="n{k}"><instance_geometry url="#g{k}"><bind_material><technique_common>'
+            f'<instance_material symbol="s{k}" target="#m{k}"/></technique_common></bind_material></instance_geometry></node>'
+        )
+    return COLLADA.format(**{name: "".join(each) for name, each in given.items()})
+
+
+def test_collada_becomes_a_geom_for_each_material(reader: Reader, tmp_path: Path) -> None:
+    pytest.importorskip("collada")
+    (tmp_path / "m.dae").write_text(collada("1 0 0 1", "0 0 1 1"))
+    looks = shape("m.dae", "visual")
+    unit = reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + looks), *ARM[2:]), visuals="keep").unit()
+    assert unit is not None
+    assert sorted(str(geom.get("rgba")) for geom in unit.root.iter("geom")) == ["0 0 1 1", "1 0 0 1"]
+    assert {geom.get("contype") for geom in unit.root.iter("geom")} == {"0"}
+    heights = [
+        max(float(line.split()[3]) for line in content.decode().splitlines() if line.startswith("v "))  # type: ignore[union-attr]
+        for content in unit.contents.values()
+    ]
+    assert heights == pytest.approx([0.2, 0.2])  # the file is in centimetres
+
+
+def test_the_colour_of_the_urdf_comes_first(reader: Reader, tmp_path: Path) -> None:
+    pytest.importorskip("collada")
+    (tmp_path / "m.dae").write_text(collada("1 0 0 1"))
+    looks = shape("m.dae", "visual", '<material name="g"><color rgba="0 1 0 1"/></material>')
+    unit = reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + looks), *ARM[2:]), visuals="keep").unit()
+    assert unit is not None
+    assert [geom.get("rgba") for geom in unit.root.iter("geom")] == ["0 1 0 1"]
+
+
+def picture(path: Path, colour: tuple[int, int, int] = (200, 10, 10)) -> None:
+    from PIL import Image
+
+    Image.new("RGB", (4, 4), colour).save(path)
+
+
+def test_obj_with_its_materials(reader: Reader, tmp_path: Path) -> None:
+    pytest.importorskip("trimesh")
+    picture(tmp_path / "skin.png")
+    (tmp_path / "m.mtl").write_text("newmtl skin\nKd 1 1 1\nmap_Kd skin.png\nnewmtl blue\nKd 0 0 1\n")
+    corners = "\n".join(f"v {0.2 * x} {0.2 * y} {0.2 * z}" for x, y, z in CORNERS)
+    more = "\n".join(f"v {0.2 * x + 1} {0.2 * y} {0.2 * z}" for x, y, z in CORNERS)
+    first = "\n".join("f " + " ".join(f"{k + 1}/1" for k in face) for face in FACES)
+    second = "\n".join("f " + " ".join(f"{k + 5}/1" for k in face) for face in FACES)
+    (tmp_path / "m.obj").write_text(
+        f"mtllib m.mtl\n{corners}\n{more}\nvt 0.5 0.5\nusemtl skin\n{first}\nusemtl blue\n{second}\n"
+    )
+    read = reader(
+        "r.urdf", robot(ARM[0], link("upper", INERTIAL + shape("m.obj", "visual")), *ARM[2:]), visuals="keep"
+    )
+    unit = read.unit()
+    assert unit is not None, [each.message for each in read.sink.errors]
+    geoms = list(unit.root.iter("geom"))
+    textured = [geom for geom in geoms if geom.get("material")]
+    assert len(geoms) == 2 and len(textured) == 1
+    assert [geom.get("rgba") for geom in geoms if not geom.get("material")] == ["0 0 1 1"]
+    (texture,) = unit.root.iterfind("asset/texture")
+    assert unit.contents[str(texture.get("file"))].startswith(b"\x89PNG")  # type: ignore[union-attr]
+
+
+def test_a_texture_of_urdf(reader: Reader, tmp_path: Path) -> None:
+    picture(tmp_path / "skin.png")
+    box = '<visual><geometry><box size="1 1 1"/></geometry><material name="skin"/></visual>'
+    material = '<material name="skin"><texture filename="skin.png"/></material>'
+    read = reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + box), *ARM[2:], material), visuals="keep")
+    unit = read.unit()
+    assert unit is not None
+    assert [geom.get("material") for geom in unit.root.iter("geom")] == ["skin"]
+    assert any(row.what == "material/texture" and row.became for row in read.reading.rows.values())
+
+
+@pytest.mark.parametrize(("content", "code"), [("<COLLADA", "mesh-unreadable"), (None, "asset-missing")])
+def test_a_mesh_that_cannot_be_read(reader: Reader, tmp_path: Path, content: str | None, code: str) -> None:
+    pytest.importorskip("collada")
+    if content is not None:
+        (tmp_path / "m.dae").write_text(content)
+    read = reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + shape("m.dae")), *ARM[2:]))
+    if code == "asset-missing":
+        read.missing = lambda robot, converted: read.sink.error("asset-missing", str(converted.meshes))
+    assert read.unit() is None
+    assert [each.code for each in read.sink.errors] == [code]
+
+
+def test_a_mesh_may_not_name_files_outside(reader: Reader, tmp_path: Path) -> None:
+    pytest.importorskip("trimesh")
+    (tmp_path / "m.mtl").write_text("newmtl skin\nmap_Kd /etc/hostname\n")
+    (tmp_path / "m.obj").write_text(f"mtllib m.mtl\nusemtl skin\nvt 0 0\n{obj()}")
+    read = reader(
+        "r.urdf", robot(ARM[0], link("upper", INERTIAL + shape("m.obj", "visual")), *ARM[2:]), visuals="keep"
+    )
+    assert read.unit() is None
+    assert [each.code for each in read.sink.errors] == ["source-outside"]
