@@ -1,4 +1,4 @@
-"""What a build depends on where it runs: this very code, the interpreter, and variables that lead to models."""
+"""What a build depends on in its environment: this code, the interpreter, and variables that lead to models."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _PACKAGE = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
 
 
 def _stamp() -> str:
-    """A hash of the sizes and times of all files of the package, for reading all of them takes longer than to ask."""
+    """Return a hash of the sizes and times of the package's files, which is faster than reading them."""
     return hashlib.sha256(repr(list(_files())).encode()).hexdigest()
 
 
 def tool_version(store: Path) -> str:
-    """The version and a hash of all files of the package: in a checkout code changes and the version does not.
+    """Return the version and a hash of all files of the package.
 
-    The hash is kept in the store by the files' sizes and times.
+    In a checkout the code changes without the version. The hash is stored by the files' sizes and times.
     """
     stamp = _stamp()
     known = blobs.get(store, "asked", stamp)
@@ -46,7 +46,7 @@ def tool_version(store: Path) -> str:
 
 
 def python_version() -> str:
-    """The interpreter, and where its packages are."""
+    """Return the version of the interpreter, and the place of its packages."""
     return f"{sys.version.split()[0]} in {sys.prefix}"
 
 
@@ -57,10 +57,10 @@ def environment_parts(environment: Mapping[str, str]) -> dict[str, str]:
 
 
 def _files() -> Iterator[tuple[str, int, int]]:
-    """Path, size and time of each file that decides what is built."""
+    """Yield path, size and time of each file that affects builds."""
     yield from _below(_PACKAGE)
     with contextlib.suppress(OSError):
-        # Where a checkout has the grammar.
+        # The grammar's place in a checkout.
         yield _stamped(os.path.join(os.path.dirname(_PACKAGE), "schemas", "mjcf.json"))
 
 

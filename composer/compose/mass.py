@@ -1,4 +1,4 @@
-"""The mass of a body, for edits: its whole inertia, scaled consistently, however it is given."""
+"""Change the mass of a body: its whole inertia is scaled consistently, in whichever way it is given."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _DEFAULT = Settings()
 
 
 class Masses:
-    """The masses of selected bodies; MuJoCo is asked once for those that only it knows."""
+    """The masses of the selected bodies; one call to MuJoCo measures those that the tree does not determine."""
 
     def __init__(self, editing: Editing, bodies: Collection[Node]) -> None:
         self.editing, self.bodies = editing, bodies

@@ -1,4 +1,4 @@
-"""A recipe to a plan: references resolved, nested recipes planned, every step in its order."""
+"""Plan a recipe: resolve references, plan nested recipes, and put every step in its order."""
 
 from __future__ import annotations
 
@@ -40,13 +40,13 @@ from composer.sources.resolve import resolve
 from composer.sources.source import Source
 
 Outer = tuple[tuple[Path, "Span | None"], ...]
-"""The recipe files that one is nested in, outermost first, each with the place that names it."""
+"""The recipe files around a nested one, outermost first, each with the place that names it."""
 
 
 def make_plan(
     recipe: Path, context: Context, given: Given | None = None, sample: int = 0, name: str | None = None
 ) -> Plan | None:
-    """What a build of the recipe will do; None where it or what it refers to is at fault.
+    """Return what a build of the recipe will do, or None if it or something that it refers to has errors.
 
     `name` and `sample` are as in `plan_what_remains`.
     """
@@ -58,17 +58,17 @@ def make_plan(
 def plan_what_remains(
     recipe: Path, context: Context, given: Given | None = None, name: str | None = None, sample: int = 0
 ) -> Plan | None:
-    """The plan without what is at fault, in which later stages can look for more; None without a base.
+    """Return the plan without its faulty pieces, so that later stages can find more errors; None without a base.
 
-    `name` is that of a cell of the matrix; without it, the recipe's own, and the matrix is looked at too. `sample`
-    counts the draws, 0 has none.
+    `name` is that of a cell of the matrix; without it, the recipe's own, and the matrix is checked too. `sample`
+    selects the draws; 0 has none.
     """
     if use_lock(recipe, context) is None:
         return None
     path = context.folder / recipe
     try:
         plan = _Planner(context).plan(path, (), given=given or {}, name=name, sample=sample)
-    except RecursionError:  # where the limit `nesting` was raised
+    except RecursionError:  # if the limit `nesting` was raised
         context.sink.error(
             "not-supported", f"recipes that `{recipe}` leads to stand too deep inside one another"
         )
@@ -84,7 +84,7 @@ def plan_what_remains(
 
 @dataclass(frozen=True, slots=True)
 class _Found:
-    """A recipe that was read: of a file, or `at` a path in one."""
+    """A recipe that was read from a file, or from the path `at` in a file."""
 
     path: Path
     recipe: Recipe
@@ -113,7 +113,7 @@ class _Planner:
         sample: int = 0,
         source: Source | None = None,
     ) -> Plan | None:
-        """The plan of one recipe; `outer` are the recipes it is nested in, outermost first."""
+        """Return the plan of one recipe; `outer` are the recipes around it, outermost first."""
         key = Path(os.path.realpath(path))
         if any(each == key for each, _ in outer):
             ring = [each.name for each, _ in outer[[each for each, _ in outer].index(key) :]]
@@ -163,7 +163,7 @@ class _Planner:
         source: Source | None = None,
         extended: tuple[tuple[Source, Span], ...] = (),
     ) -> Plan | None:
-        """The plan of a recipe that was read, with its base and its parts planned; `at` is where it is in its file."""
+        """Return the plan of a recipe that was read, with its base and parts planned; `at` is its path in the file."""
         recipe, document, concrete = found.recipe, found.document, found.concrete
         base = self._base(found, inside)
         parts = without_rings(tuple(self._parts(found, inside)), recipe.separator, self.sink)
@@ -200,7 +200,7 @@ class _Planner:
         return plan if self._may_have(plan) else None
 
     def _may_nest(self, depth: int, span: Span | None) -> bool:
-        """Whether one more recipe may be planned: recipes that use one another twice each would have no end."""
+        """Return whether one more recipe may be planned: nesting two recipes in each level grows exponentially."""
         limits = in_force()
         self.nested += 1
         if depth > limits.nesting:
@@ -212,7 +212,7 @@ class _Planner:
         return depth <= limits.nesting and self.nested <= limits.parts
 
     def _may_have(self, plan: Plan) -> bool:
-        """Whether a plan has not too many parts, copies and those of nested recipes counted."""
+        """Return whether a plan is within the limit of parts, including copies and parts of nested recipes."""
         inner = [1 + self._size_of(part.model) for part in plan.parts]
         size = sum(inner) + self._size_of(plan.base.model)
         self.sizes[id(plan)] = plan, size
@@ -244,7 +244,7 @@ class _Planner:
         return found.recipe, found.document, found.concrete
 
     def _readings(self, path: Path, recipe: Recipe, document: Mapping, concrete: Concrete | None) -> Readings:
-        """How bare angles are read: in a file that says nothing, as nothing."""
+        """Return how bare angles are read; a file without a setting allows none."""
         whole = Reading(recipe.angle, recipe.eulerseq)
         files = self.context.recipes[path].said
         if concrete is None or len(files) < 2:
@@ -300,7 +300,7 @@ class _Planner:
         around: _Found,
         inside: Outer,
     ) -> Source | Plan | None:
-        """What the mapping at `at` asks for: a source, or the plan of a nested recipe."""
+        """Return the model for the mapping at `at`: a source, or the plan of a nested recipe."""
         document, outer = around.document, around.recipe
         written = find(document, (*at, "model"))
         if not isinstance(asked.model, str):
@@ -340,7 +340,7 @@ class _Planner:
         return replace(source, packages=packages, door=door)
 
     def _in_place(self, at: KeyPath, model: Mapping, around: _Found, inside: Outer) -> Plan | None:
-        """The plan of a recipe that is written where a model is named."""
+        """Return the plan of a recipe that is written in place of a model reference."""
         for key, what in (("with", "recipes in files"), ("packages", "URDF")):
             if find(around.document, (*at, key)) is not None:
                 self._only_for(key, what, "a model in place", around.document, at)
@@ -380,7 +380,7 @@ class _Planner:
     def _packages(
         self, packages: Map[str, str], document: Mapping, at: tuple[str | int, ...]
     ) -> Iterator[tuple[str, Path]]:
-        """The folders of the packages that a URDF refers to."""
+        """Yield the folders of the packages that a URDF refers to."""
         for name, written in packages.items():
             span = locate(document, (*at, "packages", name))
             folder = folder_of(span, self.context) / written

@@ -1,4 +1,4 @@
-"""All types of steps, in the order in which they are carried out: settings, classes, and what may use them."""
+"""All types of steps in the order in which they are carried out: settings, classes, and what may use them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ STEPS: tuple[type[Step], ...] = (
     WriteKeyframe,
     SetCollisions,
 )
-# What the planner itself reads: the settings of the whole recipe, and what is composed and verified.
+# Keys that the planner reads itself: settings of the whole recipe, and what is composed and verified.
 _PLANNED = "recipe name description angle eulerseq separator conflict allow base attach check motors".split()
 
 for _each in STEPS:
@@ -41,6 +41,6 @@ check_rows(
 
 
 def steps_of(written: Written) -> Iterator[Step]:
-    """The steps of a recipe, in the order in which they are carried out."""
+    """Yield the steps of a recipe, in the order in which they are carried out."""
     for each in STEPS:
         yield from each.of(written)
