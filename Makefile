@@ -120,6 +120,7 @@ schemas: $(STAMP)
 	@$(BIN)/mjcompose schema reference > build/reference.md && mv build/reference.md docs/
 	@$(BIN)/python -m composer.targets.markdown
 	@$(BIN)/python -m composer.migrate.markdown
+	@$(BIN)/python -m composer.recipe.motor_table
 	@$(BIN)/python -m composer.recipe.key_order > build/key_order.json && mv build/key_order.json composer/formatting/
 
 # Pins of every test dependency for every supported Python; needs uv.

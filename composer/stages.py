@@ -17,11 +17,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from composer import engine
 from composer.bundle.assemble import Checked, Making, assemble, described
@@ -224,8 +225,36 @@ def _verified(
                 from composer.verify.checks import run_checks  # numpy comes along, and every kind of check
 
                 renamed = renamed_in(composed.model, composed.members)
-                run_checks(plan, composed.members, session, context, merged, renamed, hear)
+                elsewhere = _of_targets(bundle, plan, session, context)
+                size = sum(map(len, bundle.files.values()))
+                run_checks(
+                    plan,
+                    composed.members,
+                    session,
+                    context,
+                    merged,
+                    renamed,
+                    hear,
+                    size=size,
+                    elsewhere=elsewhere,
+                )
     return compiled
+
+
+def _of_targets(
+    bundle: Bundle, plan: Plan, session: Session, context: Context
+) -> Mapping[str, Callable[[dict[str, Any]], Any]]:
+    """What carries out the checks about targets, if there is one."""
+    from composer.recipe.check import KINDS
+    from composer.verify.compiles import WHOLE
+    from composer.verify.nested import checks_in
+
+    if not any(KINDS[check.word].of_target for _, check in checks_in(plan)):
+        return {}
+    from composer.targets.checks import CHECKS, Work  # few recipes have such checks
+
+    work = Work(bundle, WHOLE, session, context.environment)
+    return {word: partial(check, work) for word, check in CHECKS.items()}
 
 
 def _with_table(

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from composer.sources import blobs
 from composer.sources.kinds import KINDS
+from composer.targets.names import CONSUMERS
 from composer.version import __version__
 
 if TYPE_CHECKING:
@@ -50,8 +51,8 @@ def python_version() -> str:
 
 
 def environment_parts(environment: Mapping[str, str]) -> dict[str, str]:
-    """Return the variables that affect model references, by their names for the user."""
-    names = sorted({name for kind in KINDS for name in kind.variables})
+    """The variables that decide which file a model reference stands for, or what reads a model back."""
+    names = sorted({CONSUMERS, *(name for kind in KINDS for name in kind.variables)})
     return {f"the variable `{name}`": environment[name] for name in names if name in environment}
 
 
@@ -72,7 +73,7 @@ def _below(folder: str) -> Iterator[tuple[str, int, int]]:
         if entry.is_dir():
             if entry.name != "__pycache__":
                 yield from _below(entry.path)
-        elif entry.name.endswith((".py", ".json")):
+        elif entry.name.endswith((".py", ".json", ".yaml")):
             yield _stamped(entry.path)
 
 

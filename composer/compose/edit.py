@@ -17,7 +17,9 @@ from composer.compose.edit_cost import of_values
 from composer.compose.edit_values import POLYNOMIALS, Unusable, Values
 from composer.compose.editing import Editing, is_angular
 from composer.compose.elements import settle_joints, update
+from composer.compose.inertia import inertia
 from composer.compose.mass import Masses
+from composer.compose.motor import motor
 from composer.compose.move import move
 from composer.compose.reference_check import refer_to_top_class
 from composer.compose.remove import remove, what_it_is
@@ -135,6 +137,17 @@ def _convert(work: _Entry, value: Any, at: Path) -> None:
     convert(work.editing, work.found, value, at)
 
 
+def _inertia(work: _Entry, value: Any, at: Path) -> None:
+    inertia(work.editing, work.masses, work.found, value, at)
+
+
+def _motor(work: _Entry, value: Any, at: Path) -> None:
+    def put(node: Node, index: int, values: Mapping[str, Any]) -> None:
+        Change(work.editing, "set", work.masses).carry_out(node, index, values, at)
+
+    motor(work.editing, work.found, value, at, put)
+
+
 def _move(work: _Entry, value: Any, at: Path) -> None:
     pose = {name: each for name, each in value.items() if name != "to"}
     for index, node in enumerate(work.found):
@@ -157,7 +170,9 @@ _CARRY_OUT: Mapping[str, Callable[[_Entry, Any, Path], None]] = {
     "set": _assigning("set"),
     "scale": _scale,
     "offset": _assigning("offset"),
+    "inertia": _inertia,
     "convert": _convert,
+    "motor": _motor,
     "move": _move,
     "rename": _rename,
     "remove": _remove,

@@ -18,6 +18,7 @@ from composer.grammar.attribute import Attribute
 from composer.link.layout import JOINTS
 from composer.link.linking import Linking
 from composer.recipe.fault import Path
+from composer.recipe.motors import Motor
 from composer.tree.classes import Classes
 from composer.tree.effective import text_in_effect
 from composer.tree.kinds import kind_of, section_of
@@ -31,10 +32,10 @@ _LAID_OUT = (*JOINTS, "default")
 
 @dataclass(eq=False)
 class Editing:
-    """A model that is edited: a single unit, or the flat model.
+    """A model that is edited: one unit alone, or the flat one.
 
-    `parts` has the part of each element, `scope` the values of the recipe's parameters. `cost` is the cost of all
-    edits of the composition so far.
+    `parts` has the part of each element, `scope` the values of the recipe's parameters, `motors` its data sheets.
+    `cost` is what the edits of the whole composition have cost.
     """
 
     linking: Linking
@@ -43,6 +44,7 @@ class Editing:
     parts: Mapping[Node, str] = field(default_factory=dict)
     own: bool = False
     cost: EditCost = field(default_factory=EditCost)
+    motors: Mapping[str, Motor] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.linking.keys.edited = True

@@ -73,7 +73,7 @@ class Masses:
                 subjects=self.editing.subjects(body),
             )
             raise Unusable
-        self._settle()
+        self.settle()
         self._scale(body, factor, at)
 
     @cached_property
@@ -91,11 +91,14 @@ class Masses:
             editing.sink.add(each)
         return found, ""
 
-    def _settle(self) -> None:
-        """Rules that change a model after its bodies are written out as what they give, before a body is changed."""
+    def settle(self, *rules: str) -> None:
+        """Rules that change a model after its bodies are written out as what they give, before a body is changed.
+
+        Without `rules` those that change all bodies.
+        """
         editing = self.editing
         unit = editing.linking.flat()
-        if all(getattr(unit.settings, name) == getattr(_DEFAULT, name) for name in MEASURED):
+        if all(getattr(unit.settings, name) == getattr(_DEFAULT, name) for name in rules or MEASURED):
             return
         before = editing.sink.error_count
         with without_keys(unit.root):

@@ -112,7 +112,8 @@ class Changes:
                 self.linking.watch(self.linking.units, step)
 
     def _editing(self) -> Editing:
-        return Editing(self.linking, self.making, self.plan.scope, self.parts, cost=self.cost)
+        plan = self.plan
+        return Editing(self.linking, self.making, plan.scope, self.parts, cost=self.cost, motors=plan.motors)
 
     def _edited_beside(self, step: EditElements, editing: Editing, keys: list[Node]) -> list[Node]:
         """Carry out an edit with keys in the model that are replaced afterwards; gives those that still are."""

@@ -72,7 +72,7 @@ class OwnEdits:
             unit.settings.angle, unit.settings.eulerseq, self.context.folder, unit.file, unit.origins,
             self.context.door_of_text,
         )  # fmt: skip
-        return Editing(linking, making, plan.scope, own=True, cost=self.cost)
+        return Editing(linking, making, plan.scope, own=True, cost=self.cost, motors=plan.motors)
 
     def _dropped(self, editing: Editing) -> list[Left]:
         at = (*self.wanted.at, "drop")

@@ -19,6 +19,7 @@ CODES: dict[str, str] = {
     "cluster-unreachable": "there is no cluster at an address, or it was lost",
     "cluster-worker": "a worker of a cluster cannot make the models that this machine would make",
     "compiler-setting": "a compiler setting cannot be kept or may not be set",
+    "consumer-missing": "a program in which a model is to be read back is not installed",
     "convert-loss": "an actuator is converted to a kind that cannot do all that it did",
     "draw-at-run-time": "a model that is compiled cannot have everything that is drawn",
     "expression": "an expression cannot be read or has no value",

@@ -23,6 +23,7 @@ from composer.recipe.checks.kind import Check
 from composer.recipe.drop import Drop
 from composer.recipe.edit import Edit
 from composer.recipe.fault import Path as KeyPath
+from composer.recipe.motors import Motor
 from composer.recipe.randomize import Randomize
 from composer.sources.source import Source
 
@@ -89,6 +90,8 @@ class Plan:
     steps: tuple[Step, ...]
     settled: frozenset[str]
     checks: tuple[Check, ...] = ()
+    motors: Mapping[str, Motor] = field(default_factory=dict)
+    """The data sheets of motors that the recipe has."""
     scope: Mapping[str, Value] = field(default_factory=dict)
     """The parameters of the recipe and the chosen variants, by name."""
     randomize: Randomize | None = None

@@ -191,6 +191,7 @@ class _Planner:
             scope=concrete.scope if concrete else {},
             variants=concrete.variants if concrete else {},
             checks=recipe.check,
+            motors=recipe.motors,
             randomize=randomize,
             sample=sample,
             drawn=drawn,

@@ -9,13 +9,17 @@ from typing import Any
 from composer.diagnostics.suggest import advised, closest, exists_note
 from composer.recipe.checks import (
     actuated,
+    budget,
     clear,
     equal,
     exists,
     limits,
+    loads,
     mass,
     no_penetration,
+    plausible,
     reachable,
+    runs_on,
     size,
     stable,
     unchanged,
@@ -42,8 +46,12 @@ KINDS: dict[str, Kind] = {
         reachable,
         limits,
         actuated,
+        plausible,
         equal,
         unchanged,
+        budget,
+        runs_on,
+        loads,
     )
 }
 SEVERITY = "severity"

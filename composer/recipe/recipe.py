@@ -24,6 +24,7 @@ from composer.recipe.fault import Fault
 from composer.recipe.form import Form
 from composer.recipe.keyframe import Keyframe, Keyframes
 from composer.recipe.model import Model
+from composer.recipe.motors import Motor, Motors
 from composer.recipe.randomize import Randomize
 from composer.recipe.reference import Schema
 from composer.recipe.settings import Settings
@@ -127,6 +128,9 @@ class Recipe(Model):
     """Sensors: a mapping from their names."""
     custom: Annotated[tuple[Element, ...], ByTag("custom")] = ()
     """Custom numbers, texts and tuples: by tag, a mapping from their names."""
+    motors: Annotated[Mapping[str, Motor], Motors()] = Field(default_factory=dict)
+    """Data sheets of motors for the verb `motor` of `edit`: a mapping from their names to torque, speed, gear,
+    inertia and source."""
     edit: Annotated[tuple[Edit, ...], Edits()] = ()
     """Ordered changes to the model, by selectors, when everything else is in place."""
     keyframe: Annotated[tuple[Keyframe, ...], Keyframes("keyframe")] = ()

@@ -18,6 +18,7 @@ FEATURES: Mapping[str, str] = {
     "cameras": "cameras",
     "lights": "lights",
     "collisions": "contacts between shapes of all kinds",
+    "margins": "margins of contacts with meshes and height fields",
     "pairs": "contact pairs",
     "excludes": "excluded contacts",
     "equality": "equality constraints",
@@ -29,6 +30,13 @@ FEATURES: Mapping[str, str] = {
     "keys": "keyframes",
     "soft": "flexes and skins",
     "plugins": "plugins",
+    "gravity": "gravity that is not 0 0 -9.81",
+    "gravcomp": "gravity compensation of bodies",
+    "contacts": "softness, margins and friction of contacts",
+    "bits": "which geoms collide: `contype` and `conaffinity`",
+    "softness": "softness and margins of joint limits",
+    "computing": "time step, integrator, friction cone, medium, flags",
+    "options": "all integrators and solvers",
     "custom": "custom numbers, texts and tuples",
 }
 """By name: words for people. What is not listed, every target keeps: kinematics, inertia, limits, boxes, meshes, …"""

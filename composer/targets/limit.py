@@ -16,6 +16,7 @@ class Outcome(StrEnum):
     WRITTEN = "written otherwise"
     PARTLY = "partly"
     LEFT_OUT = "left out"
+    SOME_REFUSED = "some refused"
     REFUSED = "refused"
 
 

@@ -13,6 +13,9 @@ NAMES = (
     "newton",
     "genesis",
     "mjx",
+    "warp",
     "isaac",
     "urdf",
 )
+CONSUMERS = "MJCOMPOSE_CONSUMERS"
+"""The variable that names the folder with environments in which models are read back, one for each program."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -12,6 +12,7 @@ from composer.compiled.affected_arrays import arrays_of
 from composer.compiled.difference import EXTRA, MISSING, Difference
 from composer.context import Context
 from composer.diagnostics.diagnostic import Diagnostic, Note, Severity
+from composer.diagnostics.fault import Fault
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.document.node import Scalar, find, locate
@@ -35,7 +36,13 @@ from composer.verify.report import causes, changed, notes
 # The codes of failed checks; all other codes are errors in the check itself.
 _NOT_HELD = ("check-failed", "part-changed")
 
-check_rows("the checks that composer/verify/kinds/ask.py runs", [*CHECKS, Unchanged.word], KINDS)
+check_rows(
+    "the checks that composer/verify/kinds/ask.py runs",
+    [*CHECKS, Unchanged.word],
+    [word for word, kind in KINDS.items() if not kind.of_target],
+)
+Elsewhere = Callable[[dict[str, Any]], tuple[Sequence[Fault], dict[str, Any]]]
+"""A check that is carried out elsewhere: of what it asks for, the findings and what was found."""
 
 
 def run_checks(
@@ -46,10 +53,14 @@ def run_checks(
     merged: Merged,
     renamed: Renamed,
     hear: Hear | None = None,
+    *,
+    size: int = 0,
+    elsewhere: Mapping[str, Elsewhere] | None = None,
 ) -> None:
     """Run every check on the model that the session keeps, and report those that fail to the sink.
 
-    `hear` is called with the outcome of each check, in the order of the recipe.
+    `hear` is called with what came of each check, in the order of the recipe. `size` is that of the files of the model,
+    in bytes; `elsewhere` carries out the checks that are about targets.
     """
     judge, kept = Judge(session, merged, renamed), True
     drawn = sorted({array for step in plan.draws if step.sample for array in arrays_of_draw(step)})
@@ -57,8 +68,10 @@ def run_checks(
         own = replace(context, sink=Sink())
         if isinstance(check, Unchanged):
             values = _unchanged(check, recipe, members, plan.separator, judge, own, drawn)
+        elif KINDS[check.word].of_target:
+            values = _ask_elsewhere(check, recipe, elsewhere or {}, own)
         else:
-            kept, values = _ask(check, recipe, members, session, own)
+            kept, values = _ask(check, recipe, members, session, own, size)
         reported = tuple(_as_severe(each, check, recipe) for each in own.sink.diagnostics)
         for diagnostic in reported:
             context.sink.add(diagnostic)
@@ -84,15 +97,35 @@ def _as_severe(found: Diagnostic, check: Check, recipe: Nested) -> Diagnostic:
     return replace(found, severity=Severity.WARNING) if warns and found.code in _NOT_HELD else found
 
 
+def _ask_elsewhere(
+    check: Check, recipe: Nested, elsewhere: Mapping[str, Elsewhere], context: Context
+) -> dict[str, Any]:
+    findings, values = elsewhere[check.word](asdict(check))  # type: ignore[call-overload]
+    for finding in findings:
+        _report_finding(finding, check, recipe, context)
+    return values
+
+
+def _report_finding(finding: Fault, check: Check, recipe: Nested, context: Context) -> None:
+    span = locate(recipe.plan.document, (*check.at, check.word, *finding.at), key=not finding.at)
+    message = f"check `{recipe.part}{check.name}`: {finding.message}"
+    context.sink.error(finding.code, message, span, notes=finding.notes, help=finding.help)
+
+
 def _ask(
-    check: Check, recipe: Nested, members: Sequence[PartRecord], session: engine.Session, context: Context
+    check: Check,
+    recipe: Nested,
+    members: Sequence[PartRecord],
+    session: engine.Session,
+    context: Context,
+    size: int,
 ) -> tuple[bool, dict[str, Any]]:
     """Run a check on the compiled model, in the process that keeps it.
 
     Return whether that process still keeps the model, and the values that the check found.
     """
     angle = recipe.plan.readings.at((*check.at, check.word, "value")).angle
-    asked = {**asdict(check), "angle": angle, "frame": recipe.frame(members)}  # type: ignore[call-overload]
+    asked = {**asdict(check), "angle": angle, "frame": recipe.frame(members), "bytes": size}  # type: ignore[call-overload]
     about = f"check `{recipe.part}{check.name}`"
     if KINDS[check.word].needs_world and asked["frame"] is None:
         message = (
@@ -110,10 +143,7 @@ def _ask(
         context.sink.error(code, message, _place(check, recipe), notes=notes)
         return not answer.crash, {}
     for finding in map(from_json, answer.value["findings"]):
-        path = (*check.at, check.word, *finding.at)
-        span = locate(recipe.plan.document, path, key=not finding.at)
-        message = f"{about}: {finding.message}"
-        context.sink.error(finding.code, message, span, notes=finding.notes, help=finding.help)
+        _report_finding(finding, check, recipe, context)
     return True, answer.value["values"]
 
 

@@ -38,6 +38,10 @@ SEVERAL = {
     "several_names",
     "several_stages",
     "check_failed",
+    "budget_of_nothing",
+    "motors_sheet",
+    "runs_on_lacks",
+    "runs_on_misspelt",
     "check_names",
     "check_nested",
     "files_beside_others",
@@ -97,6 +101,7 @@ def told(context: Context) -> str:
 # An older MuJoCo fuses the links of a URDF without a trace, and has elements that this one has not.
 OF_THIS_MUJOCO = {
     "urdf_clash",
+    "runs_on_lacks",  # MuJoCo 3 has no pid
     "urdf_fused_link",
     "element_of_older_mujoco",
     "attribute_of_older_mujoco",

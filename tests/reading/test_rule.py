@@ -44,6 +44,8 @@ ALLOWED = {
     "recipe/reference_page.py": "the examples of this package",
     "processes/worker.py": "its own standard output",
     "reading/regular.py": "the door",
+    "recipe/motor_table.py": "a page of this project",
+    "recipe/motors.py": "a table of this package",
     "scratch.py": "locks of folders of ours",
     "sources/blobs.py": "the store",
     "sources/descriptions.py": "the head of a repository that a package keeps",
@@ -60,6 +62,12 @@ ALLOWED = {
     "starting/write.py": "what stands where the project is to be",
     "targets/aim.py": "what MuJoCo's process has just written into a folder of ours",
     "targets/markdown.py": "a page of this project",
+    "targets/reading.py": "what a program has just written into a folder of ours",
+    "targets/readers/drake.py": "runs in an environment of its own, on a model in a folder of ours",
+    **{
+        f"targets/readers/{name}.py": "the same"
+        for name in ("mjx", "newton", "pinocchio", "pybullet", "warp")
+    },
     "targets/plain/files.py": "the bundle, in a folder of ours",
     "verify/world_table.py": "what MuJoCo's process has just written into a folder of ours",
     "verify/worlds.py": "writes",

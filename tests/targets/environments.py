@@ -10,16 +10,11 @@ import sys
 import venv
 from pathlib import Path
 
+from composer.targets.reading import READERS
+
 FOLDER = Path(__file__).parents[2] / "build" / "consumers"
-READERS = Path(__file__).parent / "readers"
-PACKAGES = {
-    "drake": ("drake",),
-    "pinocchio": ("pin",),
-    "pybullet": ("numpy", "pybullet"),
-    "newton": ("newton", "trimesh", "scipy"),
-    "mjx": ("mujoco-mjx",),
-}
-"""By the name of the reader. Genesis needs Torch with CUDA, and Isaac Sim a GPU: neither is tested."""
+PACKAGES = {reader.program: reader.packages for reader in READERS.values()}
+"""By the name of the program. Genesis needs Torch with CUDA, and Isaac Sim a GPU: neither is tested."""
 
 
 def python_of(name: str) -> Path:

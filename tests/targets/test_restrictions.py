@@ -8,10 +8,10 @@ import mujoco
 import numpy as np
 import pytest
 from lxml import etree
-from targets.judging import poses
 from targets.models import SELDOM
 from targets.writing import compiled, written
 
+from composer.targets.judging import poses
 from composer.targets.limit import Limit
 from composer.targets.plain.plain import plain
 from composer.targets.restrictions.references import NO_REFERENCES

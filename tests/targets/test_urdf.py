@@ -8,11 +8,11 @@ from typing import Any
 import mujoco
 import numpy as np
 from lxml import etree
-from targets.judging import faults, poses
 from targets.models import SELDOM
 from targets.writing import written
 
 from composer.bundle.folder import write_folder
+from composer.targets.judging import faults, poses
 
 SETTINGS = '<mujoco><compiler fusestatic="false" discardvisual="false" strippath="false"/></mujoco></robot>'
 MASS = ('<mass value="0"/>', '<mass value="1e-12"/>')
@@ -31,7 +31,7 @@ def test_mujoco_reads_the_same_robot(tmp_path: Path) -> None:
     truth = mujoco.MjModel.from_xml_string(SELDOM)
     read = mujoco.MjModel.from_xml_string(urdf)
     asked = poses(truth)
-    assert list(faults(truth, _facts(read, asked), asked, single=False)) == []
+    assert list(faults(mujoco, truth, _facts(read, asked), asked, single=False)) == []
 
 
 def _facts(model: mujoco.MjModel, asked: list[dict[str, Any]]) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from composer.diagnostics.suggest import advised, exists_note
 from composer.recipe.checks.keys import Keys
 from composer.recipe.pattern import GLOB
 from composer.recipe.reference import Schema, reference
@@ -103,6 +104,44 @@ class Numbers:
 
     def schema(self) -> Schema:
         return reference(f"number-{self.count}")
+
+
+@dataclass(frozen=True, slots=True)
+class Words:
+    """One of these words or a list of them, which gives a tuple; each is a `noun` in messages."""
+
+    known: tuple[str, ...]
+    noun: str
+
+    def read(self, keys: Keys, value: Any, *at: str | int) -> tuple[str, ...]:
+        listed = isinstance(value, list)
+        if not value:
+            key = f"`{at[-1] if at else keys.word}` of {keys.owner}"
+            message = f"{key} expects {self.noun}s, got {'an empty list' if listed else kind_of(value)}"
+            keys.add("wrong-type", message, *at, help=f"write one or more of {', '.join(self.known)}")
+            return ()
+        found = []
+        for index, each in enumerate(value if listed else [value]):
+            if isinstance(each, str) and each in self.known:
+                found.append(each)
+                continue
+            place = (*at, index) if listed else at
+            if not isinstance(each, str):
+                keys.add(
+                    "wrong-type",
+                    f"{keys.owner} expects the name of a {self.noun}, got {kind_of(each)}",
+                    *place,
+                )
+                continue
+            help, fix = advised(each, self.known)
+            note = exists_note(self.noun, self.known, each)
+            message = f"{keys.owner} knows no {self.noun} `{each}`"
+            keys.add("wrong-keyword", message, *place, notes=(note,), help=help, fix=fix)
+        return tuple(dict.fromkeys(found))
+
+    def schema(self) -> Schema:
+        words: Schema = {"enum": list(self.known)}
+        return {"anyOf": [words, {"type": "array", "items": words, "minItems": 1, "uniqueItems": True}]}
 
 
 @dataclass(frozen=True, slots=True)

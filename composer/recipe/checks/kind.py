@@ -39,7 +39,8 @@ class Kind:
 
     `make` gives the check of what `form` has read, also where there were faults: these are reported, and the check is
     not used. It may find more that is wrong. A check that `needs_world` is about points in the world of its recipe, and
-    cannot be run where it is not known where that is.
+    cannot be run where it is not known where that is. One `of_target` is about what other programs make of the model:
+    `composer/targets` carries it out.
     """
 
     word: str
@@ -47,6 +48,7 @@ class Kind:
     make: Callable[[Keys, Any, Path], Check | None]
     example: str
     needs_world: bool = False
+    of_target: bool = False
 
     @property
     def is_list(self) -> bool:

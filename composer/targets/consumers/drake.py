@@ -9,6 +9,7 @@ from composer.targets.restrictions.massless import NO_EMPTY_INERTIA
 from composer.targets.restrictions.references import NO_REFERENCES
 from composer.targets.restrictions.servos import servos
 from composer.targets.restrictions.single_joints import SINGLE_JOINTS
+from composer.targets.restrictions.solver import BITS, COMPUTING, GRAVCOMP, SOFTNESS, unread_contacts
 from composer.targets.restrictions.unread import (
     NO_CAMERAS,
     NO_CUSTOM,
@@ -43,6 +44,7 @@ TARGET = Target(
         _NO_CONTROL_RANGE,
         only("equality", "equality/*", ("connect",), "of equality constraints only `connect` is read: what it couples"
              " moves freely"),
+        COMPUTING, GRAVCOMP, BITS, SOFTNESS, unread_contacts("torsional", "rolling"),
     ),
     write_mjcf,
     "drake",

@@ -4,29 +4,24 @@ from __future__ import annotations
 
 from composer.targets.mjcf import write_mjcf
 from composer.targets.restrictions.collisions import MJX_COLLISIONS
-from composer.targets.restrictions.left_out import only, refused
+from composer.targets.restrictions.mjx import (
+    MJX_ACTUATORS,
+    MJX_CONTACT_SENSORS,
+    MJX_EQUALITY,
+    MJX_MARGINS,
+    MJX_OPTIONS,
+    MJX_SENSORS,
+)
 from composer.targets.restrictions.unread import NO_PLUGINS, NO_SOFT
 from composer.targets.target import Target
-
-_ACTUATORS = (
-    "motor", "position", "velocity", "general", "muscle", "intvelocity", "damper", "cylinder", "adhesion",
-)  # fmt: skip
 
 TARGET = Target(
     "mjx",
     "MJX, MuJoCo in JAX",
     (
-        MJX_COLLISIONS,
-        NO_SOFT,
-        NO_PLUGINS,
-        only("actuators", "actuator/*", _ACTUATORS, "MJX has no such actuator"),
-        refused(
-            "contact sensors",
-            "sensor/contact[@site]",
-            "MJX has no contact sensor of a site",
-            "name geoms in its place",
-        ),
+        NO_SOFT, NO_PLUGINS, MJX_COLLISIONS, MJX_MARGINS, MJX_ACTUATORS, MJX_EQUALITY, MJX_SENSORS, MJX_CONTACT_SENSORS,
+        MJX_OPTIONS,
     ),
     write_mjcf,
     "mujoco-mjx",
-)
+)  # fmt: skip

@@ -7,6 +7,7 @@ from composer.targets.restrictions.references import NO_REFERENCES
 from composer.targets.restrictions.roots import one_root
 from composer.targets.restrictions.servos import servos
 from composer.targets.restrictions.single_joints import SINGLE_JOINTS
+from composer.targets.restrictions.solver import BITS, COMPUTING, GRAVCOMP, GRAVITY, SOFTNESS, unread_contacts
 from composer.targets.restrictions.unread import (
     NO_CAMERAS,
     NO_CUSTOM,
@@ -29,6 +30,7 @@ TARGET = Target(
     (
         one_root(with_free=True), NO_REFERENCES, SINGLE_JOINTS, NO_KEYS, NO_SENSORS, NO_CAMERAS, NO_LIGHTS, NO_TENDONS,
         NO_EQUALITY, NO_PAIRS, NO_EXCLUDES, NO_SOFT, NO_PLUGINS, NO_CUSTOM, NO_SPRINGS, servos(),
+        COMPUTING, GRAVITY, GRAVCOMP, BITS, SOFTNESS, unread_contacts("sliding", "torsional", "rolling"),
     ),
     write_mjcf,
     "pin",

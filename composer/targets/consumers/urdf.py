@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from composer.targets.restrictions.left_out import refused
+from composer.targets.restrictions.solver import BITS, COMPUTING, GRAVCOMP, GRAVITY, SOFTNESS, unread_contacts
 from composer.targets.restrictions.unread import (
     NO_CAMERAS,
     NO_CUSTOM,
@@ -25,6 +26,7 @@ TARGET = Target(
         refused("ball", ".//joint[@type='ball']", "URDF has no ball joints", "convert it to three hinges"),
         FLOATING, SHAPES, ARMATURE, MIMICS, CONTROL, NO_SENSORS, NO_CAMERAS, NO_LIGHTS, NO_TENDONS, NO_PAIRS,
         NO_SOFT, NO_PLUGINS, NO_CUSTOM, NO_SPRINGS,
+        COMPUTING, GRAVITY, GRAVCOMP, BITS, SOFTNESS, unread_contacts("sliding", "torsional", "rolling"),
     ),
     write_urdf,
     "pin",

@@ -25,7 +25,7 @@ def _unknown_pairs(draft: Draft) -> None:
     geoms = dict(draft.of("geom"))
     shapes = words(draft.mujoco, "geom_type")
     told = set()
-    for first, second in _colliding(draft.model):
+    for first, second in colliding(draft.model):
         pair = sorted((first, second), key=lambda number: int(draft.model.geom_type[number]))
         one, other = (shapes[int(draft.model.geom_type[number])] for number in pair)
         if (one, other) not in _KNOWN and (first, one, other) not in told and pair[0] in geoms:
@@ -36,7 +36,7 @@ def _unknown_pairs(draft: Draft) -> None:
             )  # fmt: skip
 
 
-def _colliding(model: Any) -> Iterator[tuple[int, int]]:
+def colliding(model: Any) -> Iterator[tuple[int, int]]:
     """The pairs of geoms that may touch, as MuJoCo filters them: by bits, bodies, parents and excludes."""
     excluded = set(model.exclude_signature.tolist())
     welded, parents = model.body_weldid.tolist(), model.body_parentid.tolist()

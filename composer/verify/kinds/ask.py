@@ -10,12 +10,14 @@ from composer.diagnostics.fault import Fault
 from composer.tree.pattern import BadPattern
 from composer.verify.kinds import (
     actuated,
+    budget,
     clear,
     equal,
     exists,
     limits,
     mass,
     no_penetration,
+    plausible,
     reachable,
     size,
     stable,
@@ -33,6 +35,8 @@ CHECKS: Mapping[str, Callable[[Scope, dict[str, Any]], list[Fault]]] = {
     "reachable": reachable.check,
     "limits": limits.check,
     "actuated": actuated.check,
+    "plausible": plausible.check,
+    "budget": budget.check,
     "equal": equal.check,
 }
 

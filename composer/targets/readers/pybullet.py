@@ -1,14 +1,11 @@
-"""Facts of a model as PyBullet reads it: `python pybullet.py MODEL POSES.json`."""
+"""Facts of a model as PyBullet reads it: `python pybullet.py MODEL POSES.json FACTS.json`."""
 
 import json
-import os
 import sys
 
 import numpy as np
 import pybullet as p
 
-out = os.dup(1)
-os.dup2(2, 1)  # PyBullet prints there
 p.connect(p.DIRECT)
 flags = p.URDF_USE_INERTIA_FROM_FILE | p.URDF_MAINTAIN_LINK_ORDER
 if sys.argv[1].endswith(".urdf"):
@@ -62,4 +59,5 @@ for pose in json.load(open(sys.argv[2])):
             at, quat = p.multiplyTransforms(at, quat, *p.invertTransform(info[3], info[4]))
         row[name] = [list(at), turned(quat).tolist()]
     found["poses"].append(row)
-os.write(out, (json.dumps(found) + "\n").encode())
+with open(sys.argv[3], "w") as file:
+    json.dump(found, file)

@@ -1,4 +1,4 @@
-"""Facts of a model as MJX reads it: `python mjx.py MODEL POSES.json`."""
+"""Facts of a model as MJX reads it: `python mjx.py MODEL POSES.json FACTS.json`."""
 
 import json
 import sys
@@ -53,4 +53,5 @@ for at, turned in zip(np.array(placed.xpos), np.array(placed.xmat)):
     found["poses"].append(
         {name: [at[n].tolist(), turned[n].reshape(3, 3).tolist()] for n, name in enumerate(names) if n}
     )
-print(json.dumps(found))
+with open(sys.argv[3], "w") as file:
+    json.dump(found, file)

@@ -1,17 +1,26 @@
-"""Whether what a consumer reads is the model: masses, inertia, poses, limits."""
+"""Whether what a consumer reads is the model: masses, inertia, poses, limits. Runs in MuJoCo's child process."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Any
 
-import mujoco
 import numpy as np
 
 HINGE, SLIDE, FREE = 3, 2, 0
 
 
-def poses(model: mujoco.MjModel, count: int = 50, seed: int = 1) -> list[dict[str, Any]]:
+def poses_of(_mujoco: object, model: Any, count: int) -> list[dict[str, Any]]:
+    """For `composer.engine.call`: so many random configurations."""
+    return poses(model, count)
+
+
+def judged(mujoco: Any, model: Any, question: dict[str, Any]) -> list[str]:
+    """For `composer.engine.call`: what is another in the `facts` at the `poses`, in words."""
+    return list(faults(mujoco, model, question["facts"], question["poses"], question["single"]))
+
+
+def poses(model: Any, count: int = 50, seed: int = 1) -> list[dict[str, Any]]:
     """Random configurations by names: joints within their limits, free bodies anywhere."""
     draw = np.random.default_rng(seed)
     found: list[dict[str, Any]] = []
@@ -33,42 +42,42 @@ def poses(model: mujoco.MjModel, count: int = 50, seed: int = 1) -> list[dict[st
 
 
 def faults(
-    model: mujoco.MjModel, facts: dict[str, Any], at: list[dict[str, Any]], single: bool
+    mujoco: Any, model: Any, facts: dict[str, Any], at: list[dict[str, Any]], single: bool
 ) -> Iterator[str]:
     """What is another than in MuJoCo; `single` for a consumer that computes in single precision."""
     tolerance = 1e-4 if single else 1e-9
-    yield from _masses(model, facts, 2e-6 if single else 1e-9)
+    yield from _masses(mujoco, model, facts, 2e-6 if single else 1e-9)
     yield from _limits(model, facts, 1e-5 if single else 1e-9)
-    yield from _poses(model, facts, at, tolerance)
+    yield from _poses(mujoco, model, facts, at, tolerance)
     if facts.get("actuators"):
         yield from _actuators(model, facts)
 
 
-def _masses(model: mujoco.MjModel, facts: dict[str, Any], tolerance: float) -> Iterator[str]:
+def _masses(mujoco: Any, model: Any, facts: dict[str, Any], tolerance: float) -> Iterator[str]:
     for body in range(1, model.nbody):
         if facts.get("composite") and model.body_weldid[body] != body:
             continue  # is part of what it is fixed to
         name = model.body(body).name
         if name not in facts["bodies"]:
-            yield f"the body {name} is missing"
+            yield f"the body `{name}` is missing"
             continue
         parts = [body]
         if facts.get("composite"):
             parts = [each for each in range(model.nbody) if model.body_weldid[each] == body]
-        mass, com, inertia = _composite(model, body, parts)
+        mass, com, inertia = _composite(mujoco, model, body, parts)
         read = facts["bodies"][name]
         if abs(read["mass"] - mass) > tolerance * max(1.0, mass):
-            yield f"the mass of {name} is {read['mass']}, not {mass}"
+            yield f"the mass of `{name}` is {read['mass']:.9g}, not {mass:.9g}"
         elif mass > 0 and np.abs(np.array(read["com"]) - com).max() > max(tolerance, 1e-7):
-            yield f"the centre of mass of {name} is at {read['com']}, not {com}"
+            yield f"the centre of mass of `{name}` is at {_shown(read['com'])}, not {_shown(com)}"
         elif (
             mass > 0
             and np.abs(np.array(read["inertia"]) - inertia).max() > tolerance * np.abs(inertia).max() + 1e-12
         ):
-            yield f"the inertia of {name} is {read['inertia']}, not {inertia.tolist()}"
+            yield f"the inertia of `{name}` is {_shown(read['inertia'])}, not {_shown(inertia)}"
 
 
-def _composite(model: mujoco.MjModel, body: int, parts: list[int]) -> tuple[float, Any, Any]:
+def _composite(mujoco: Any, model: Any, body: int, parts: list[int]) -> tuple[float, Any, Any]:
     """Mass, centre and inertia about it of a body with what is fixed to it, in its frame."""
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
@@ -87,36 +96,36 @@ def _composite(model: mujoco.MjModel, body: int, parts: list[int]) -> tuple[floa
     return mass, frame.T @ (centre - origin), frame.T @ inertia @ frame
 
 
-def _limits(model: mujoco.MjModel, facts: dict[str, Any], tolerance: float) -> Iterator[str]:
+def _limits(model: Any, facts: dict[str, Any], tolerance: float) -> Iterator[str]:
     for number in range(model.njnt):
         if int(model.jnt_type[number]) not in (SLIDE, HINGE):
             continue
         name = model.joint(number).name
         if name not in facts["joints"]:
-            yield f"the joint {name} is missing"
+            yield f"the joint `{name}` is missing"
             continue
         read = facts["joints"][name]["range"]
         limited = bool(model.jnt_limited[number])
         if limited != (read is not None):
-            yield f"the joint {name} has the limits {read}, not {model.jnt_range[number] if limited else None}"
+            yield f"the joint `{name}` has the limits {read}, not {model.jnt_range[number] if limited else None}"
         elif limited and np.abs(np.array(read) - model.jnt_range[number]).max() > tolerance:
-            yield f"the joint {name} has the limits {read}, not {model.jnt_range[number]}"
+            yield f"the joint `{name}` has the limits {read}, not {model.jnt_range[number]}"
 
 
-def _actuators(model: mujoco.MjModel, facts: dict[str, Any]) -> Iterator[str]:
+def _actuators(model: Any, facts: dict[str, Any]) -> Iterator[str]:
     """Those that a consumer has act on the joint that they act on, with the same greatest force."""
     for name, read in facts["actuators"].items():
         actuator = model.actuator(name)
         joint = model.joint(int(actuator.trnid[0])).name
         if read["joint"] not in (joint, None):
-            yield f"the actuator {name} acts on {read['joint']}, not on {joint}"
+            yield f"the actuator `{name}` acts on {read['joint']}, not on {joint}"
         limited = bool(model.actuator_forcelimited[actuator.id])
         if limited and read["effort"] != actuator.forcerange[1]:
-            yield f"the actuator {name} gives {read['effort']}, not {actuator.forcerange[1]}"
+            yield f"the actuator `{name}` gives {read['effort']}, not {actuator.forcerange[1]}"
 
 
 def _poses(
-    model: mujoco.MjModel, facts: dict[str, Any], at: list[dict[str, Any]], tolerance: float
+    mujoco: Any, model: Any, facts: dict[str, Any], at: list[dict[str, Any]], tolerance: float
 ) -> Iterator[str]:
     data = mujoco.MjData(model)
     worst, where = 0.0, ""
@@ -138,7 +147,11 @@ def _poses(
                 if off > worst:
                     worst, where = off, name
             elif not facts.get("composite"):
-                yield f"the body {name} has no pose"
+                yield f"the body `{name}` has no pose"
                 return
     if worst > tolerance:
-        yield f"the pose of {where} is up to {worst:.3g} off"
+        yield f"the pose of `{where}` is up to {worst:.3g} off"
+
+
+def _shown(numbers: Any) -> str:
+    return " ".join(f"{each:.6g}" for each in np.asarray(numbers).ravel())

@@ -1,12 +1,8 @@
-"""Facts of a model as Newton reads it: `python newton.py MODEL POSES.json`."""
+"""Facts of a model as Newton reads it: `python newton.py MODEL POSES.json FACTS.json`."""
 
 import json
-import os
 import sys
 from importlib.metadata import version
-
-out = os.dup(1)
-os.dup2(2, 1)  # Newton and Warp print there
 
 import newton
 import numpy as np
@@ -70,4 +66,5 @@ for pose in json.load(open(sys.argv[2])):
         turned = np.array(wp.quat_to_matrix(wp.quat(*map(float, at[3:])))).reshape(3, 3)
         row[name] = [at[:3].tolist(), turned.tolist()]
     found["poses"].append(row)
-os.write(out, (json.dumps(found) + "\n").encode())
+with open(sys.argv[3], "w") as file:
+    json.dump(found, file)

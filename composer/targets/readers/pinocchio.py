@@ -1,4 +1,4 @@
-"""Facts of a model as Pinocchio reads it: `python pinocchio.py MODEL POSES.json`."""
+"""Facts of a model as Pinocchio reads it: `python pinocchio.py MODEL POSES.json FACTS.json`."""
 
 import json
 import sys
@@ -57,4 +57,5 @@ for pose in json.load(open(sys.argv[2])):
         at = data.oMf[model.getFrameId(frame.name, pin.FrameType.BODY)]
         row[frame.name] = [at.translation.tolist(), at.rotation.tolist()]
     found["poses"].append(row)
-print(json.dumps(found))
+with open(sys.argv[3], "w") as file:
+    json.dump(found, file)

@@ -1,4 +1,4 @@
-"""Facts of a model as Drake reads it: `python drake.py MODEL POSES.json`."""
+"""Facts of a model as Drake reads it: `python drake.py MODEL POSES.json FACTS.json`."""
 
 import json
 import sys
@@ -54,4 +54,5 @@ for pose in json.load(open(sys.argv[2])):
         at = plant.EvalBodyPoseInWorld(context, body)
         row[name] = [at.translation().tolist(), at.rotation().matrix().tolist()]
     found["poses"].append(row)
-print(json.dumps(found))
+with open(sys.argv[3], "w") as file:
+    json.dump(found, file)

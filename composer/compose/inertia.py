@@ -1,0 +1,142 @@
+"""Verb `inertia`: MuJoCo computes the inertia of a body from its geoms, and it is written down."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any
+
+from lxml.etree import _Element as Node
+
+from composer.compose.edit_values import Unusable
+from composer.compose.editing import Editing
+from composer.compose.mass import Masses
+from composer.compose.without_keyframes import without_keys
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.sink import Sink
+from composer.link import numbers
+from composer.link.inertia import MEASURED
+from composer.link.linking import Linking
+from composer.link.measured_unit import BODIES, Survey, Unmeasurable, measured
+from composer.recipe.fault import Path
+from composer.recipe.verbs.inertia import DENSITY, FROM, GROUP
+from composer.tree.attributes import replace
+from composer.tree.classes import own, walk_bodies
+
+_RULES = (*MEASURED, "inertiafromgeom", "inertiagrouprange")
+_ROWS = dict(zip(BODIES, (1, 3, 4, 3), strict=True))
+
+
+def inertia(
+    editing: Editing, masses: Masses, found: Collection[Node], written: Mapping[str, Any], at: Path
+) -> None:
+    """Give each body an `<inertial>` that MuJoCo has computed of its geoms."""
+    wanted = {body: _geoms(editing, body, written, at) for body in found}
+    masses.settle(*_RULES)
+    survey, there = _measured(editing, wanted, float(written[DENSITY]), at)
+    for body in found:
+        rows = {array: survey.values(there[body], array, width) for array, width in _ROWS.items()}
+        mass, pos, quat, moments = rows.values()
+        if mass is None or pos is None or quat is None or moments is None:
+            _refuse(
+                editing, body, at, "selector", f"MuJoCo does not say what {editing.called(body)} weighs", None
+            )
+        assert mass is not None and pos is not None and quat is not None and moments is not None
+        if not mass[0] > 0:
+            message = f"the geoms of {editing.called(body)} have no volume"
+            _refuse(editing, body, at, "wrong-type", message, "write its mass: `set: {mass: …}`")
+        _write(editing, body, {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}, at)
+
+
+def _write(editing: Editing, body: Node, values: Mapping[str, Sequence[float]], at: Path) -> None:
+    """Into the `<inertial>` that counts, or a new one. It comes of the whole entry: nothing in it is the value."""
+    entry = at[:-1]
+    inertials = own(body, "inertial")
+    kept = inertials[-1] if inertials else None
+    if kept is None or kept.getparent() is not body:  # in a frame the numbers would mean another pose
+        kept = body.makeelement("inertial")
+        body.insert(0, kept)
+        editing.making.origins.own(kept, editing.span(entry))
+    for other in inertials:
+        if other is not kept and (holder := other.getparent()) is not None:
+            holder.remove(other)
+    replace(kept, {"fullinertia": None, **{name: numbers.text(each) for name, each in values.items()}})
+    editing.write(kept, dict.fromkeys(values, entry))
+
+
+def _geoms(editing: Editing, body: Node, written: Mapping[str, Any], at: Path) -> list[Node]:
+    """The geoms of a body that count; those of several groups are most often the same shape several times."""
+    geoms = own(body, "geom")
+    if written[FROM] == "mesh":
+        geoms = [geom for geom in geoms if editing.effective(geom, "type") == "mesh"]
+    groups: dict[int, list[Node]] = {}
+    for geom in geoms:
+        groups.setdefault(int(editing.effective(geom, "group") or 0), []).append(geom)
+    known = ", ".join(map(str, sorted(groups)))
+    what = "meshes" if written[FROM] == "mesh" else "geoms"
+    if not groups:
+        help = (
+            "write `from: geoms`"
+            if written[FROM] == "mesh" and own(body, "geom")
+            else "write `set: {mass: …}`"
+        )
+        _refuse(editing, body, at, "selector", f"{editing.called(body)} has no {what}", help)
+    if GROUP in written:
+        if written[GROUP] not in groups:
+            message = f"{editing.called(body)} has no {what} in the group {written[GROUP]}"
+            _refuse(editing, body, (*at, GROUP), "selector", message, f"it has some in the groups {known}")
+        return groups[written[GROUP]]
+    if len(groups) > 1:
+        message = f"{editing.called(body)} has {what} in the groups {known}, which may be the same shape several times"
+        help = f"say which of them count: `group: {min(groups)}`"
+        _refuse(editing, body, at, "selector", message, help)
+    return geoms
+
+
+def _measured(
+    editing: Editing, wanted: Mapping[Node, Collection[Node]], density: float, at: Path
+) -> tuple[Survey, Mapping[Node, Node]]:
+    """What MuJoCo makes of a copy of the model in which the bodies have nothing but these geoms at that density."""
+    unit = editing.linking.flat()
+    aside = Sink()
+    with without_keys(unit.root):
+        copy = unit.copied()
+    copies = dict(
+        zip(
+            (node for node, _ in walk_bodies(unit.root)),
+            (node for node, _ in walk_bodies(copy.root)),
+            strict=True,
+        )
+    )
+    for body, geoms in wanted.items():
+        _made_of(copies[body], [copies[each] for each in geoms], density)
+    copy.forget_settings(*_RULES)
+    found = measured(Linking(copy, [], aside, measure=editing.linking.measure), copy, BODIES)
+    for each in aside.diagnostics:
+        editing.sink.add(each)
+    if isinstance(found, Unmeasurable) or found is None:
+        if isinstance(found, Unmeasurable):
+            message = f"the inertia of what is selected is not known: {found.why}"
+            editing.sink.error("selector", message, editing.span(at, key=True))
+        raise Unusable
+    return found, copies
+
+
+def _made_of(body: Node, geoms: Collection[Node], density: float) -> None:
+    for inertial in own(body, "inertial"):
+        holder = inertial.getparent()
+        assert holder is not None
+        holder.remove(inertial)
+    for geom in own(body, "geom"):
+        # `mass="nan"` takes back the mass that a class gives: then the density counts.
+        counts = geom in geoms
+        geom.set("mass", "nan" if counts else "0")
+        if counts:
+            geom.set("density", numbers.text([density]))
+
+
+def _refuse(editing: Editing, body: Node, at: Path, code: str, message: str, help: str | None) -> None:
+    note = Note("it is written here", editing.span_of(body))
+    editing.sink.error(
+        code, message, editing.span(at, key=True), notes=(note,), help=help, subjects=editing.subjects(body)
+    )
+    raise Unusable

@@ -1,0 +1,170 @@
+"""Verb `motor`: what a data sheet says, as attributes of an actuator and its joint."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from lxml.etree import _Element as Node
+
+from composer.compose.edit_values import Unusable
+from composer.compose.editing import Editing
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.link import numbers
+from composer.link.layout import joint_type
+from composer.recipe.fault import Path
+from composer.recipe.motors import Motor, library
+from composer.recipe.verbs.motor import BANDWIDTH, ERROR, MODEL
+from composer.tree.attributes import assign
+
+Set = Callable[[Node, int, Mapping[str, Any]], None]
+_SERVOS, _PLAIN = ("position", "velocity"), ("motor",)
+
+
+def motor(editing: Editing, found: list[Node], written: Mapping[str, Any], at: Path, put: Set) -> None:
+    """Make each actuator one with the motor; `put` sets attributes of an element, the one at an index."""
+    sheet = _sheet(editing, written[MODEL], (*at, MODEL))
+    effort = sheet.effort
+    if written.get("effort") == "rated":
+        if sheet.rated is None:
+            message = f"the data sheet of `{written[MODEL]}` has no rated torque"
+            editing.sink.error(
+                "missing-key", message, editing.span((*at, "effort")), help="leave `effort` out"
+            )
+            raise Unusable
+        effort = sheet.rated
+    for index, node in enumerate(found):
+        joint, gear = _joint(editing, node, at)
+        _without_other(editing, node, at)
+        put(joint, index, _of_joint(sheet))
+        put(node, index, _of_actuator(editing, node, joint, sheet, effort, gear, written, at))
+
+
+def _sheet(editing: Editing, name: str, at: Path) -> Motor:
+    known = {**library(), **editing.motors}
+    if name not in known:
+        note = exists_note("motor", sorted(known), name)
+        help = did_you_mean(name, known) or "describe it in the section `motors`"
+        editing.sink.error(
+            "unknown-name", f"the motor `{name}` does not exist", editing.span(at), notes=(note,), help=help,
+            subjects=(name,),
+        )  # fmt: skip
+        raise Unusable
+    return known[name]
+
+
+def _joint(editing: Editing, node: Node, at: Path) -> tuple[Node, float]:
+    """The hinge that an actuator turns, and its `gear`."""
+    name = node.get("joint")
+    joint = editing.find_node("joint", str(name)) if name else None
+    if joint is None or joint_type(joint, editing.classes) != "hinge":
+        message = f"{editing.called(node)} does not turn a hinge, and a motor does"
+        _refuse(editing, node, at, "wrong-type", message, None)
+    assert joint is not None
+    gear = numbers.read(editing.effective(node, "gear") or "1")[0]
+    if gear == 0:
+        _refuse(editing, node, at, "wrong-type", f"the `gear` of {editing.called(node)} is 0", "set it to 1")
+    return joint, gear
+
+
+def _of_joint(sheet: Motor) -> dict[str, Any]:
+    """What is known; the rest of the joint stays as it is."""
+    values = {"armature": sheet.reflected, "frictionloss": sheet.friction, "damping": sheet.damping}
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _of_actuator(
+    editing: Editing,
+    node: Node,
+    joint: Node,
+    sheet: Motor,
+    effort: float,
+    gear: float,
+    written: Mapping[str, Any],
+    at: Path,
+) -> dict[str, Any]:
+    # The force of an actuator turns the joint `gear` times as strong, and its length is `gear` times the angle.
+    limit = effort / abs(gear)
+    values: dict[str, Any] = {"forcerange": [-limit, limit]}
+    tag = str(node.tag)
+    if tag in _SERVOS:
+        kp, kv = _gains(editing, node, joint, sheet, effort, written, at)
+        values["kv"] = kv / gear**2
+        if tag == "position":
+            values["kp"] = kp / gear**2
+            _without_dampratio(editing, node, at)
+    if sheet.delay:
+        values |= {"delay": sheet.delay, "nsample": math.ceil(round(sheet.delay / _timestep(editing), 9))}
+    return values
+
+
+def _without_dampratio(editing: Editing, node: Node, at: Path) -> None:
+    """MuJoCo takes one of the two, and nothing on the actuator undoes that of its class."""
+    # MuJoCo 4.0: "kv and dampratio cannot both be defined", also where one of them is 0.
+    if node.get("dampratio") is not None:
+        assign(editing, node, {"dampratio": None})
+    if any(numbers.read(editing.effective(node, "dampratio") or "0")):
+        message = f"a class gives {editing.called(node)} a `dampratio`, beside which there can be no `kv`"
+        help = "`unset` it in the class first: `{select: {default: CLASS}, unset: {position: [dampratio]}}`"
+        _refuse(editing, node, at, "wrong-type", message, help)
+
+
+def _gains(
+    editing: Editing,
+    node: Node,
+    joint: Node,
+    sheet: Motor,
+    effort: float,
+    written: Mapping[str, Any],
+    at: Path,
+) -> tuple[float, float]:
+    """Stiffness and damping of the joint, in N·m/rad and N·m·s/rad."""
+    if ERROR in written:
+        if sheet.speed is None:
+            message = f"the data sheet of `{written[MODEL]}` has no speed, from which `kv` would follow"
+            _refuse(
+                editing, node, (*at, ERROR), "missing-key", message, "write `bandwidth` in place of `error`"
+            )
+        assert sheet.speed is not None
+        # A motor gives its whole torque at rest and none at its greatest speed.
+        return effort / written[ERROR], effort / sheet.speed
+    if BANDWIDTH not in written:
+        message = f"{editing.called(node)} is a servo, and nothing says how fast it is"
+        help = "write `bandwidth: 5`, in Hz; or `error: 0.1`, in rad, at which it gives its greatest torque"
+        _refuse(editing, node, at, "missing-key", message, help)
+    armature = numbers.read(editing.effective(joint, "armature") or "0")[0]
+    moved = armature + written.get("inertia", 0.0)
+    if not moved > 0:
+        message = (
+            f"nothing says what inertia {editing.called(node)} moves: the data sheet has none of the rotor"
+        )
+        help = "write `inertia: …` of what it moves, in kg·m²; or `error: 0.1` in place of `bandwidth`"
+        _refuse(editing, node, at, "missing-key", message, help)
+    omega = 2 * math.pi * written[BANDWIDTH]
+    if node.tag == "velocity":
+        return 0.0, moved * omega
+    return moved * omega**2, 2 * written.get("damping_ratio", 1.0) * moved * omega
+
+
+def _without_other(editing: Editing, node: Node, at: Path) -> None:
+    if node.tag in (*_SERVOS, *_PLAIN):
+        return
+    message = f"{editing.called(node)} is a `{node.tag}`, whose gains a data sheet does not give"
+    _refuse(
+        editing, node, at, "wrong-type", message, "write `convert: {to: position}` beside it, or `to: motor`"
+    )
+
+
+def _timestep(editing: Editing) -> float:
+    option = next(editing.root.iterchildren("option"), None)
+    return numbers.read(str(option.get("timestep") or "0.002") if option is not None else "0.002")[0]
+
+
+def _refuse(editing: Editing, node: Node, at: Path, code: str, message: str, help: str | None) -> None:
+    note = Note("it is written here", editing.span_of(node))
+    editing.sink.error(
+        code, message, editing.span(at, key=True), notes=(note,), help=help, subjects=editing.subjects(node)
+    )
+    raise Unusable

@@ -1,0 +1,69 @@
+"""The check `budget`: that a model does not cost more than it may."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from composer.recipe.checks.form import Globs, Key, Keyed, Number
+from composer.recipe.checks.keys import Keys
+from composer.recipe.checks.kind import Kind
+from composer.recipe.fault import Path
+
+AT_MOST = {
+    "faces": "the most triangles that the meshes have together",
+    "bytes": "the most bytes that the files of the model have together: its text, meshes, textures, …",
+    "textures": "the most bytes that the textures have together in memory, unpacked",
+    "contacts": "the most contacts in a keyframe, or in the reference configuration",
+}
+SPEED = "steps_per_second"
+KEYS = "keys"
+
+
+@dataclass(frozen=True, slots=True)
+class Budget:
+    """What a model may have of each thing in `most`, and how many steps a second it takes at least on this machine.
+
+    `keys` are globs over the keyframes in which contacts are counted; none: the reference configuration and all.
+    """
+
+    word: ClassVar[str] = "budget"
+    name: str
+    most: Mapping[str, float]
+    speed: float | None
+    keys: tuple[str, ...]
+    at: Path
+
+
+FORM = Keyed(
+    "The model does not cost more than it may.",
+    *(Key(name, Number(least=0), about) for name, about in AT_MOST.items()),
+    Key(
+        SPEED,
+        Number(above=0),
+        "the least steps in a second of one thread of this machine: a measurement, which depends on the machine",
+    ),
+    Key(
+        KEYS,
+        Globs("globs over names of keyframes"),
+        "the keyframes in which contacts are counted; without it, all and the reference configuration",
+        (),
+    ),
+)
+
+
+def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Budget:
+    most = {name: found[name] for name in AT_MOST if found[name] is not None}
+    is_reported = any(each.at[:2] == (keys.name, keys.word) for each in keys.faults)
+    if not is_reported and not any(name in keys.value for name in (*AT_MOST, SPEED)):
+        keys.add(
+            "missing-key",
+            f"`budget` of {keys.owner} limits nothing",
+            key=True,
+            help="write `budget: {faces: 50000}`",
+        )
+    return Budget(keys.name, most, found[SPEED], found[KEYS], at)
+
+
+KIND = Kind("budget", FORM, make, "{faces: 50000}")

@@ -1,0 +1,38 @@
+"""The check `loads`: that other programs read the model as the one that it is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from composer.recipe.checks.form import Key, Keyed, Words
+from composer.recipe.checks.keys import Keys
+from composer.recipe.checks.kind import Kind
+from composer.recipe.checks.simulators import READ_IN
+from composer.recipe.fault import Path
+
+IN = "in"
+
+
+@dataclass(frozen=True, slots=True)
+class Loads:
+    """Each of `consumers` reads what is written for it with the masses, inertias, limits and poses of the model."""
+
+    word: ClassVar[str] = "loads"
+    name: str
+    consumers: tuple[str, ...]
+    at: Path
+
+
+FORM = Keyed(
+    "Other programs read the model back with its masses, inertias, limits and poses.",
+    Key(IN, Words(READ_IN, "program"), "the programs that read it", needed="[drake, mjx]"),
+)
+
+
+def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Loads:
+    return Loads(keys.name, found[IN], at)
+
+
+KIND = Kind("loads", FORM, make, "{in: [drake, mjx]}", of_target=True)

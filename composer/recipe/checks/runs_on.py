@@ -1,0 +1,44 @@
+"""The check `runs_on`: that simulators have everything that the model has."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from composer.recipe.checks.form import Words
+from composer.recipe.checks.keys import Keys
+from composer.recipe.checks.kind import Kind
+from composer.recipe.checks.simulators import RUN_ON
+from composer.recipe.fault import Path
+
+
+@dataclass(frozen=True, slots=True)
+class RunsOn:
+    """Nothing of the model is lost or refused where it is written for each of `simulators`."""
+
+    word: ClassVar[str] = "runs_on"
+    name: str
+    simulators: tuple[str, ...]
+    at: Path
+
+
+class Simulators:
+    """What stands behind `runs_on`: a list of simulators."""
+
+    words = Words(RUN_ON, "simulator")
+
+    def read(self, keys: Keys) -> tuple[str, ...]:
+        return self.words.read(keys, keys.value)
+
+    def schema(self) -> dict[str, object]:
+        about = (
+            "Simulators have everything that the model has: nothing is left out where it is written for them."
+        )
+        return {**self.words.schema(), "description": about}
+
+
+def make(keys: Keys, found: tuple[str, ...], at: Path) -> RunsOn:
+    return RunsOn(keys.name, found, at)
+
+
+KIND = Kind("runs_on", Simulators(), make, "[mjx, warp]", of_target=True)

@@ -1,0 +1,181 @@
+"""The checks that are about other programs: whether they have what a model needs, and whether they read it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+from composer import engine
+from composer.bundle.bundle import Bundle
+from composer.bundle.staging import write_files
+from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.fault import Fault
+from composer.recipe.check import KINDS
+from composer.recipe.checks.loads import IN
+from composer.recipe.rows import check_rows
+from composer.scratch import scratch
+from composer.targets.export import export
+from composer.targets.judging import judged, poses_of
+from composer.targets.limit import Outcome
+from composer.targets.loss import Loss
+from composer.targets.names import CONSUMERS
+from composer.targets.reading import READERS, Reader, interpreter, read_back
+from composer.targets.table import TARGETS
+
+_FAILED, _MISSING = "check-failed", "consumer-missing"
+_SHOWN = 8
+_POSES = 50
+_THE_SAME = (Outcome.KEPT, Outcome.WRITTEN)
+
+
+@dataclass(frozen=True, slots=True)
+class Work:
+    """A bundle that MuJoCo has compiled; the session keeps the model of it as `whole`."""
+
+    bundle: Bundle
+    whole: str
+    session: engine.Session
+    environment: Mapping[str, str]
+
+
+Found = tuple[Sequence[Fault], dict[str, Any]]
+
+
+def runs_on(work: Work, asked: dict[str, Any]) -> Found:
+    """A finding for each simulator that lacks something."""
+    found: list[Fault] = []
+    values: dict[str, Any] = {}
+    for at, name in enumerate(asked["simulators"]):
+        with scratch("target") as folder:
+            written = _written(work, name, folder)
+        if isinstance(written, str):
+            found.append(Fault(_FAILED, f"the model cannot be written for `{name}`: {written}", (at,)))
+            continue
+        lacked = [each for each in written.losses if each.refused or not _stays(name, each)]
+        values[name] = len(lacked)
+        if lacked:
+            found.append(_lacking(name, lacked, at))
+    return found, values
+
+
+def _stays(target: str, loss: Loss) -> bool:
+    """Whether the model is the same, written in another way."""
+    return any(
+        limit.feature == loss.feature and limit.outcome in _THE_SAME for limit in TARGETS[target].limits
+    )
+
+
+def _lacking(name: str, lacked: Sequence[Loss], at: int) -> Fault:
+    lines = list(dict.fromkeys(f"{each.shown}: {each.message}" for each in lacked))
+    notes = ["expected: nothing that it lacks", f"actual: {len(lacked)} elements", *lines[1:_SHOWN]]
+    if len(lines) > _SHOWN:
+        notes.append(f"and {len(lines) - _SHOWN} more")
+    help = next((each.help for each in lacked if each.help), None)
+    message = f"`{name}` does not have all of the model: {lines[0]}"
+    return Fault(_FAILED, message, (at,), notes=tuple(map(Note, notes)), help=help)
+
+
+def loads(work: Work, asked: dict[str, Any]) -> Found:
+    """A finding for each program that does not read the model, or reads another one."""
+    found: list[Fault] = []
+    values: dict[str, Any] = {}
+    poses = engine.call(work.session, poses_of, [work.whole], _POSES)
+    if not poses.ok:
+        return [Fault(_FAILED, f"MuJoCo does not move the model: {poses.error or poses.crash}")], values
+    for at, name in enumerate(asked["consumers"]):
+        reader = READERS[name]
+        python = interpreter(reader, work.environment)
+        if python is None:
+            found.append(_missing(name, reader, at))
+            continue
+        with scratch("target") as folder:
+            facts = _facts(work, name, reader, python, folder, poses.value)
+        if isinstance(facts, str):
+            found.append(Fault(_FAILED, f"`{name}` does not read the model: {facts}", (IN, at)))
+            continue
+        question = {"facts": facts, "poses": poses.value, "single": reader.single}
+        answer = engine.call(work.session, judged, [work.whole], question)
+        wrong = list(answer.value) if answer.ok else [str(answer.error or answer.crash)]
+        values[name] = str(facts["version"])
+        if wrong:
+            found.append(_another(name, str(facts["version"]), wrong, at))
+    return found, values
+
+
+def _missing(name: str, reader: Reader, at: int) -> Fault:
+    message = f"no Python has `{name}`: `{reader.module}` is not installed"
+    packages = " ".join(reader.packages)
+    help = (
+        f"pip install {packages}; or put it into an environment `FOLDER/{reader.program}`"
+        f" and set `{CONSUMERS}` to FOLDER"
+    )
+    return Fault(_MISSING, message, (IN, at), help=help)
+
+
+def _another(name: str, version: str, wrong: Sequence[str], at: int) -> Fault:
+    notes = [
+        "expected: the masses, inertias, limits and poses of MuJoCo",
+        f"actual: {len(wrong)} that differ",
+    ]
+    notes += [*wrong[1:_SHOWN], *([f"and {len(wrong) - _SHOWN} more"] if len(wrong) > _SHOWN else [])]
+    message = f"`{name}` {version} reads another model: {wrong[0]}"
+    return Fault(_FAILED, message, (IN, at), notes=tuple(map(Note, notes)))
+
+
+def _facts(
+    work: Work, name: str, reader: Reader, python: str, folder: Path, poses: list[dict[str, Any]]
+) -> dict[str, Any] | str:
+    written = _written(work, name, folder)
+    if isinstance(written, str):
+        return written
+    refused = next((each for each in written.losses if each.refused), None)
+    if refused is not None:
+        return f"{refused.shown}: {refused.message}"
+    return read_back(reader, python, placed(written.folder, written.model), poses)
+
+
+def placed(folder: Path, model: str) -> Path:
+    """The file of a model where its program finds what it names: a ROS package in a folder of its name."""
+    about = folder / "package.xml"
+    if about.is_file():
+        named = str(etree.parse(about, etree.XMLParser(resolve_entities=False)).findtext("name"))
+        folder = folder.rename(folder.with_name(named))
+    return folder / model
+
+
+@dataclass(frozen=True, slots=True)
+class _Written:
+    folder: Path
+    model: str
+    losses: Sequence[Loss]
+
+
+def _written(work: Work, target: str, folder: Path) -> _Written | str:
+    """What is written for a target, or what went wrong."""
+    source, out = folder / "in", folder / "out"
+    source.mkdir()
+    out.mkdir()
+    write_files(work.bundle, source)
+    asked = {"name": target, "model": str(source / work.bundle.model), "out": str(out)}
+    answer = engine.call(work.session, export, (), asked)
+    wrong = answer.error or answer.crash if not answer.ok else answer.value["error"]
+    if wrong is not None:
+        return engine.without_folder(engine.without_folder(wrong, out), source)
+    if answer.value["differences"]:
+        return (
+            f"MuJoCo reads the plain text of the model back as another one: {answer.value['differences'][0]}"
+        )
+    return _Written(out, answer.value["model"], [Loss(**each) for each in answer.value["losses"]])
+
+
+CHECKS: Mapping[str, Callable[[Work, dict[str, Any]], Found]] = {"runs_on": runs_on, "loads": loads}
+
+check_rows(
+    "the checks that composer/targets/checks.py carries out",
+    CHECKS,
+    [word for word, kind in KINDS.items() if kind.of_target],
+)

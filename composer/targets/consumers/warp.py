@@ -1,0 +1,22 @@
+"""Target: MuJoCo Warp, MuJoCo on GPUs of NVIDIA. What it lacks stops it when it loads a model."""
+
+from __future__ import annotations
+
+from composer.targets.mjcf import write_mjcf
+from composer.targets.restrictions.warp import (
+    WARP_ACTUATORS,
+    WARP_EQUALITY,
+    WARP_FLEXES,
+    WARP_OPTIONS,
+    WARP_PLUGINS,
+    WARP_SENSORS,
+)
+from composer.targets.target import Target
+
+TARGET = Target(
+    "warp",
+    "MuJoCo Warp, MuJoCo on GPUs of NVIDIA",
+    (WARP_ACTUATORS, WARP_EQUALITY, WARP_SENSORS, WARP_OPTIONS, WARP_PLUGINS, WARP_FLEXES),
+    write_mjcf,
+    "mujoco-warp",
+)

@@ -1,0 +1,100 @@
+"""A model read back in another program, in an environment that has it."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from composer.limits import in_force
+from composer.processes.process import Process
+from composer.recipe.checks.simulators import READ_IN
+from composer.recipe.rows import check_rows
+from composer.targets.names import CONSUMERS
+from composer.targets.table import TARGETS
+
+_READERS = Path(__file__).with_name("readers")
+_INTERPRETER = "Scripts/python.exe" if os.name == "nt" else "bin/python"
+_ASK = "import importlib.util, sys; sys.exit(importlib.util.find_spec(sys.argv[1]) is None)"
+_LAST_WORDS = 400
+
+
+@dataclass(frozen=True, slots=True)
+class Reader:
+    """A program that reads models back.
+
+    `program` is the file in `readers/` and the folder of its environment, `module` what Python imports of it, and
+    `packages` what pip installs. One that computes in `single` precision agrees less closely.
+    """
+
+    target: str
+    program: str
+    module: str
+    packages: tuple[str, ...]
+    single: bool = False
+
+
+READERS: Mapping[str, Reader] = {
+    each.target: each
+    for each in (
+        Reader("drake", "drake", "pydrake", ("drake",)),
+        Reader("pinocchio", "pinocchio", "pinocchio", ("pin",)),
+        Reader("pybullet", "pybullet", "pybullet", ("numpy", "pybullet"), single=True),
+        Reader("newton", "newton", "newton", ("newton", "trimesh", "scipy"), single=True),
+        Reader("mjx", "mjx", "mujoco.mjx", ("mujoco-mjx",)),
+        Reader("warp", "warp", "mujoco_warp", ("mujoco-warp",), single=True),
+        Reader("urdf", "pinocchio", "pinocchio", ("pin",)),
+    )
+}
+"""By the name of the target that it reads."""
+
+check_rows("the programs of composer/targets/reading.py", READERS, READ_IN)
+check_rows("the targets that they read", [name for name in TARGETS if name in READERS], READERS)
+
+
+def interpreter(reader: Reader, environment: Mapping[str, str]) -> str | None:
+    """The Python that has a program: that of its environment, or the one that runs this; None where none has it."""
+    folder = environment.get(CONSUMERS)
+    named = Path(folder, reader.program, _INTERPRETER) if folder else None
+    for python in (named, Path(sys.executable)):
+        if python is not None and python.is_file() and _has(str(python), reader.module):
+            return str(python)
+    return None
+
+
+def _has(python: str, module: str) -> bool:
+    asked = subprocess.run([python, "-I", "-c", _ASK, module], capture_output=True, check=False)
+    return asked.returncode == 0
+
+
+def read_back(reader: Reader, python: str, model: Path, poses: list[dict[str, Any]]) -> dict[str, Any] | str:
+    """The facts of a model as the program reads it, or what went wrong; files are written beside the model's folder.
+
+    The facts are masses, inertias, limits, actuators, and where the bodies are at these poses.
+    """
+    asked, out = model.parent.with_suffix(".poses.json"), model.parent.with_suffix(".facts.json")
+    asked.write_text(json.dumps(poses), encoding="utf-8")
+    command = [python, "-I", str(_READERS / f"{reader.program}.py"), str(model), str(asked), str(out)]
+    seconds = in_force().time
+    with Process(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        cwd=model.parent.parent,
+    ) as process:
+        try:
+            _, said = process.communicate(timeout=seconds)
+        except subprocess.TimeoutExpired:
+            process.end()
+            return f"it took longer than {seconds:g} seconds"
+    if process.returncode or not out.is_file():
+        lines = said.decode("utf-8", "replace").strip().splitlines()
+        return lines[-1][:_LAST_WORDS] if lines else f"it ended with the code {process.returncode}"
+    facts: dict[str, Any] = json.loads(out.read_bytes())
+    return facts

@@ -1,0 +1,85 @@
+"""For MJX: what `put_model` of MJX 3.17 refuses besides pairs of shapes (`collisions.py`)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from composer.compiled.enums import words
+from composer.targets.restrictions.collisions import colliding
+from composer.targets.restrictions.compiled import refused_elements, refused_members, refused_options
+
+_SENSORS = (
+    "JOINTLIMITPOS", "JOINTLIMITVEL", "JOINTLIMITFRC", "TENDONLIMITPOS", "TENDONLIMITVEL", "TENDONLIMITFRC",
+    "INSIDESITE", "GEOMDIST", "GEOMNORMAL", "GEOMFROMTO", "E_POTENTIAL", "E_KINETIC", "PLUGIN", "USER",
+)  # fmt: skip
+_ACTUATORS = "leave it out with `edit`, or write a `motor` in its place"
+_NETFORCE = 3  # of `reduce`, in `sensor_intprm`
+
+MJX_ACTUATORS = refused_members(
+    "actuators", "actuator",
+    (
+        ("actuator_trntype", "mjtTrn", ("mjTRN_SLIDERCRANK", "mjTRN_BODY", "mjTRN_SO3"),
+         "MJX has no such transmission"),
+        ("actuator_dyntype", "mjtDyn", ("mjDYN_DCMOTOR", "mjDYN_PID", "mjDYN_USER"), "MJX has no such dynamics"),
+        ("actuator_gaintype", "mjtGain", ("mjGAIN_DCMOTOR", "mjGAIN_SO3", "mjGAIN_PID", "mjGAIN_USER"),
+         "MJX has no such gain"),
+        ("actuator_biastype", "mjtBias", ("mjBIAS_DCMOTOR", "mjBIAS_SO3", "mjBIAS_USER"), "MJX has no such bias"),
+    ),
+    _ACTUATORS,
+)  # fmt: skip
+MJX_EQUALITY = refused_members(
+    "equality", "equality",
+    (("eq_type", "mjtEq", ("mjEQ_FLEX", "mjEQ_FLEXVERT", "mjEQ_FLEXSTRAIN", "mjEQ_DISTANCE"),
+      "MJX has no such constraint"),),
+    "leave it out with `edit`",
+)  # fmt: skip
+MJX_SENSORS = refused_members(
+    "sensors", "sensor",
+    (("sensor_type", "mjtSensor", tuple(f"mjSENS_{name}" for name in _SENSORS), "MJX has no such sensor"),),
+    "leave it out with `edit`",
+)  # fmt: skip
+MJX_OPTIONS = refused_options(
+    "options",
+    "MJX",
+    (("integrator", "mjtIntegrator", ("mjINT_IMPLICIT",)), ("solver", "mjtSolver", ("mjSOL_PGS",))),
+    ("override", "energy", "fwdinv", "diagexact", "speculative"),
+    "write another one in the section `option` of the recipe",
+)
+
+
+def _margins(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    """The geoms whose contacts with a mesh or a height field begin before they touch."""
+    shapes = words(mujoco, "geom_type")
+    reported = set()
+    for pair in colliding(model):
+        kinds = {shapes[int(model.geom_type[geom])] for geom in pair}
+        if kinds & {"mesh", "hfield"} and any(model.geom_margin[geom] for geom in pair):
+            geom = next(each for each in pair if model.geom_margin[each])
+            if geom not in reported:
+                reported.add(geom)
+                yield geom, "MJX has no margin for contacts with meshes and height fields"
+
+
+MJX_MARGINS = refused_elements("margins", "geom", _margins, "write `set: {margin: 0}`")
+
+
+def _contact_sensors(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    """Those that MJX lacks: of a site, of bodies and subtrees, and of the sum of the forces."""
+    kinds = mujoco.mjtObj
+    contact = getattr(mujoco.mjtSensor, "mjSENS_CONTACT", None)
+    for number in range(model.nsensor):
+        if contact is None or int(model.sensor_type[number]) != int(contact):
+            continue
+        objects = {int(model.sensor_objtype[number]), int(model.sensor_reftype[number])}
+        if int(kinds.mjOBJ_SITE) in objects:
+            yield number, "MJX has no contact sensor of a site"
+        elif objects & {int(kinds.mjOBJ_BODY), int(kinds.mjOBJ_XBODY)}:
+            yield number, "MJX has no contact sensor of a body"
+        elif int(model.sensor_intprm[number][1]) == _NETFORCE:
+            yield number, "MJX has no contact sensor of the net force"
+
+
+MJX_CONTACT_SENSORS = refused_elements(
+    "contact sensors", "sensor", _contact_sensors, "name geoms in its place, with another `reduce`"
+)

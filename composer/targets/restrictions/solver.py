@@ -1,0 +1,111 @@
+"""What belongs to MuJoCo's way to compute: options, the softness of contacts and limits, gravity compensation.
+
+A value counts where it is another than MuJoCo's own, for what is as in MuJoCo's defaults nobody has chosen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from composer.targets.draft import Draft
+from composer.targets.limit import Limit, Outcome
+
+_PLAIN = "<mujoco><worldbody><body><joint/><geom size='1'/></body></worldbody></mujoco>"
+_OPTIONS = (
+    "timestep", "integrator", "cone", "impratio", "density", "viscosity", "wind", "magnetic", "noslip_iterations",
+    "disableflags", "enableflags",
+)  # fmt: skip
+_WORDS = {"disableflags": "flag", "enableflags": "flag"}
+_SOFTNESS = ("solref", "solimp", "margin", "gap", "priority", "solmix", "condim")
+_FRICTION = {"sliding": 0, "torsional": 1, "rolling": 2}
+
+
+def unread_contacts(*friction: str, but: Collection[str] = ()) -> Limit:
+    """How soft contacts are and when they begin are lost, `but` for these attributes, and these kinds of friction."""
+    return Limit("contacts", Outcome.LEFT_OUT, partial(_contacts, friction, but))
+
+
+def _plain(draft: Draft) -> Any:
+    return draft.mujoco.MjModel.from_xml_string(_PLAIN)
+
+
+def _options(draft: Draft) -> None:
+    mine, plain = draft.model.opt, _plain(draft).opt
+    changed = [
+        _WORDS.get(name, name)
+        for name in _OPTIONS
+        if not np.array_equal(getattr(mine, name), getattr(plain, name))
+    ]
+    for option in draft.root.iterchildren("option"):
+        if changed:
+            draft.lose("computing", option, f"{_not_read(changed)}: the program has settings of its own")
+
+
+def _gravity(draft: Draft) -> None:
+    if np.array_equal(draft.model.opt.gravity, _plain(draft).opt.gravity):
+        return
+    for option in draft.root.iterchildren("option"):
+        shown = " ".join(f"{each:g}" for each in draft.model.opt.gravity)
+        draft.lose("gravity", option, f"gravity is not read: set it to {shown} in the program")
+
+
+def _contacts(friction: Collection[str], but: Collection[str], draft: Draft) -> None:
+    model, plain = draft.model, _plain(draft)
+    for number, node in draft.of("geom"):
+        if not model.geom_contype[number] and not model.geom_conaffinity[number]:
+            continue
+        changed = [each for each in _changed(model, plain, number, _SOFTNESS, "geom") if each not in but]
+        for word in friction:
+            at = _FRICTION[word]
+            if model.geom_friction[number][at] != plain.geom_friction[0][at]:
+                changed.append(f"{word} friction")
+        if changed:
+            draft.lose("contacts", node, f"{_not_read(changed)} of its contacts")
+
+
+def _changed(model: Any, plain: Any, number: int, names: Collection[str], kind: str) -> Iterator[str]:
+    for name in names:
+        array = f"{kind}_{name}"
+        if not np.array_equal(getattr(model, array)[number], getattr(plain, array)[0]):
+            yield name
+
+
+def _bits(draft: Draft) -> None:
+    model = draft.model
+    for number, node in draft.of("geom"):
+        bits = int(model.geom_contype[number]), int(model.geom_conaffinity[number])
+        if bits not in ((0, 0), (1, 1)):
+            draft.lose(
+                "bits", node, "its `contype` and `conaffinity` are not read: it collides with everything"
+            )
+
+
+def _joints(draft: Draft) -> None:
+    model, plain = draft.model, _plain(draft)
+    for number, node in draft.of("joint"):
+        if model.jnt_limited[number]:
+            changed = list(_changed(model, plain, number, ("solref", "solimp", "margin"), "jnt"))
+            if changed:
+                draft.lose("softness", node, f"{_not_read(changed)} of its limit")
+
+
+def _gravcomp(draft: Draft) -> None:
+    for number, node in draft.of("body"):
+        if draft.model.body_gravcomp[number]:
+            draft.lose("gravcomp", node, "its `gravcomp` is not read: all of its weight pulls")
+
+
+def _not_read(names: Collection[str]) -> str:
+    named = [f"`{each}`" if " " not in each else each for each in dict.fromkeys(names)]
+    return f"it does not read {', '.join(named)}"
+
+
+COMPUTING = Limit("computing", Outcome.LEFT_OUT, _options)
+GRAVITY = Limit("gravity", Outcome.LEFT_OUT, _gravity)
+BITS = Limit("bits", Outcome.LEFT_OUT, _bits)
+SOFTNESS = Limit("softness", Outcome.LEFT_OUT, _joints)
+GRAVCOMP = Limit("gravcomp", Outcome.LEFT_OUT, _gravcomp)

@@ -1,0 +1,59 @@
+"""For MuJoCo Warp: what `put_model` of MuJoCo Warp 4.0 refuses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from composer.targets.restrictions.compiled import (
+    refused_elements,
+    refused_members,
+    refused_options,
+    with_plugins,
+)
+
+_OUT = "leave it out with `edit`"
+
+WARP_ACTUATORS = refused_members(
+    "actuators", "actuator",
+    (
+        ("actuator_trntype", "mjtTrn", ("mjTRN_SO3",), "MuJoCo Warp has no such transmission"),
+        ("actuator_dyntype", "mjtDyn", ("mjDYN_PID",), "MuJoCo Warp has no such dynamics"),
+        ("actuator_gaintype", "mjtGain", ("mjGAIN_PID",), "MuJoCo Warp has no such gain"),
+        ("actuator_biastype", "mjtBias", ("mjBIAS_SO3",), "MuJoCo Warp has no such bias"),
+    ),
+    "write a `motor` or a `position` in its place: `convert: {to: position}`",
+)  # fmt: skip
+WARP_EQUALITY = refused_members(
+    "equality", "equality",
+    (("eq_type", "mjtEq", ("mjEQ_FLEXVERT", "mjEQ_DISTANCE"), "MuJoCo Warp has no such constraint"),),
+    _OUT,
+)  # fmt: skip
+WARP_OPTIONS = refused_options(
+    "options",
+    "MuJoCo Warp",
+    (("solver", "mjtSolver", ("mjSOL_PGS",)),),
+    ("override", "fwdinv", "diagexact", "ipc", "speculative"),
+    "write another one in the section `option` of the recipe",
+)
+
+
+WARP_PLUGINS = refused_elements("plugins", "body", with_plugins("body"), _OUT)
+WARP_SENSORS = refused_elements("sensors", "sensor", with_plugins("sensor"), _OUT)
+
+
+def _flexes(_mujoco: object, model: Any) -> Iterator[tuple[int, str]]:
+    """Of flexes: quadratic ones, rigid ones, and contacts of the parts of one with one another."""
+    interpolated = getattr(model, "flex_interp", np.zeros(model.nflex))
+    for number in range(model.nflex):
+        if abs(int(interpolated[number])) == 2:
+            yield number, "MuJoCo Warp has no flexes of quadratic elements"
+        elif model.flex_rigid[number]:
+            yield number, "MuJoCo Warp has no rigid flexes"
+        elif model.flex_internal[number]:
+            yield number, "MuJoCo Warp has no contacts inside a flex: `internal`"
+
+
+WARP_FLEXES = refused_elements("soft", "flex", _flexes, _OUT)

@@ -1,3 +1,0 @@
-"""The readers run in environments of their own."""
-
-collect_ignore = ["readers"]

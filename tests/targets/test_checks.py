@@ -1,0 +1,150 @@
+"""The checks `runs_on` and `loads`: what a program lacks, and whether it reads the model."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+from targets.models import SELDOM
+
+from composer.bundle.bundle import Bundle
+from composer.context import Context
+from composer.stages import Request, build
+from composer.targets import reading
+from composer.targets.checks import placed
+from composer.targets.names import CONSUMERS
+from composer.targets.reading import READERS, Reader, interpreter
+
+READER = """
+import json, sys
+import mujoco, numpy as np
+model = mujoco.MjModel.from_xml_path(sys.argv[1])
+data = mujoco.MjData(model)
+found = {"version": "1", "bodies": {}, "joints": {}, "actuators": {}, "poses": []}
+for n in range(1, model.nbody):
+    turned = np.zeros(9)
+    mujoco.mju_quat2Mat(turned, model.body_iquat[n])
+    axes = turned.reshape(3, 3)
+    found["bodies"][model.body(n).name] = {
+        "mass": FACTOR * model.body_mass[n], "com": model.body_ipos[n].tolist(),
+        "inertia": (axes @ np.diag(model.body_inertia[n]) @ axes.T).tolist()}
+for n in range(model.njnt):
+    found["joints"][model.joint(n).name] = {"range": model.jnt_range[n].tolist() if model.jnt_limited[n] else None}
+for pose in json.load(open(sys.argv[2])):
+    for name, value in pose["joints"].items():
+        data.joint(name).qpos[:] = value
+    mujoco.mj_kinematics(model, data)
+    found["poses"].append({model.body(n).name: [data.xpos[n].tolist(), data.xmat[n].reshape(3, 3).tolist()]
+                           for n in range(1, model.nbody)})
+json.dump(found, open(sys.argv[3], "w"))
+"""
+BALL = "<mujoco><worldbody><body name='b'><joint name='swing' type='ball'/><geom size='.1'/></body></worldbody></mujoco>"
+
+
+def checked(model: str, check: str, folder: Path, **environment: str) -> tuple[Bundle | None, Context]:
+    (folder / "model.xml").write_text(model)
+    recipe = folder / "recipe.yaml"
+    recipe.write_text(
+        f"recipe: 1\nallow: [licence-missing]\nbase: ./model.xml\ncheck:\n  it: {{{check}}}\n",
+        encoding="utf-8",
+    )
+    context = Context(folder=folder, environment=environment)
+    built = build(Request(recipe), context)
+    return (None if built is None else built.bundle), context
+
+
+def told(context: Context) -> list[tuple[str, str]]:
+    return [(each.code, each.message) for each in context.sink.diagnostics]
+
+
+@pytest.fixture
+def with_reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A program that is MuJoCo itself reads for MJX."""
+    folder = tmp_path / "readers"
+    folder.mkdir()
+    monkeypatch.setattr(reading, "_READERS", folder)
+    monkeypatch.setattr(
+        "composer.targets.checks.READERS", {"mjx": Reader("mjx", "it", "mujoco", ("mujoco",))}
+    )
+    return folder / "it.py"
+
+
+def test_it_loads(with_reader: Path, tmp_path: Path) -> None:
+    with_reader.write_text(READER.replace("FACTOR", "1"))
+    bundle, context = checked(SELDOM, "loads: {in: mjx}", tmp_path)
+    assert bundle is not None and told(context) == []
+
+
+def test_another_mass(with_reader: Path, tmp_path: Path) -> None:
+    with_reader.write_text(READER.replace("FACTOR", "2"))
+    bundle, context = checked(SELDOM, "loads: {in: [mjx]}", tmp_path)
+    assert bundle is None
+    ((code, message),) = told(context)
+    assert code == "check-failed"
+    assert message.startswith("check `it`: `mjx` 1 reads another model: the mass of `stand` is ")
+    (found,) = context.sink.diagnostics
+    assert found.span is not None and (found.span.line, found.span.column) == (5, 21)
+
+
+def test_a_program_that_ends_with_an_error(with_reader: Path, tmp_path: Path) -> None:
+    with_reader.write_text("raise SystemExit('this file is not for me')")
+    _, context = checked(SELDOM, "loads: {in: [mjx]}", tmp_path)
+    assert told(context) == [
+        ("check-failed", "check `it`: `mjx` does not read the model: this file is not for me")
+    ]
+
+
+def test_a_model_that_is_refused(with_reader: Path, tmp_path: Path) -> None:
+    with_reader.write_text(READER.replace("FACTOR", "1"))
+    model = BALL.replace("</mujoco>", '<option integrator="implicit"/></mujoco>')
+    _, context = checked(model, "loads: {in: [mjx]}", tmp_path)
+    ((_, message),) = told(context)
+    assert message == "check `it`: `mjx` does not read the model: option: MJX has no integrator `implicit`"
+
+
+def test_a_program_that_is_not_installed(tmp_path: Path) -> None:
+    bundle, context = checked(BALL, "loads: {in: [drake]}", tmp_path, **{CONSUMERS: str(tmp_path)})
+    assert bundle is None
+    (found,) = context.sink.errors
+    assert found.code == "consumer-missing" and found.help is not None and "pip install drake" in found.help
+
+
+def test_the_environment_that_is_named_comes_first(tmp_path: Path) -> None:
+    reader = Reader("drake", "drake", "mujoco", ())
+    assert interpreter(reader, {}) == sys.executable
+    inside = tmp_path / "drake" / "bin"
+    inside.mkdir(parents=True)
+    (inside / "python").write_text("#!/bin/sh\nexit 0\n")
+    (inside / "python").chmod(0o755)
+    if sys.platform != "win32":
+        assert interpreter(reader, {CONSUMERS: str(tmp_path)}) == str(inside / "python")
+    assert interpreter(Reader("drake", "other", "no_such_module", ()), {CONSUMERS: str(tmp_path)}) is None
+
+
+def test_what_a_simulator_lacks(tmp_path: Path) -> None:
+    _, context = checked(SELDOM, "runs_on: [mjx, warp, drake]", tmp_path)
+    ((code, message),) = told(context)
+    assert code == "check-failed" and message.startswith(
+        "check `it`: `drake` does not have all of the model: "
+    )
+    (found,) = context.sink.diagnostics
+    assert found.span is not None and (found.span.line, found.span.column) == (5, 29)
+
+
+def test_what_is_written_otherwise_is_not_lacking(tmp_path: Path) -> None:
+    text = '<mujoco><worldbody><body name="b"><joint name="j" ref="30"/><geom size=".1"/></body></worldbody></mujoco>'
+    bundle, context = checked(text, "runs_on: [newton]", tmp_path)
+    assert bundle is not None and told(context) == []
+
+
+def test_a_package_stands_in_a_folder_of_its_name(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "package.xml").write_text("<package><name>arm</name></package>")
+    assert placed(out, "model.urdf") == tmp_path / "arm" / "model.urdf"
+
+
+def test_each_reader_has_its_program() -> None:
+    folder = Path(reading.__file__).with_name("readers")
+    assert {each.program for each in READERS.values()} == {path.stem for path in folder.glob("*.py")}
