@@ -26,9 +26,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class CacheKey:
-    """`subject` is the thing being built, whatever its inputs: its last build shows why a new one is needed.
+    """The key of a model in the build cache.
 
-    `parts` are all values that count, by their names for the user.
+    `subject` is the thing being built, whatever its inputs: its last build shows why a new one is needed. `parts`
+    are all values that count, by their names for the user.
     """
 
     subject: str
