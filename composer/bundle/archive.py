@@ -42,7 +42,7 @@ def write_packed(
     environment: Mapping[str, str],
     packed: Callable[[str], Packed],
 ) -> None:
-    """Write a bundle of which only the paths and the compressed files are given."""
+    """Write a bundle, given its paths and its compressed files."""
     if model.endswith(".xml") and model not in (
         MODEL,
         f"{out.stem}.xml",

@@ -185,7 +185,7 @@ def _read(bundle: Bundle, making: Making, portable: Portable) -> list[tuple[str,
 
 
 def _files_of(plan: Plan) -> Iterator[str]:
-    """Yield the recipes of a plan and those that they extend, as messages name them."""
+    """Yield the files of a plan's recipes and of those that they extend, as messages name them."""
     for each in plan.plans():
         yield from (os.fspath(source.path) for source, _ in each.extended)
         yield from (span.file for span in spans(each.document))

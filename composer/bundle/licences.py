@@ -15,7 +15,7 @@ _UNSAFE = re.compile(r"[^\w.+@=-]+")
 
 @dataclass(frozen=True, slots=True)
 class Licences:
-    """`files` maps paths in the bundle to contents; `of` has the paths by label."""
+    """The licence files of a bundle: `files` by their paths in it, `of` their paths by label."""
 
     files: Mapping[str, bytes]
     of: Mapping[str, tuple[str, ...]]

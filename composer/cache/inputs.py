@@ -78,7 +78,7 @@ class Inputs:
 
 
 def may_move(context: Context) -> bool:
-    """Return whether the network is asked in every build, for example for an unpinned branch."""
+    """Return whether every build queries the network, for example for an unpinned branch."""
     fetching = context.fetching
     if fetching is None:
         return False

@@ -24,14 +24,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Made:
-    """`built` is set for a model that was built now, `record` for one from the cache.
+    """A built model.
 
-    The latter has only what the form of its output needs: `packed` for archives, `text` for text, `bundle` for
-    folders and MuJoCo's binary form, and nothing if the output `is_written` already. `inputs` are its input files.
-    `why` says why the cache did not have it. `replaced` is what the previous output was made from, as far as that
-    differs. `allowed` are the codes of warnings that the recipe allows at its top. `draws` are the numbers drawn
-    for a sample, by table column; None if it is not a sample. `cells` and `cells_at` are as in a plan, `adopted`
-    are the settings that the model takes from its parts.
+    `built` is set for a model that was built now, `record` for one from the cache. A model from the cache has only
+    what the form of its output needs: `packed` for archives, `text` for text, `bundle` for folders and MuJoCo's
+    binary form, and nothing if the output `is_written` already. `inputs` are its input files. `why` says why the
+    cache did not have it. `replaced` is what the previous output was made from, as far as that differs. `allowed`
+    are the codes of warnings that the recipe allows at its top. `draws` are the numbers drawn for a sample, by
+    table column; None if it is not a sample. `cells` and `cells_at` are as in a plan, `adopted` are the settings
+    that the model takes from its parts.
     """
 
     name: str

@@ -17,7 +17,7 @@ from composer.diagnostics.sink import Sink
 
 @dataclass(slots=True)
 class Tally:
-    """`total` is the number of cells, `whole` the number of those without errors."""
+    """Counts the cells of a run: `total` is their number, `whole` the number of those without errors."""
 
     recipe: Path
     total: int

@@ -17,7 +17,7 @@ Range: TypeAlias = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """`range` is in MuJoCo's units (radians, metres) and only valid if `limited`."""
+    """A joint. `range` is in MuJoCo's units (radians, metres) and only valid if `limited`."""
 
     name: str
     type: str
@@ -50,7 +50,7 @@ class Actuator:
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """`type` is its MJCF tag; `cutoff`, in its unit, is None if there is no cutoff."""
+    """A sensor. `type` is its MJCF tag; `cutoff`, in its unit, is None if there is no cutoff."""
 
     name: str
     type: str
@@ -76,7 +76,7 @@ class Camera:
 
 @dataclass(frozen=True, slots=True)
 class Keyframe:
-    """`time` is in seconds."""
+    """A keyframe. `time` is in seconds."""
 
     name: str
     time: float

@@ -15,11 +15,11 @@ FREE, BALL, SLIDE, HINGE = range(4)
 
 @dataclass(frozen=True, slots=True)
 class JointType:
-    """`position_units` has the unit of each number in `qpos`, `velocity_units` those in `qvel`.
+    """A type of joint.
 
-    `range_unit` is that of `jnt_range`, which MuJoCo does not use for a free joint. The linear numbers of a free
-    joint precede the angular ones; its linear velocity is in the world's frame, its angular velocity in the body's
-    own.
+    `position_units` has the unit of each number in `qpos`, `velocity_units` those in `qvel`. `range_unit` is that
+    of `jnt_range`, which MuJoCo does not use for a free joint. The linear numbers of a free joint precede the
+    angular ones; its linear velocity is in the world's frame, its angular velocity in the body's own.
     """
 
     word: str

@@ -10,7 +10,10 @@ from composer.compiled.joints import ANGULAR
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """`unit` is that of slides and of everything except joints; `angular` that of hinges if it differs."""
+    """A physical quantity.
+
+    `unit` is that of slides and of everything except joints; `angular` is that of hinges if it differs.
+    """
 
     words: str
     unit: str = ""

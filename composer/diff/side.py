@@ -48,12 +48,13 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class Side:
-    """`kept` is the name under which the session keeps the model; `digests` are the sha256 of files by path.
+    """One of the two compared models.
 
-    For an MJCF file that is the file alone. `traced` is None if the origin of elements is unknown, `plan` is None
-    if this is not a recipe. `cell` is the compared cell of its matrix, `cells` the number of cells. `given` are the
-    values of parameters and variants from the command or the cell. `inputs` are the files that were read. `bundle`
-    is set for a recipe or bundle if the caller asked for it.
+    `kept` is the name under which the session keeps the model; `digests` are the sha256 of files by path, for an
+    MJCF file that of the file alone. `traced` is None if the origin of elements is unknown, `plan` is None if this
+    is not a recipe. `cell` is the compared cell of its matrix, `cells` the number of cells. `given` are the values
+    of parameters and variants from the command or the cell. `inputs` are the files that were read. `bundle` is set
+    for a recipe or bundle if the caller asked for it.
     """
 
     operand: Operand

@@ -16,7 +16,7 @@ class ArgumentError(ValueError):
 
 
 class Function(NamedTuple):
-    """`apply` takes `least` to `most` numbers (None: any number)."""
+    """A function of expressions; `apply` takes `least` to `most` numbers (None: any number)."""
 
     apply: Callable[..., Number]
     least: int = 1

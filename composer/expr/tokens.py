@@ -9,7 +9,10 @@ from composer.expr.error import ExpressionError
 
 
 class Token(NamedTuple):
-    """`kind` is `number`, `text`, `name`, `end`, or for operators and keywords the token itself."""
+    """A token of an expression.
+
+    `kind` is `number`, `text`, `name`, `end`, or for operators and keywords the token itself.
+    """
 
     kind: str
     text: str

@@ -23,7 +23,7 @@ class Name:
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """`vector[index]`."""
+    """An item of a vector: `vector[index]`."""
 
     vector: Expression
     index: int
@@ -59,7 +59,7 @@ class Binary:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """`a < b <= c`: one operand more than operators."""
+    """A comparison such as `a < b <= c`: it has one operand more than operators."""
 
     operators: tuple[str, ...]
     operands: tuple[Expression, ...]
@@ -69,7 +69,7 @@ class Comparison:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """`yes if condition else no`."""
+    """A conditional expression: `yes if condition else no`."""
 
     condition: Expression
     yes: Expression

@@ -21,7 +21,10 @@ _OF_YAML = "yaml-"
 
 @dataclass(slots=True)
 class Fixed:
-    """`files` are the texts before and after by path; `fixed` are the fixed diagnostics, `left` the others."""
+    """The result of fixing a recipe.
+
+    `files` are the texts before and after by path; `fixed` are the fixed diagnostics, `left` the others.
+    """
 
     files: dict[Path, tuple[bytes, bytes]] = field(default_factory=dict)
     fixed: list[Diagnostic] = field(default_factory=list)

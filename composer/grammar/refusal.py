@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Refusal:
-    """`message` is a lowercase fragment that continues "`size`…": `expects 3 numbers, got 2`.
+    """The reason why a value is not valid, and what to write instead.
 
-    `is_length` says that only the number of items or characters is wrong. `unknown` is an unknown keyword;
-    `lists_keywords` says that the message lists the existing ones. `instead` is the value to write, in YAML; `hint`
-    is any other advice.
+    `message` is a lowercase fragment that continues "`size`…": `expects 3 numbers, got 2`. `is_length` says that
+    only the number of items or characters is wrong. `unknown` is an unknown keyword; `lists_keywords` says that the
+    message lists the existing ones. `instead` is the value to write, in YAML; `hint` is any other advice.
 
     >>> str(Refusal("expects numbers, got text", instead="[1, 2]"))
     'expects numbers, got text; write [1, 2]'

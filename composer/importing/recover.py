@@ -31,10 +31,10 @@ _ROUNDS = 20
 
 @dataclass(frozen=True, slots=True)
 class Recovered:
-    """`text` is the recipe; `bundle` is None if it does not build, for the reasons in `faults`.
+    """A recovered recipe.
 
-    `outcome` is None if the models could not be compared; `refused` is MuJoCo's message if it rejects the merged
-    model.
+    `text` is the recipe; `bundle` is None if it does not build, for the reasons in `faults`. `outcome` is None if
+    the models could not be compared; `refused` is MuJoCo's message if it rejects the merged model.
     """
 
     text: str

@@ -42,7 +42,10 @@ class Candidate:
 
 @dataclass(frozen=True, slots=True)
 class Search:
-    """`parts` are the likely parts of the merged model; `looked_at` is the number of candidates."""
+    """The result of a search.
+
+    `parts` are the likely parts of the merged model; `looked_at` is the number of candidates.
+    """
 
     parts: tuple[Candidate, ...]
     looked_at: int

@@ -105,7 +105,10 @@ class Numbers:
     @overload
     def __getitem__(self, names: Several) -> NDArray[np.intp]: ...
     def __getitem__(self, names: Names) -> int | NDArray[np.intp]:
-        """Raises UnknownNameError. (A glob is typed as a name is: an int; it gives an array.)"""
+        """Return the id for a name, or the ids for several names or a glob. Raises UnknownNameError.
+
+        For a glob the declared type is that of a name, int, although the result is an array.
+        """
         if isinstance(names, str) and (row := self._lookup.row(names)) is not None:
             return row
         return np.array(self._lookup.rows(names), dtype=np.intp)

@@ -17,7 +17,10 @@ SETTINGS = ("angle", "eulerseq")
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """`angle` is the unit of bare angles (None: they are not allowed), `eulerseq` the sequence of `euler`."""
+    """The reading of angles in a file.
+
+    `angle` is the unit of bare angles (None: they are not allowed), `eulerseq` the sequence of `euler`.
+    """
 
     angle: str | None = None
     eulerseq: str = "xyz"

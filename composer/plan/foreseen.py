@@ -29,10 +29,11 @@ class EditOutcome:
 
 @dataclass(frozen=True, slots=True)
 class Foreseen:
-    """`subtrees` has the models that are taken in part, `edits` the entries that were carried out.
+    """What composing finds out about a plan.
 
-    `adopted` are the settings that the model takes from its parts, `touching` the pairs of bodies whose contacts
-    are excluded because they touch.
+    `subtrees` has the models that are taken in part, `edits` the entries that were carried out. `adopted` are the
+    settings that the model takes from its parts, `touching` the pairs of bodies whose contacts are excluded because
+    they touch.
     """
 
     subtrees: Mapping[Place, Subtree] = field(default_factory=dict)

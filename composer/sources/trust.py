@@ -10,9 +10,10 @@ from pathlib import Path
 
 @dataclass(frozen=True, slots=True)
 class Trust:
-    """`files` are folders that the user's own models may read; `references` are what fetched recipes may name.
+    """The files and references that the outer recipe trusts.
 
-    A reference is allowed if it is one of `references`, or continues one of them after a separator:
+    `files` are folders that the user's own models may read; `references` are what fetched recipes may name. A
+    reference is allowed if it is one of `references`, or continues one of them after a separator:
 
     >>> trust = Trust(references=("git+file:///srv/robots", "package:arms"))
     >>> trust.allows("git+file:///srv/robots@v1#arm.xml"), trust.allows("package:armsdealer/arm.xml")

@@ -9,7 +9,7 @@ from composer.tree.unit import Unit
 
 
 class Watch(Protocol):
-    """Is called after everything that may have changed a model, and changes nothing itself."""
+    """An observer that is called after everything that may have changed a model. It changes nothing itself."""
 
     def __call__(self, units: Iterable[Unit], done: object) -> None:
         """Observe that `done` has changed some of the trees in `units`.

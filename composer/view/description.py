@@ -24,7 +24,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Description:
-    """`text` is JSON; `used` are the names of the blobs that it refers to, `blobs` the bytes of the new ones."""
+    """The description of a model for the page.
+
+    `text` is JSON; `used` are the names of the blobs that it refers to, `blobs` the bytes of the new ones.
+    """
 
     title: str
     text: str

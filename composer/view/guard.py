@@ -10,7 +10,7 @@ from ipaddress import ip_address
 
 @dataclass(frozen=True, slots=True)
 class Guard:
-    """`host` and `port` are those that the server is bound to."""
+    """Decides which requests the server answers. `host` and `port` are those that it is bound to."""
 
     host: str
     port: int
