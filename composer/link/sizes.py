@@ -1,4 +1,4 @@
-"""What the sources of a model write in `<size>`: sizes only make room, so that the larger of two serves both."""
+"""Merge the `<size>` settings of the sources. Sizes only reserve room, so the larger of two values serves both."""
 
 from __future__ import annotations
 

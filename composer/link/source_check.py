@@ -1,14 +1,13 @@
-"""Whether the file of a model is MJCF: what MuJoCo refuses of it alone must not get lost when it is linked.
+"""Check that a model file is valid MJCF, because linking can hide errors that MuJoCo would report.
 
-Sections of settings are joined, a part's root is unwrapped, options give way to those of the recipe, and inside
-`<frame>` and `<replicate>`, where parts hang, MuJoCo's reader passes over elements and attributes that it does not know
-(4.0: `<frame><geom mode="x" size="1"/></frame>` compiles, `<geom mode="x" size="1"/>` does not). So nothing that is
-composed would say what is wrong with a source. What MuJoCo passes over in the file itself is not refused here:
-`tree/ignored.py` reports it as a warning.
+Sections of settings are joined, a part's root is unwrapped, and options give way to those of the recipe. Inside
+`<frame>` and `<replicate>`, where parts are attached, MuJoCo's reader ignores unknown elements and attributes (4.0:
+`<frame><geom mode="x" size="1"/></frame>` compiles, `<geom mode="x" size="1"/>` does not). What MuJoCo ignores in
+the file itself is not an error here: `tree/ignored.py` reports it as a warning.
 
-It takes longer than to parse and link a file (2 ms for 250 elements, against 1.7 ms). Builds that are verified do it
-beforehand, the others where the linker has stumbled: that a fault is the reason is not taken for granted, for with
-the faults put right the work must raise nothing, or else the exception is a bug and is raised.
+The check takes longer than parsing and linking a file (2 ms for 250 elements, against 1.7 ms). Verified builds run
+it first; other builds run it only after the linker has raised an exception. Even then the fault may not be the
+cause: the work is repeated with the faults corrected, and if it still raises, the exception is a bug and is raised.
 """
 
 from __future__ import annotations
@@ -76,7 +75,7 @@ class _UnknownAttribute:
 
 @dataclass(frozen=True, slots=True)
 class _Misnamed:
-    """A name that MuJoCo keeps for itself; a prefix would hide that."""
+    """A name that MuJoCo reserves; adding a prefix would hide the error."""
 
     node: Node
     name: str
@@ -97,7 +96,7 @@ class _Misnamed:
 
 @dataclass(frozen=True, slots=True)
 class _RepeatedKey:
-    """A key of the same name as another one of its file, which would become one with it."""
+    """A key with the same name as another key of its file; linking would merge the two."""
 
     node: Node
     first: Node
@@ -169,7 +168,7 @@ class _TooMany:
 
 @dataclass(frozen=True, slots=True)
 class _Clashing:
-    """Attributes of which only one may be written. Where one counts, which one depends on the reader."""
+    """Attributes that exclude one another. If one of them counts, which one depends on the reader."""
 
     node: Node
     names: tuple[str, ...]

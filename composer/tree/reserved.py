@@ -1,4 +1,4 @@
-"""How much room a model reserves by a few words: counted before MuJoCo takes it."""
+"""Count the memory that a model reserves by a few attributes, before MuJoCo allocates it."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from composer.tree.unit import Unit
 _CODE = "limit-exceeded"
 _CHANNELS = 3
 _OF_A_STEP = 10
-"""What a step that is simulated counts for: it takes at least 1 microsecond."""
+"""The weight of a simulated step: it takes at least 1 microsecond."""
 _OF_A_KEY = 2000
-"""What a keyframe counts for at least: MuJoCo 4.0 takes 3 s to make 50,000, and four times that for twice as many."""
+"""The least weight of a keyframe: MuJoCo 4.0 takes 3 s to make 50,000, and four times that for twice as many."""
 
 
 def check_reserved(unit: Unit, elements: int, sink: Sink) -> bool:
-    """Whether a model of so many elements, once it is expanded, reserves no more than the limits allow.
+    """Return whether a model with so many elements, once expanded, reserves no more than the limits allow.
 
-    What does not goes to `sink`, at the attribute that says how much.
+    If not, report the attribute that reserves too much.
     """
     most, total = in_force().reserved, 0
     for node, attribute, count in _reserving(unit, elements):
@@ -57,14 +57,14 @@ def _reserving(unit: Unit, elements: int) -> Iterator[tuple[Node, str, int]]:
 
 
 def _weight(name: str, elements: int) -> int:
-    """What one of a number in `<size>` counts for; those of memory and contacts have limits of their own."""
+    """Return the weight of a number in `<size>`; memory and contacts have limits of their own."""
     if name == "nkey":
         return _OF_A_KEY + elements
     return elements if name.startswith("nuser_") else 1 if name == "nuserdata" else 0
 
 
 def _steps(lengthrange: Node) -> int:
-    """How many steps MuJoCo simulates for each actuator whose length range it looks for."""
+    """Return how many steps MuJoCo simulates for each actuator whose length range it computes."""
     try:
         seconds = float(lengthrange.get("inttotal") or 10)
         return int(seconds / float(lengthrange.get("timestep") or 0.01))
@@ -73,7 +73,7 @@ def _steps(lengthrange: Node) -> int:
 
 
 def _number(node: Node, name: str) -> int:
-    """What is no number is reported elsewhere."""
+    """Return a number, or 0 if it is not a number, which is reported elsewhere."""
     try:
         return max(0, int(float(node.get(name) or 0)))
     except (ValueError, OverflowError):
