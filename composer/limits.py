@@ -31,12 +31,27 @@ class Limits:
     time: float = _limit(300.0, "seconds", "the work of MuJoCo on one model")
     memory: int = _limit(8 * GIB, "bytes", "the memory of mjcompose, and that of MuJoCo's process (POSIX)")
     elements: int = _limit(100_000, "", "the elements that a model has as it is written")
-    bodies: int = _limit(20_000, "", "the bodies that a model has as it is written")
+    bodies: int = _limit(15_000, "", "the bodies of a model once it is expanded")
+    dofs: int = _limit(
+        15_000,
+        "",
+        "the degrees of freedom of a model: 6 of a free joint, 3 of a ball or a point of a flex, 1 of others",
+    )
+    mass_matrix: int = _limit(
+        2_000_000,
+        "",
+        "the numbers in the mass matrix: one for each two degrees of freedom of which one carries the other",
+    )
+    mesh_points: int = _limit(
+        1_000_000, "", "the points of all meshes of a model; a tenth of those that collide with nothing"
+    )
     expansion: int = _limit(
         20_000, "", "the elements that `<replicate>`, `<flexcomp>`, `<composite>` and `<attach>` make"
     )
     reserved: int = _limit(
-        100_000_000, "", "the numbers that textures, height fields and `<size>` reserve in a model"
+        100_000_000,
+        "",
+        "the numbers that textures, height fields and `<size>` reserve in a model, and the pixels of PNG files",
     )
     parts: int = _limit(10_000, "", "the parts of a recipe, those of nested recipes and all copies counted")
     copies: int = _limit(10_000, "", "the copies that one `replicate` of a recipe makes")

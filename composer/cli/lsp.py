@@ -25,7 +25,7 @@ def command(stdio: bool) -> None:
         if (error.name or "").partition(".")[0] not in _EXTRA:
             raise
         raise click.UsageError(
-            f"The language server needs the Python package `{error.name}`, which is not installed."
-            ' Run `pip install "mjcompose[lsp]"`.'
+            "The language server needs `mjcompose[lsp]`, which is not installed: there is no Python package"
+            f' `{error.name}`. Run `pip install "mjcompose[lsp]"`.'
         ) from None
     serve()

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from lxml.etree import _Element as Node
 
+from composer.grammar.number import parse_int
 from composer.link.linking import Linking
 from composer.link.room import asked, bytes_of
 
@@ -52,9 +53,15 @@ def _enlarge(linking: Linking, name: str, value: str) -> None:
         if not have or bytes_of(value) > bytes_of(have[-1]):
             linking.base.section("size").set(name, value)
     elif name in _LARGEST or name.startswith("nuser_"):
-        largest = max([int(value), *map(int, have)])
+        largest = max(map(_count, (value, *have)))
         if largest >= 0:
             linking.base.section("size").set(name, str(largest))
+
+
+def _count(value: str) -> int:
+    """What MuJoCo reads; what it refuses is reported with the source, or by MuJoCo."""
+    number = parse_int(value.strip())
+    return -1 if number is None else number
 
 
 _USERS = {
@@ -73,9 +80,9 @@ def _user_widths(linking: Linking) -> None:
     # a written width it takes the widest.
     for size in linking.base.root.iterchildren("size"):
         for name, value in size.items():
-            if not str(name).startswith("nuser_") or int(value) < 0:
+            if not str(name).startswith("nuser_") or _count(str(value)) < 0:
                 continue
-            widest = int(value)
+            widest = _count(str(value))
             for unit in linking.units:
                 for element in _with_user(unit.root, str(name)):
                     widest = max(widest, len(str(element.get("user") or "").split()))

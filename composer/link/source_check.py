@@ -28,7 +28,9 @@ from composer.grammar.check import check_value
 from composer.grammar.element import ElementType
 from composer.grammar.refusal import Refusal
 from composer.grammar.version import version_key
+from composer.link.room import ROOM
 from composer.mujoco_errors.translation import unknown_attribute, unknown_element
+from composer.tree.classes import MAIN
 from composer.tree.ignored import BLIND, unread
 from composer.tree.unit import Unit
 
@@ -85,7 +87,11 @@ class _Misnamed:
         sink.error("bad-name", self.message, span, help=self.help)
 
     def put_right(self) -> None:
-        self.node.set(self.name, "main" if self.name == "class" else "another world")
+        if self.name != "class":
+            self.node.set(self.name, "another world")
+        else:
+            is_top = (above := self.node.getparent()) is None or above.tag != "default"
+            self.node.set(self.name, MAIN if is_top else "another class")
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +107,27 @@ class _RepeatedKey:
             "name-clash",
             f"two keys are called `{self.node.get('name')}`",
             unit.origins.span(self.node, unit.file, "name"),
+            notes=(note,),
+            help="give one of them another name",
+        )
+
+    def put_right(self) -> None:
+        _remove(self.node)
+
+
+@dataclass(frozen=True, slots=True)
+class _RepeatedClass:
+    """A class of the same name as another one; that of the top is `main`, written or not."""
+
+    node: Node
+    first: Node
+
+    def report(self, unit: Unit, sink: Sink) -> None:
+        note = Note("the other one is here", unit.origins.span(self.first, unit.file, "class"))
+        sink.error(
+            "class-clash",
+            f"two classes are called `{self.node.get('class')}`",
+            unit.origins.span(self.node, unit.file, "class"),
             notes=(note,),
             help="give one of them another name",
         )
@@ -157,7 +184,16 @@ class _Clashing:
             del self.node.attrib[name]
 
 
-_Fault = _Malformed | _UnknownAttribute | _Misnamed | _RepeatedKey | _UnknownElement | _TooMany | _Clashing
+_Fault = (
+    _Malformed
+    | _UnknownAttribute
+    | _Misnamed
+    | _RepeatedKey
+    | _RepeatedClass
+    | _UnknownElement
+    | _TooMany
+    | _Clashing
+)
 
 
 def check_source(unit: Unit, sink: Sink) -> bool:
@@ -172,6 +208,17 @@ def check_source(unit: Unit, sink: Sink) -> bool:
     for fault in found:
         fault.report(unit, sink)
     return not found
+
+
+def _of_classes(root: Node) -> Iterator[_RepeatedClass]:
+    """MuJoCo 4.0: `repeated default class name`. In a part `main` becomes another name, and nothing would repeat it."""
+    classes: dict[str, Node] = {}
+    for section in root.iterchildren("default"):
+        classes.setdefault(MAIN, section)
+        for nested in section.iterfind(".//default"):
+            name = str(nested.get("class") or "")
+            if name and classes.setdefault(name, nested) is not nested:
+                yield _RepeatedClass(nested, classes[name])
 
 
 def _what(fault: _Fault) -> tuple[Node, str | None]:
@@ -191,6 +238,7 @@ def _faults(root: Node) -> Iterator[_Fault]:
         name = str(key.get("name") or "")
         if name and keys.setdefault(name, key) is not key:
             yield _RepeatedKey(key, keys[name])
+    yield from _of_classes(root)
     waiting = [(root, GRAMMAR.root)]
     while waiting:
         node, kind = waiting.pop()
@@ -218,6 +266,9 @@ def _of_attributes(node: Node, kind: ElementType) -> Iterator[_Fault]:
         if attribute is None:
             if name not in kind.ignored and not _is_newer():
                 yield _UnknownAttribute(node, str(name))
+        elif node.tag == "size" and name in ROOM and not value.strip():
+            # MuJoCo 4.0 passes over blanks in place of numbers, but not in these.
+            yield _Malformed(node, attribute, Refusal("is empty"))
         elif attribute.type not in _FREE and not _is_plain(attribute, str(value)):
             refusal = check_value(attribute, str(value))
             if refusal is not None:

@@ -1,4 +1,4 @@
-"""How many elements a model has once MuJoCo has expanded it: counted before anything is expanded."""
+"""How large a model is once MuJoCo has expanded it: counted before anything is expanded."""
 
 from __future__ import annotations
 
@@ -11,14 +11,29 @@ from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.limits import advice, in_force
 from composer.tree.file_points import file_points
+from composer.tree.mesh_points import check_meshes
 from composer.tree.reserved import check_reserved
 from composer.tree.unit import Unit
+from composer.tree.weight import NOTHING, Weight, default_dofs, joint_dofs
 
 CODE = "limit-exceeded"
 _FLEX_COUNT, _COMPOSITE_COUNT = "10 10 10", "1 1 1"
 _COUNTED = ("grid", "box", "cylinder", "ellipsoid", "square", "disc", "circle")
 """The types of `<flexcomp>` that make `count` points; others have them from a file or an attribute."""
 _EXPANDING = ("replicate", "flexcomp", "composite", "attach")
+_JOINTS = ("joint", "freejoint")
+_HOLDING_JOINTS = ("body", "frame", "replicate")
+"""What a joint of the model stands in; constraints, tendons and classes have elements of the same name."""
+_DOFS_OF_A_POINT = {"radial": 1, "2d": 2}
+_NODES = {"trilinear": 1, "quadratic": 2}
+"""The bodies along each of the `cellcount` of a flex, of which one more ends a row; else each point is a body."""
+_MOST_DOFS = 6
+_COUNTS = (
+    ("bodies", "bodies", "bodies"),
+    ("dofs", "dofs", "degrees of freedom"),
+    ("mass-matrix", "matrix", "numbers in the mass matrix"),
+)
+"""Limits of the whole model: the name, what of a `Weight` it bounds, and how messages call that."""
 
 
 def written(root: Node) -> int:
@@ -31,10 +46,10 @@ def written(root: Node) -> int:
     return int(root.xpath("count(descendant-or-self::*)"))  # type: ignore[arg-type]
 
 
-def check_size(unit: Unit, sink: Sink, attached: Callable[[Node], int] = lambda _: 0) -> None:
+def check_size(unit: Unit, sink: Sink, attached: Callable[[Node], Weight] = lambda _: NOTHING) -> None:
     """Report a model that is larger than the limits allow, at the element that makes it so. Nothing is expanded.
 
-    `attached` says how many elements an `<attach>` brings.
+    `attached` says what an `<attach>` brings.
     """
     limits = in_force()
     elements = written(unit.root)
@@ -46,84 +61,147 @@ def check_size(unit: Unit, sink: Sink, attached: Callable[[Node], int] = lambda 
             help=advice("elements", elements),
         )
         return
-    # MuJoCo 4.0 takes 110 s to read 49,000 bodies that stand side by side, and four times as long for twice as many.
-    few = elements <= limits.bodies
-    bodies = elements if few else int(unit.root.xpath("count(descendant::body)"))  # type: ignore[arg-type]
-    if bodies > limits.bodies:
-        message = f"the model has {bodies} bodies; {limits.bodies} are allowed"
-        span = unit.origins.span(unit.root, unit.file)
-        sink.error(CODE, message, span, help=advice("bodies", bodies))
+    if _is_small(unit.root, elements):
+        if check_reserved(unit, elements, sink):
+            check_meshes(unit, 0, sink)
         return
-    if next(unit.root.iter(*_EXPANDING), None) is None:
-        check_reserved(unit, elements, sink)
-        return
-    made, total = _made(unit.root, attached, lambda flexcomp: file_points(flexcomp, unit))
+    made, model = _made(unit.root, attached, lambda flexcomp: file_points(flexcomp, unit))
     # An inner one is reported before the one around it, which it may make too large.
     for node in reversed(made):
-        if made[node] > limits.expansion:
-            said = f"`<{node.tag}>` makes {_number(made[node])} elements"
-            _report(unit, node, f"{said}; {limits.expansion} are allowed", made[node], sink)
+        if made[node].elements > limits.expansion:
+            said = f"`<{node.tag}>` makes {_number(made[node].elements)} elements"
+            said = f"{said}; {limits.expansion} are allowed"
+            _report(unit, node, said, "expansion", made[node].elements, sink)
             return
+    total = model.elements - elements
     if total > limits.expansion:
-        largest = max(made, key=lambda node: made[node])
+        largest = max(made, key=lambda node: made[node].elements)
         said = f"the model makes {_number(total)} elements of what is written"
-        note = Note(f"most of them, {made[largest]}, here", unit.origins.span(largest, unit.file))
-        _report(unit, largest, f"{said}; {limits.expansion} are allowed", total, sink, note)
+        note = Note(f"most of them, {made[largest].elements}, here", unit.origins.span(largest, unit.file))
+        said = f"{said}; {limits.expansion} are allowed"
+        _report(unit, largest, said, "expansion", total, sink, note)
         return
-    check_reserved(unit, elements + total, sink)
+    if _is_heavy(unit, model, made, sink):
+        return
+    if check_reserved(unit, elements + total, sink):
+        check_meshes(unit, model.points, sink)
 
 
-def expanded(root: Node, attached: Callable[[Node], int] = lambda _: 0) -> int:
-    """How many elements a tree has once it is expanded.
+def _is_small(root: Node, elements: int) -> bool:
+    """Whether a model is within the limits of the whole, however its bodies hang together."""
+    limits = in_force()
+    if next(root.iter(*_EXPANDING), None) is not None:
+        return False
+    if elements > limits.bodies and root.xpath("count(descendant::body)") > limits.bodies:  # type: ignore[operator]
+        return False
+    dofs = _MOST_DOFS * sum(1 for _ in root.iter(*_JOINTS))
+    return dofs <= limits.dofs and dofs * (dofs + 1) // 2 <= limits.mass_matrix
+
+
+def _is_heavy(unit: Unit, model: Weight, made: dict[Node, Weight], sink: Sink) -> bool:
+    """Whether MuJoCo would take too long for a model; that is reported at what makes most of it.
+
+    MuJoCo 4.0 takes four times as long for twice as many bodies or joints, wherever they are: 15 s for 15,000. The
+    matrix takes 5 s where it has two million numbers, and eight times that where each body hangs on twice as many.
+    """
+    for name, count, words in _COUNTS:
+        most = getattr(in_force(), name.replace("-", "_"))
+        total = getattr(model, count)
+        if total <= most:
+            continue
+        sizes = {node: getattr(weight, count) for node, weight in made.items()}
+        node = next((each for each in reversed(made) if sizes[each] > most), None)
+        if node is not None:
+            said = f"`<{node.tag}>` makes {_number(sizes[node])} {words}; {most} are allowed"
+            _report(unit, node, said, name, sizes[node], sink)
+            return True
+        said = f"the model has {_number(total)} {words}; {most} are allowed"
+        largest = max(made, key=sizes.__getitem__, default=None)
+        if largest is not None and sizes[largest] > total // 2:
+            note = Note(f"most of them, {sizes[largest]}, here", unit.origins.span(largest, unit.file))
+            _report(unit, largest, said, name, total, sink, note)
+        else:
+            sink.error(CODE, said, unit.origins.span(unit.root, unit.file), help=advice(name, total))
+        return True
+    return False
+
+
+def expanded(
+    root: Node,
+    attached: Callable[[Node], Weight] = lambda _: NOTHING,
+    in_file: Callable[[Node], int] = lambda _: 0,
+) -> Weight:
+    """How large a tree is once it is expanded; `in_file` says how many points the file of a `<flexcomp>` has.
 
     >>> from lxml import etree
-    >>> expanded(etree.fromstring('<body><replicate count="1000"><geom/><site/></replicate></body>'))
+    >>> expanded(etree.fromstring('<body><replicate count="1000"><geom/><site/></replicate></body>')).elements
     2002
     """
-    return written(root) + _made(root, attached)[1]
+    return _made(root, attached, in_file)[1]
 
 
 def _made(
-    root: Node, attached: Callable[[Node], int], in_file: Callable[[Node], int] = lambda _: 0
-) -> tuple[dict[Node, int], int]:
-    """By how many elements each that is expanded grows, in the order of the tree, and by how many the tree does.
+    root: Node, attached: Callable[[Node], Weight], in_file: Callable[[Node], int]
+) -> tuple[dict[Node, Weight], Weight]:
+    """What each that is expanded makes, in the order of the tree, and how large the tree is with all that.
 
-    Only what is inside of one that is expanded is looked at; without recursion, however deep a model is.
+    Of what one makes, the elements are those that are not written. Without recursion, however deep a model is.
     """
-    made: dict[Node, int] = {}
-    total = 0
-    for outer in root.iter(*_EXPANDING):
-        if outer in made:  # inside of one before
-            continue
-        inside = list(outer.iter("*"))
-        made |= dict.fromkeys((node for node in inside if node.tag in _EXPANDING), 0)
-        below: dict[Node, tuple[int, int]] = {}
-        for node in reversed(inside):  # what is inside comes before what it is in
-            count, size = below.pop(node, (0, 0))
-            size = 1 + _expanded(node, size, attached, in_file)
-            if node in made:
-                made[node] = size - 1 - count
-            above = node.getparent()
-            if above is not None:
-                known = below.get(above, (0, 0))
-                below[above] = known[0] + 1 + count, known[1] + size
-        total += made[outer]
-    return made, total
+    by_default = default_dofs(root)
+    nodes = list(root.iter("*"))
+    made: dict[Node, Weight] = {node: NOTHING for node in nodes if node.tag in _EXPANDING}
+    below: dict[Node, tuple[int, Weight]] = {}
+    for node in reversed(nodes):  # what is inside comes before what it is in
+        count, inside = below.pop(node, (0, NOTHING))
+        tag, above = node.tag, node.getparent()
+        if node in made:
+            weight = _expanded(node, inside, attached, in_file)
+            made[node] = weight._replace(elements=weight.elements - 1 - count)
+        elif tag == "body":
+            weight = inside.in_body()
+        elif tag in _JOINTS and (above is None or above.tag in _HOLDING_JOINTS):
+            dofs = joint_dofs(node, by_default)
+            weight = Weight(1, 0, dofs, 0, dofs)
+        else:
+            weight = inside._replace(elements=inside.elements + 1)
+        if above is None or node is root:
+            return made, weight
+        known = below.get(above)
+        below[above] = (1 + count, weight) if known is None else (known[0] + 1 + count, known[1].plus(weight))
+    return made, NOTHING
 
 
 def _expanded(
-    node: Node, inside: int, attached: Callable[[Node], int], in_file: Callable[[Node], int]
-) -> int:
-    """How many elements there are inside an element that itself counts as one."""
+    node: Node,
+    inside: Weight,
+    attached: Callable[[Node], Weight],
+    in_file: Callable[[Node], int],
+) -> Weight:
+    """What stands in the place of an element, which itself counts as one more."""
+    one = Weight(1)
     if node.tag == "replicate":
-        return _product(str(node.get("count") or "1"), 1) * inside
+        return one.plus(inside.times(_product(str(node.get("count") or "1"), 1)))
     if node.tag == "composite":
-        return _product(str(node.get("count") or _COMPOSITE_COUNT), 3) * (1 + inside)
+        count = _product(str(node.get("count") or _COMPOSITE_COUNT), 3)
+        # A cable, the last one that there was (MuJoCo 3.17): each body hangs on the one before by a ball joint.
+        chain = Weight(count, count, 3 * count, 9 * count * count // 2)
+        return one.plus(inside.times(count)).plus(chain)
     if node.tag == "flexcomp":
-        return inside + _points(node, in_file)
-    if node.tag == "attach":
-        return inside + attached(node)
-    return inside
+        points = _points(node, in_file)
+        return one.plus(inside).plus(_soft(node, points)._replace(elements=points))
+    return one.plus(inside).plus(attached(node))
+
+
+def _soft(flexcomp: Node, points: int) -> Weight:
+    """The bodies of a flex; those that it pins, which are none, are counted too."""
+    if flexcomp.get("rigid") == "true":
+        return NOTHING
+    dof = flexcomp.get("dof") or "full"
+    bodies, dofs = points, _DOFS_OF_A_POINT.get(dof, 3)
+    if dof in _NODES:
+        cells = [_count(word) for word in str(flexcomp.get("cellcount") or "1 1 1").split()[:3]]
+        bodies = math.prod(_NODES[dof] * each + 1 for each in cells)
+    return Weight(0, bodies, dofs * bodies, bodies * dofs * (dofs + 1) // 2)
 
 
 def _points(flexcomp: Node, in_file: Callable[[Node], int]) -> int:
@@ -152,7 +230,7 @@ def _number(count: int) -> str:
     return str(count) if count < 10**18 else f"more than {10**18}"
 
 
-def _report(unit: Unit, node: Node, message: str, needed: int, sink: Sink, *notes: Note) -> None:
+def _report(unit: Unit, node: Node, message: str, limit: str, needed: int, sink: Sink, *notes: Note) -> None:
     attribute = "model" if node.tag == "attach" else "file" if node.get("file") else "count"
     span = unit.origins.span(node, unit.file, attribute)
-    sink.error(CODE, message, span, notes=notes, help=advice("expansion", needed))
+    sink.error(CODE, message, span, notes=notes, help=advice(limit, needed))

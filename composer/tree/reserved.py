@@ -8,6 +8,8 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.sink import Sink
 from composer.limits import advice, in_force
+from composer.tree.files import file_attributes
+from composer.tree.pixels import pixels
 from composer.tree.unit import Unit
 
 _CODE = "limit-exceeded"
@@ -24,7 +26,7 @@ def check_reserved(unit: Unit, elements: int, sink: Sink) -> bool:
     If not, report the attribute that reserves too much.
     """
     most, total = in_force().reserved, 0
-    for node, attribute, count in _reserving(unit.root, elements):
+    for node, attribute, count in _reserving(unit, elements):
         total += count
         if total > most:
             span = unit.origins.span(node, unit.file, attribute)
@@ -34,7 +36,11 @@ def check_reserved(unit: Unit, elements: int, sink: Sink) -> bool:
     return True
 
 
-def _reserving(root: Node, elements: int) -> Iterator[tuple[Node, str, int]]:
+def _reserving(unit: Unit, elements: int) -> Iterator[tuple[Node, str, int]]:
+    root = unit.root
+    for node, attribute, _ in file_attributes(root):
+        if node.tag in ("texture", "hfield"):
+            yield node, attribute, pixels(node, attribute, unit)
     for node in root.iter("texture", "hfield", "size", "lengthrange"):
         if node.tag == "texture" and node.get("file") is None:
             width = _number(node, "width")

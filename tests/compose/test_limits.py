@@ -189,6 +189,31 @@ def test_what_models_reserve_as_a_rule(tmp_path: Path) -> None:
     assert build(Request(Path("r.yaml"), verified=False), context) is not None
 
 
+def png_head(width: int, height: int) -> bytes:
+    """What a PNG file begins with."""
+    return b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + width.to_bytes(4, "big") + height.to_bytes(4, "big") + bytes(9)
+
+
+@pytest.mark.parametrize(
+    ("inside", "column"),
+    [
+        ('<texture name="t" type="2d" file="p.png"/>', 50),
+        ('<texture name="t" type="cube" fileup="p.png"/>', 54),
+        ('<hfield name="h" file="p.png" size="1 1 1 1"/>', 39),
+    ],
+)
+def test_the_pixels_of_a_file(tmp_path: Path, inside: str, column: int) -> None:
+    """A file of 3 MB unpacks to 5 GB."""
+    (tmp_path / "p.png").write_bytes(png_head(10_001, 10_000))
+    (tmp_path / "m.xml").write_text(f"<mujoco><asset>{inside}</asset></mujoco>")
+    (tmp_path / "r.yaml").write_text("recipe: 1\nbase: ./m.xml\n")
+    (error,) = errors(tmp_path, "r.yaml")
+    assert error.code == "limit-exceeded" and "reserves 100010000 numbers" in error.message
+    assert error.span is not None and error.span.column == column
+    with allow(reserved=100_010_000):
+        assert build(Request(Path("r.yaml"), verified=False), Context(folder=tmp_path)) is not None
+
+
 def test_an_element_of_too_many_attributes(tmp_path: Path) -> None:
     many = " ".join(f'a{number}=""' for number in range(1001))
     (tmp_path / "m.xml").write_text(f"<mujoco>\n<option {many}/></mujoco>")

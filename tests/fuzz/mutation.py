@@ -112,10 +112,9 @@ def json_changed(data: bytes, random: Random, pool: Sequence[bytes]) -> bytes:
     if random.random() < 0.15:
         return flipped(data, random)
     try:
-        tree = json.loads(data)
-    except ValueError:
+        return json.dumps(tree_changed(json.loads(data), random), indent=2).encode()
+    except ValueError:  # no JSON, or a branch that was put into itself
         return flipped(data, random)
-    return json.dumps(tree_changed(tree, random), indent=2).encode()
 
 
 def xml_changed(data: bytes, random: Random, pool: Sequence[bytes]) -> bytes:

@@ -71,15 +71,23 @@ def test_the_server_ends_with_its_editor(tmp_path: Path) -> None:
     editor.close()
 
 
-def test_help_and_a_missing_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_help() -> None:
     result: Any = CliRunner().invoke(main, ["lsp", "--help"])
     assert result.exit_code == 0
     assert "Language Server Protocol" in result.output
-    for name in [name for name in sys.modules if name.startswith(("pygls", "composer.lsp.server"))]:
+
+
+@pytest.mark.parametrize("package", ["pygls", "lsprotocol"])
+def test_a_missing_extra(monkeypatch: pytest.MonkeyPatch, package: str) -> None:
+    ours = ("pygls", "lsprotocol", "composer.lsp.server", "composer.lsp.protocol")
+    for name in [name for name in sys.modules if name.startswith(ours)]:
         monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, "pygls", None)
-    result = CliRunner().invoke(main, ["lsp"])
+    monkeypatch.setitem(sys.modules, package, None)
+    result: Any = CliRunner().invoke(main, ["lsp"])
     assert result.exit_code == 2
+    assert "The language server needs `mjcompose[lsp]`, which is not installed" in " ".join(
+        result.output.split()
+    )
     assert 'pip install "mjcompose[lsp]"' in result.output
     assert "Traceback" not in result.output
 

@@ -221,6 +221,17 @@ def with_deltas(robots: Any, sizes: tuple[int, ...]) -> str:
     return str(robots.reference("deltas"))
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems do not limit the data of a process")
+def test_git_has_the_memory_that_it_is_given(robots: Any, refused: Callable[..., SourceError]) -> None:
+    reference = with_deltas(robots, (200, 4))
+    with allow(git_memory=32 * MIB):
+        error = refused(reference)
+    assert (error.code, error.help) == (
+        "archive-refused", "if that is meant, raise the limit: `--limit git-memory=64M`"
+    )  # fmt: skip
+    assert "needs more memory than 32M" in error.message
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is measured as Linux counts it")
 def test_a_chain_of_deltas_is_stopped_while_it_is_resolved(robots: Any, tmp_path: Path) -> None:

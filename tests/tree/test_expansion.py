@@ -3,6 +3,7 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
+import mujoco
 import pytest
 from lxml import etree
 
@@ -10,6 +11,7 @@ from composer.diagnostics import Sink
 from composer.limits import allow
 from composer.tree.expansion import expanded
 from composer.tree.parse import parse_text
+from composer.tree.weight import Weight
 
 
 def told(inside: str) -> list[tuple[str, str, int | None]]:
@@ -40,12 +42,76 @@ def told(inside: str) -> list[tuple[str, str, int | None]]:
     ],
 )  # fmt: skip
 def test_sizes(inside: str, size: int) -> None:
-    assert expanded(etree.fromstring(inside)) == size
+    assert expanded(etree.fromstring(inside)).elements == size
 
 
 def test_what_is_attached_counts_each_time() -> None:
     root = etree.fromstring('<body><replicate count="10"><attach/></replicate><attach/></body>')
-    assert expanded(root, lambda _: 100) == 1 + (1 + 10 * 101) + 101
+    weight = expanded(root, lambda _: Weight(100, 7, 5, 15))
+    assert weight == Weight(1 + (1 + 10 * 101) + 101, 1 + 11 * 7, 11 * 5, 11 * 15)
+
+
+BODY = '<body pos="1 0 0">{}<geom size=".1"/></body>'
+BALL = '<default><joint type="ball"/></default>'
+
+
+@pytest.mark.parametrize(
+    ("inside", "default"),
+    [
+        (BODY.format("<freejoint/>") + BODY.format('<joint type="ball"/>') + BODY.format("<joint/><joint axis='1 0 0'/>"), ""),
+        (BODY.format("<joint/>" + BODY.format("<joint/>" + BODY.format("<joint/>")) + BODY.format("<joint/>")), ""),
+        (f'<replicate count="3" offset="9 0 0">{BODY.format("<joint/>" + BODY.format("<joint/>"))}</replicate>', ""),
+        (BODY.format(f'<joint/><replicate count="4" offset="9 0 0">{BODY.format("<joint/>")}</replicate>'), ""),
+        (BODY.format("<joint/>" + BODY.format("<joint/>")), BALL),
+        ('<body name="b"><flexcomp name="f" count="3 3 3" spacing=".1 .1 .1" dim="3" mass="1"/></body>', ""),
+        ('<body name="b"><flexcomp name="f" count="3 3 1" spacing=".1 .1 .1" dim="2" mass="1" dof="2d"/></body>', ""),
+        ('<body name="b"><flexcomp name="f" count="3 3 3" spacing=".1 .1 .1" dim="3" mass="1" dof="trilinear"/></body>', ""),
+        ('<body name="b"><flexcomp name="f" count="3 3 3" spacing=".1 .1 .1" dim="3" mass="1" dof="trilinear" cellcount="2 1 1"/></body>', ""),
+        ('<body name="b"><flexcomp name="f" count="3 3 3" spacing=".1 .1 .1" dim="3" mass="1" rigid="true"/></body>', ""),
+        ('<frame pos="0 0 1">' + BODY.format('<joint name="j"/>') + "</frame></worldbody><equality>"
+         '<joint joint1="j"/></equality><worldbody>', ""),
+    ],
+    ids=["kinds", "chain", "replicated", "replicated in a body", "by class", "soft", "2d", "trilinear", "cells", "rigid",
+         "in a frame"],
+)  # fmt: skip
+def test_what_mujoco_makes_of_it(inside: str, default: str) -> None:
+    text = f"<mujoco>{default}<worldbody>{inside}</worldbody></mujoco>"
+    try:
+        model = mujoco.MjModel.from_xml_string(text)
+    except ValueError as error:
+        if "cellcount" in text or "dof=" in text:
+            pytest.skip(f"this MuJoCo has no such flex: {error}")
+        raise
+    weight = expanded(etree.fromstring(text))
+    assert (weight.bodies, weight.dofs, weight.matrix) == (model.nbody - 1, model.nv, model.nM)
+
+
+def test_what_a_flex_pins_counts_too() -> None:
+    flex = '<flexcomp name="f" count="3 3 3" dim="3"><pin gridrange="0 0 0 2 2 0"/></flexcomp>'
+    assert expanded(etree.fromstring(f"<body>{flex}</body>")).dofs == 81
+
+
+@pytest.mark.parametrize(
+    ("limit", "inside", "said", "line"),
+    [
+        ({"bodies": 3}, '<replicate count="4"><body/></replicate>', "`<replicate>` makes 4 bodies; 3 are allowed", 3),
+        ({"bodies": 3}, "<body><body/></body><body/><body/>", "the model has 4 bodies; 3 are allowed", 1),
+        ({"bodies": 3}, '<body/><replicate count="3"><body/></replicate>', "the model has 4 bodies; 3 are allowed", 3),
+        ({"dofs": 5}, "<body>\n<freejoint/></body>", "the model has 6 degrees of freedom; 5 are allowed", 1),
+        ({"dofs": 5}, '<body>\n<replicate count="2"><body><joint type="ball"/></body></replicate></body>',
+         "`<replicate>` makes 6 degrees of freedom; 5 are allowed", 4),
+        ({"dofs": 80}, '<body>\n<flexcomp name="f" count="3 3 3"/></body>', "`<flexcomp>` makes 81 degrees of freedom; 80 are allowed", 4),
+        ({"mass_matrix": 5}, "<body><joint/><body><joint/><body><joint/></body></body></body>",
+         "the model has 6 numbers in the mass matrix; 5 are allowed", 1),
+        ({"mass_matrix": 5}, "<body><joint/></body>" * 5, None, 0),
+    ],
+)  # fmt: skip
+def test_the_size_of_the_whole(limit: dict[str, int], inside: str, said: str | None, line: int) -> None:
+    with allow(**limit):
+        found = told(inside)
+    assert found == ([] if said is None else [("limit-exceeded", said, line)])
+    with allow(**{name: value + 1 for name, value in limit.items()}):
+        assert told(inside) == []
 
 
 @pytest.mark.parametrize(
