@@ -173,7 +173,7 @@ def _built(
         return None
     making = Making(
         plan, composed.model, composed.files, composed.members, compiled, merged, tuple(checks), request.name,
-        composed.drawn, request.pictured,
+        composed.drawn, request.pictured, composed.shapes,
     )  # fmt: skip
     bundle = described(bundle, making, context)
     if request.target is not None:
@@ -224,7 +224,7 @@ def _verified(
                 from composer.verify.checks import run_checks  # numpy comes along, and every kind of check
 
                 renamed = renamed_in(composed.model, composed.members)
-                run_checks(plan, composed.members, session, context, merged, renamed, hear)
+                run_checks(plan, composed.members, session, context, merged, renamed, hear, composed.shapes)
     return compiled
 
 

@@ -12,6 +12,7 @@ from composer.context import Context
 from composer.plan.plan import Plan
 from composer.plan.used_files import files_of_recipe, files_of_source
 from composer.sources.licence import licence_folders
+from composer.sources.lock import shapes_folder
 from composer.sources.source import Source
 from composer.stages import Built
 
@@ -33,12 +34,19 @@ class Inputs:
         return tuple(dict.fromkeys(map(os.path.abspath, paths)))
 
     def others(self, built: Built, context: Context) -> tuple[str, ...]:
-        """All other files: models, what they include, assets, licences and where these are looked for, the lock."""
+        """All other files: models, what they include, assets, licences and where these are looked for, the lock.
+
+        What is made of meshes is looked for beside the lock, also where it does not exist yet.
+        """
         found = self._planned(built.plan, built.plan.sources(), context)
         model = built.composed.model
         found.update(dict.fromkeys(os.path.abspath(context.folder / name) for name in model.origins.texts))
         used: list[str] = [use.source for use in built.composed.files if use.content is None]
         found.update(dict.fromkeys(map(os.path.abspath, used)))
+        if context.fetching is not None and context.fetching.lock_file is not None:
+            folder = shapes_folder(context.fetching.lock_file)
+            kept = (folder / f"{each.key}.json" for each in built.composed.shapes)
+            found.update(dict.fromkeys(map(os.path.abspath, kept)))
         recipes = self.recipes(built.plan)
         return tuple(path for path in found if path not in recipes)
 

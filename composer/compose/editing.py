@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from lxml.etree import _Element as Node
 
@@ -26,13 +27,17 @@ from composer.tree.names import WORLD
 from composer.tree.removal import names_in
 from composer.tree.select import name_of
 
+if TYPE_CHECKING:
+    from composer.compose.workshop import Workshop
+
 _LAID_OUT = (*JOINTS, "default")
 
 
 @dataclass(eq=False)
 class Editing:
     """A model that is edited: one unit alone, or the flat one. `parts` has the part of each element, `scope` the
-    values of the recipe's parameters. `cost` is what the edits of the whole composition have cost.
+    values of the recipe's parameters. `cost` is what the edits of the whole composition have cost, `workshop` where
+    its meshes are worked on.
     """
 
     linking: Linking
@@ -41,6 +46,7 @@ class Editing:
     parts: Mapping[Node, str] = field(default_factory=dict)
     own: bool = False
     cost: EditCost = field(default_factory=EditCost)
+    workshop: Workshop | None = None
 
     def __post_init__(self) -> None:
         self.linking.keys.edited = True

@@ -11,6 +11,7 @@ from composer.tree.adopted import Adopted
 
 if TYPE_CHECKING:
     from composer.link.subtree import Left, Subtree
+    from composer.plan.made_shapes import MadeShapes
 
 Place: TypeAlias = tuple[str, Path]
 """A recipe's file, and a path in it."""
@@ -20,11 +21,21 @@ Place: TypeAlias = tuple[str, Path]
 class EditOutcome:
     """What an entry of `edit` does: how many elements of each kind it selects, and what a removal takes out.
 
-    `gone` has what was selected first, then what goes with it.
+    `gone` has what was selected first, then what goes with it; `made` what was made of meshes.
     """
 
     selected: Mapping[str, int]
     gone: tuple[Left, ...] = ()
+    made: tuple[MadeShapes, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Excluded:
+    """Two bodies that need not collide, and why, in words."""
+
+    one: str
+    other: str
+    why: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,10 +43,11 @@ class Foreseen:
     """`subtrees` are of models of which not all is taken, `edits` of entries that were carried out.
 
     `adopted` are the settings that the model takes from its parts, `touching` the bodies
-    of which contacts are taken out because they touch.
+    of which contacts are taken out because they touch, `excluded` those that need not collide.
     """
 
     subtrees: Mapping[Place, Subtree] = field(default_factory=dict)
     edits: Mapping[Place, EditOutcome] = field(default_factory=dict)
     adopted: tuple[Adopted, ...] = ()
     touching: tuple[tuple[str, str], ...] = ()
+    excluded: tuple[Excluded, ...] = ()

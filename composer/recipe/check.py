@@ -10,6 +10,7 @@ from composer.diagnostics.suggest import advised, closest, exists_note
 from composer.recipe.checks import (
     actuated,
     clear,
+    collision,
     equal,
     exists,
     limits,
@@ -39,6 +40,7 @@ KINDS: dict[str, Kind] = {
         stable,
         no_penetration,
         clear,
+        collision,
         reachable,
         limits,
         actuated,

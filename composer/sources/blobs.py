@@ -1,6 +1,7 @@
 """Files of the store that are one piece each, as a compressed asset is: written in one step, hashed when read.
 
     asked/, built/, raw/, packed/     what the build cache keeps (`composer/cache/cache.py`)
+    shapes/                           what was made of meshes (`composer/compose/shape_store.py`)
     writing/                          files being written; they move to their place in one step
 
 No lock is needed: whoever writes a key writes the same as all others do, or what counts as well as theirs.
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from io import FileIO
     from os import PathLike
 
-KINDS = ("asked", "built", "raw", "packed")
+KINDS = ("asked", "built", "raw", "packed", "shapes")
 WRITING = "writing"
 _DIGEST = 32
 
@@ -31,6 +32,11 @@ _DIGEST = 32
 def key_of(data: object) -> str:
     """A key for data that JSON can hold. No I/O."""
     return hashlib.sha256(json.dumps(data, ensure_ascii=True).encode()).hexdigest()
+
+
+def digest(content: bytes) -> str:
+    """The sha256 of bytes. No I/O."""
+    return hashlib.sha256(content).hexdigest()
 
 
 def get(store: str | PathLike[str], kind: str, key: str) -> bytes | None:

@@ -29,7 +29,8 @@ class Fetching:
     """The rules of one run, and its memory.
 
     `offline`: nothing is fetched, what is not in the store is an error. `locked`: what the lock does not pin is
-    an error. `lock` is the lock of the recipe, `lock_file` where it is or is to be, `recipe` the recipe as
+    an error. `remakes_shapes`: the lock is being made, and need not know of what is made of a mesh.
+    `lock` is the lock of the recipe, `lock_file` where it is or is to be, `recipe` the recipe as
     messages name it. `fresh` are the origins whose pin is not to be used, None for all of them. `origins` has
     what was resolved in this run, by id: a branch that moves meanwhile is the same commit for all parts. `first` has
     the first file of each that was asked for. `digests` has the sha256 of files, `files` those of sources: a matrix has
@@ -39,6 +40,7 @@ class Fetching:
 
     offline: bool = False
     locked: bool = False
+    remakes_shapes: bool = False
     lock: Lock | None = None
     lock_file: Path | None = None
     recipe: str = "RECIPE"

@@ -18,9 +18,11 @@ from composer.document.node import Scalar, find, locate
 from composer.link.dedup import Merged
 from composer.mujoco_errors.message import CRASHES
 from composer.plan.drawn_arrays import arrays_of_draw
+from composer.plan.made_shapes import MadeShapes
 from composer.plan.part_record import PartRecord, of_part
 from composer.plan.plan import Plan
 from composer.recipe.check import KINDS, SEVERITY
+from composer.recipe.checks.collision import Collision
 from composer.recipe.checks.kind import Check
 from composer.recipe.checks.unchanged import Unchanged, attributes
 from composer.recipe.rows import check_rows
@@ -46,10 +48,11 @@ def run_checks(
     merged: Merged,
     renamed: Renamed,
     hear: Hear | None = None,
+    made: Sequence[MadeShapes] = (),
 ) -> None:
     """Run every check on the model that the session keeps; what does not hold goes to the sink.
 
-    `hear` is called with what came of each check, in the order of the recipe.
+    `hear` is called with what came of each check, in the order of the recipe. `made` is what was made of meshes.
     """
     judge, kept = Judge(session, merged, renamed), True
     drawn = sorted({array for step in plan.draws if step.sample for array in arrays_of_draw(step)})
@@ -58,7 +61,7 @@ def run_checks(
         if isinstance(check, Unchanged):
             values = _unchanged(check, recipe, members, plan.separator, judge, own, drawn)
         else:
-            kept, values = _ask(check, recipe, members, session, own)
+            kept, values = _ask(check, recipe, members, session, own, made)
         reported = tuple(_as_severe(each, check, recipe) for each in own.sink.diagnostics)
         for diagnostic in reported:
             context.sink.add(diagnostic)
@@ -85,11 +88,20 @@ def _as_severe(found: Diagnostic, check: Check, recipe: Nested) -> Diagnostic:
 
 
 def _ask(
-    check: Check, recipe: Nested, members: Sequence[PartRecord], session: engine.Session, context: Context
+    check: Check,
+    recipe: Nested,
+    members: Sequence[PartRecord],
+    session: engine.Session,
+    context: Context,
+    made: Sequence[MadeShapes],
 ) -> tuple[bool, dict[str, Any]]:
     """A check on the compiled model, asked in the process that keeps it; whether it still does, and what was found."""
     angle = recipe.plan.readings.at((*check.at, check.word, "value")).angle
     asked = {**asdict(check), "angle": angle, "frame": recipe.frame(members)}  # type: ignore[call-overload]
+    if isinstance(check, Collision):
+        asked["made"] = [
+            {"mesh": each.mesh, "of": each.of, "shapes": each.shapes, **each.error} for each in made
+        ]
     about = f"check `{recipe.part}{check.name}`"
     if KINDS[check.word].needs_world and asked["frame"] is None:
         message = (

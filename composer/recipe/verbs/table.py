@@ -2,9 +2,21 @@
 
 from __future__ import annotations
 
-from composer.recipe.verbs import convert, move, offset, remove, rename, scale, set, unset
+from composer.recipe.verbs import (
+    collision,
+    convert,
+    move,
+    offset,
+    remove,
+    rename,
+    scale,
+    set,
+    simplify,
+    unset,
+)
 from composer.recipe.verbs.verb import Verb
 
 VERBS: dict[str, Verb] = {
-    each.VERB.name: each.VERB for each in (unset, set, scale, offset, convert, move, rename, remove)
+    each.VERB.name: each.VERB
+    for each in (unset, set, scale, offset, simplify, collision, convert, move, rename, remove)
 }

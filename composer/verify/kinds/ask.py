@@ -11,6 +11,7 @@ from composer.tree.pattern import BadPattern
 from composer.verify.kinds import (
     actuated,
     clear,
+    collision,
     equal,
     exists,
     limits,
@@ -30,6 +31,7 @@ CHECKS: Mapping[str, Callable[[Scope, dict[str, Any]], list[Fault]]] = {
     "stable": stable.check,
     "no_penetration": no_penetration.check,
     "clear": clear.check,
+    "collision": collision.check,
     "reachable": reachable.check,
     "limits": limits.check,
     "actuated": actuated.check,
