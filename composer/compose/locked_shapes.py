@@ -13,6 +13,7 @@ from composer.compose.load import Library
 from composer.compose.shape_store import kept_beside
 from composer.context import Context
 from composer.link.measure import measure_with
+from composer.plan.allowed import acknowledge
 from composer.plan.plan import Plan
 
 
@@ -31,6 +32,7 @@ def made_for(plans: Iterable[Plan], context: Context) -> dict[str, bytes]:
                 measure = measure_with(context, session=session)
                 composer = Composer(context, measure, session, library=library)
                 composer.compose(plan)
+                acknowledge(plan, context.sink, context.shown, whole=False)
                 if composer.workshop is not None:
                     found |= composer.workshop.store.used
     finally:
