@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from importlib import metadata
 from pathlib import Path
 
+from composer.compose.shape_store import kept_beside
 from composer.context import Context
 from composer.plan.plan import Plan
 from composer.plan.used_files import files_of_recipe, files_of_source
@@ -53,7 +54,11 @@ class Inputs:
     def planned(self, plan: Plan, context: Context) -> tuple[str, ...]:
         """What is known of all these before anything is composed, without what belongs to an installed package."""
         own = (each for each in plan.sources() if each.package is None or each.version is None)
-        return tuple(dict.fromkeys((*self.recipes(plan), *self._planned(plan, own, context))))
+        found = dict.fromkeys((*self.recipes(plan), *self._planned(plan, own, context)))
+        if plan.works_on_meshes and context.fetching is not None and context.fetching.lock_file is not None:
+            kept = kept_beside(shapes_folder(context.fetching.lock_file)).values()
+            found.update(dict.fromkeys(map(os.path.abspath, kept)))
+        return tuple(found)
 
     def _planned(self, plan: Plan, sources: Iterable[Source], context: Context) -> dict[str, None]:
         found: dict[str, None] = {}

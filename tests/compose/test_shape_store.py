@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 
+from composer.cli.main import main
 from composer.compose.shape_store import checked, key_of
 from composer.context import Context
 from composer.sources.blobs import digest
@@ -130,3 +132,50 @@ def test_a_lock_keeps_what_it_pins() -> None:
     assert again == lock
     assert "shapes" not in to_text(Lock(mjcompose="0", mujoco=None, sources={}))
     assert shapes_folder(Path("a/arm.lock")) == Path("a/arm.shapes")
+
+
+def test_a_lock_is_made_of_what_is_kept_and_clears_away_the_rest(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MJCOMPOSE_CACHE", str(folder / "cache"))
+    monkeypatch.chdir(folder)
+    unused = folder / "recipe.shapes" / f"{'0' * 64}.json"
+    unused.write_text("{}")
+    other = folder / "recipe.shapes" / "README"
+    other.write_text("ours")
+    result = CliRunner().invoke(main, ["lock", "recipe.yaml"])
+    assert result.exit_code == 0, result.output
+    assert f"{len(KEPT)} results of work on meshes: locked" in result.output
+    lock = from_text((folder / "recipe.lock").read_bytes(), "recipe.lock", Context().sink)
+    assert lock is not None and lock.shapes == pins()
+    assert not unused.exists() and other.exists()
+    assert sorted(path.name for path in (folder / "recipe.shapes").glob("*.json")) == [
+        path.name for path in KEPT
+    ]
+    again = CliRunner().invoke(main, ["lock", "recipe.yaml"])
+    assert "up to date" in again.output
+
+
+def test_a_lock_is_not_made_of_what_somebody_changed(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MJCOMPOSE_CACHE", str(folder / "cache"))
+    monkeypatch.chdir(folder)
+    write_lock(folder, pins())
+    before = (folder / "recipe.lock").read_bytes()
+    changed = folder / "recipe.shapes" / KEPT[0].name
+    changed.write_text(changed.read_text() + " ")
+    result = CliRunner().invoke(main, ["lock", "recipe.yaml"])
+    assert result.exit_code == 1 and "source-changed" in result.output
+    assert (folder / "recipe.lock").read_bytes() == before
+
+
+def test_a_model_is_built_again_when_what_is_kept_changes(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MJCOMPOSE_CACHE", str(folder / "cache"))
+    monkeypatch.chdir(folder)
+    build_it = ["build", "recipe.yaml", "-o", "out/"]
+    assert CliRunner().invoke(main, build_it).exit_code == 0
+    kept = folder / "recipe.shapes" / KEPT[0].name
+    kept.write_text("{}")
+    result = CliRunner().invoke(main, build_it)
+    assert result.exit_code == 1 and "lock-invalid" in result.output
