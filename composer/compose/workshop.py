@@ -184,7 +184,7 @@ class Workshop:
 
     def _unusable(self, editing: Editing, mesh: Node, why: str, span: Span, limit: str | None = None) -> None:
         editing.sink.error(
-            "mesh-unusable",
+            "limit-exceeded" if limit else "mesh-unusable",
             f"nothing can be made of {editing.called(mesh)}: {why}",
             span,
             notes=(Note(f"{editing.called(mesh)} is written here", editing.span_of(mesh)),),

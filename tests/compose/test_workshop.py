@@ -10,6 +10,7 @@ import pytest
 
 from composer.compose.compose import Composer
 from composer.context import Context
+from composer.limits import allow
 from composer.plan.planner import make_plan
 from composer.sources.fetching import Fetching
 from composer.stages import Built, Request, build
@@ -169,3 +170,18 @@ def test_the_manifest_says_how_far_it_is_off_and_the_store_has_it(tmp_path: Path
     # The ball is twice as wide as it is high: half of that is missing above it.
     assert made["beyond"] == pytest.approx(0.1, abs=0.01) and made["short"] == 0
     assert [path.name for path in (tmp_path / "cache" / "shapes").iterdir()] == [made["key"]]
+
+
+@needs_extra
+@pytest.mark.slow
+def test_faces_and_time_are_limited(tmp_path: Path) -> None:
+    for limit, words in (
+        ({"mesh_faces": 100}, "100 are allowed"),
+        ({"mesh_time": 0.02}, "longer than 0.02 s"),
+    ):
+        with allow(**limit):
+            found, context = built(tmp_path, "{select: {geom: one}, collision: {fit: sphere}}")
+        assert found is None
+        (error,) = context.sink.errors
+        assert error.code == "limit-exceeded" and words in error.message
+        assert f"--limit {next(iter(limit)).replace('_', '-')}=" in (error.help or "")
