@@ -50,7 +50,7 @@ Ahead = Callable[[Bundle], None]
 
 @dataclass(frozen=True, slots=True)
 class Built:
-    """What a build gives; `compiled` is None where nothing was verified, `merged` empty where nothing was merged."""
+    """The result of a build; `compiled` is None if it was not verified, `merged` is empty if no assets were merged."""
 
     plan: Plan
     composed: Composed
@@ -61,12 +61,12 @@ class Built:
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """One model that is asked for.
+    """A request for one model.
 
-    `given` are values of parameters and variants; `name` is that of a cell of the matrix or of a `sample`, whose draws
-    the model has. `verified` says whether MuJoCo compiles it, `deduplicated` whether equal assets are kept once,
-    `pictured` whether the manifest names a picture beside the bundle. `target` is the program that it is written for,
-    None for MuJoCo.
+    `given` are values of parameters and variants; `name` is that of a cell of the matrix or of a `sample`, whose
+    draws the model has. `verified` says whether MuJoCo compiles it, `deduplicated` whether equal assets are merged,
+    `pictured` whether the manifest names a picture next to the bundle. `target` is the program that it is written
+    for, None for MuJoCo.
     """
 
     recipe: Path
@@ -88,10 +88,10 @@ def build(
     library: Library | None = None,
     hear: Hear | None = None,
 ) -> Built | None:
-    """The bundle of a recipe, nothing written yet; None where `context.sink` has errors.
+    """Return the bundle of a recipe, without writing it, or None if `context.sink` has errors.
 
-    All that MuJoCo does is done in one process: that of `session`, or one with `limits` that ends with the build.
-    `library` has source files that were read before; `hear` is called with the outcome of each check.
+    MuJoCo runs in one process: that of `session`, or one with `limits` that ends with the build. `library` has
+    source files that were read before; `hear` is called with the outcome of each check.
     """
     plan = planned(request, context)
     if plan is None:
@@ -102,7 +102,7 @@ def build(
 
 
 def planned(request: Request, context: Context) -> Plan | None:
-    """Read, merge, expand, validate, resolve, plan: what can be built of the recipe; None where nothing can."""
+    """Read, merge, expand, validate, resolve and plan a recipe; return what can be built of it, or None."""
     with context.timed("plan"):
         return plan_what_remains(request.recipe, context, request.given, request.name, request.sample)
 
@@ -116,10 +116,10 @@ def built(
     hear: Hear | None = None,
     ahead: Ahead | None = None,
 ) -> Built | None:
-    """Compose, link, bundle, verify: the model of a plan; None where `context.sink` has errors.
+    """Compose, link, bundle and verify the model of a plan; return None if `context.sink` has errors.
 
-    `ahead` gets the bundle before MuJoCo does: what is done with its files meanwhile takes no time. Warnings that the
-    recipes allow are left out of the sink; with `context.strict` the others are errors.
+    `ahead` gets the bundle before MuJoCo does, so that it can process its files in parallel. Warnings that the
+    recipes allow are removed from the sink; with `context.strict` the others become errors.
     """
     made = _built(plan, request, context, session, library, hear, ahead)
     alone = request.name is None and request.sample == 0 and not plan.cells
@@ -208,7 +208,7 @@ def _verified(
     merged: Merged,
     hear: Hear,
 ) -> Compiled | None:
-    """MuJoCo's verdict, and the recipe's checks."""
+    """Return MuJoCo's verdict, after running the recipe's checks."""
     from composer.verify.compile_report import judge  # a build without verification has no use for that room
     from composer.verify.compiles import WHOLE
     from composer.verify.key_ranges import check_key_ranges
@@ -237,7 +237,7 @@ def _with_table(
     session: Session,
     deduplicated: bool,
 ) -> Bundle:
-    """The bundle with the table of what `randomize` draws, checked against one sample that is built."""
+    """Return the bundle with the table of `randomize`, compared with one sample that is built."""
     from composer.verify.compile_report import judge
     from composer.verify.draw_table import CODE, SAMPLE, DrawTable
 

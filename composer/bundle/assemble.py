@@ -1,4 +1,4 @@
-"""A composed model as a bundle: its text, the files it names, the licences of its parts, and the manifest."""
+"""Assemble a bundle from a composed model: its text, its files, the licences of its parts, and the manifest."""
 
 from __future__ import annotations
 
@@ -54,11 +54,11 @@ if TYPE_CHECKING:
 
 
 _OF_THE_LOCK = ("lock-stale", "source-changed")
-"""Warnings that say nothing of the model: it is the same with an old lock and without one."""
+"""Warnings that do not affect the model: it is the same with an old lock and without one."""
 
 
 def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context) -> Bundle | None:
-    """The bundle, still without its manifest; None where a file is missing."""
+    """Return the bundle without its manifest, or None if a file is missing."""
     before = context.sink.error_count
     uses = tuple(uses)
     files = collect(model, uses, context.sink, context.shown)
@@ -77,7 +77,7 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """A check that held, and what it found."""
+    """A check that holds, and the values that it found."""
 
     name: str
     kind: str
@@ -87,10 +87,10 @@ class Checked:
 
 @dataclass(frozen=True, slots=True)
 class Making:
-    """What a manifest says about how a model came to be.
+    """What a manifest says about how a model was made.
 
-    `compiled` is what MuJoCo made of it, None where nobody asked; `cell` the name of the cell of a matrix; `pictured`
-    says that a picture will stand beside it.
+    `compiled` is the result of MuJoCo, None if the model was not compiled; `cell` the name of its cell; `pictured`
+    says that a picture will be next to it.
     """
 
     plan: Plan
@@ -107,7 +107,7 @@ class Making:
 
 
 def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
-    """The bundle with its manifest."""
+    """Return the bundle with its manifest."""
     plan, compiled, model = making.plan, making.compiled, making.model
     named = list(sources(plan))
     names = portable(plan, model, context)
@@ -163,12 +163,12 @@ def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
 
 
 def portable(plan: Plan, model: Unit, context: Context) -> Portable:
-    """What the files of a plan are called in its manifest."""
+    """Return the names of a plan's files for its manifest."""
     return Portable(plan.path, plan.sources(), _origins(plan), model, context)
 
 
 def _read(bundle: Bundle, making: Making, portable: Portable) -> list[tuple[str, str]]:
-    """Every file that was read, with its hash; each is hashed once."""
+    """Return every file that was read, with its hash; each is hashed once."""
     known = {
         real_path(where): bundle.digest(path)
         for path, where in making.model.contents.items()
@@ -189,7 +189,7 @@ def _read(bundle: Bundle, making: Making, portable: Portable) -> list[tuple[str,
 
 
 def _files_of(plan: Plan) -> Iterator[str]:
-    """The recipes of a plan, with those they extend, as messages call them."""
+    """Yield the files of a plan's recipes and of those that they extend, as messages name them."""
     for each in plan.plans():
         yield from (os.fspath(source.path) for source, _ in each.extended)
         yield from (span.file for span in spans(each.document))
@@ -203,21 +203,21 @@ def _by_licence(inputs: tuple[Input, ...], members: tuple[PartRecord, ...]) -> d
 
 
 def _origins(plan: Plan) -> Iterator[Fetched | None]:
-    """What the recipes of a plan were fetched or installed with."""
+    """Yield the origins of the recipes of a plan."""
     for each in plan.plans():
         yield each.source.origin if each.source is not None else None
         yield from (source.origin for source, _ in each.extended)
 
 
 def sources(plan: Plan) -> Iterator[tuple[str, Source]]:
-    """Every source file of a plan and of the recipes in it, by the prefix of its part (or the base's name)."""
+    """Yield every source file of a plan and its nested recipes, with the prefix of its part (or the base's name)."""
     for place in plan.walk():
         if isinstance(place.model, Source):
             yield place.prefix.strip(plan.separator) or place.model.path.stem, place.model
 
 
 def _licences(named: Iterable[tuple[str, Source]]) -> Licences:
-    """Of every label; a base may be called like a part."""
+    """Return the licences by label; a base may have the same label as a part."""
     found: dict[str, list[Path]] = {}
     for label, source in named:
         found.setdefault(label, []).extend(source.licences)
@@ -242,7 +242,7 @@ def _input(source: Source, licences: tuple[str, ...], portable: Portable) -> Inp
 
 
 def _path_of(source: Source, portable: Portable) -> str:
-    """Relative to what it was fetched or installed with."""
+    """Return a path relative to the source's origin."""
     if source.origin is None:
         return portable.name(source.path)
     return Path(os.path.relpath(real_path(source.path), real_path(source.origin.root))).as_posix()

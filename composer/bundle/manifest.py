@@ -64,7 +64,7 @@ class Input(_Part):
 
 
 def _finite(value: dict[str, Any]) -> dict[str, Any]:
-    """Values that JSON can hold: Python's readers of JSON also take `NaN`. Raises ValueError."""
+    """Check that JSON can represent the values: Python's JSON readers also accept `NaN`. Raises ValueError."""
     json.dumps(value, allow_nan=False)
     return value
 
@@ -133,7 +133,7 @@ _ORIGIN = Field(
     default=None, description="Where it is written, as FILE:LINE; null for what MuJoCo multiplies."
 )
 Range = tuple[float | None, float | None]
-"""From, to; None where it has no end there."""
+"""Lower and upper end; None for no limit."""
 
 
 class Joint(_Part):
@@ -352,7 +352,7 @@ class Manifest(_Part):
 
 
 def files_of(bundle: Bundle) -> tuple[File, ...]:
-    """The manifest's list of the bundle's files, without the manifest itself."""
+    """Return the manifest's list of the bundle's files, without the manifest itself."""
     return tuple(
         File(path=path, sha256=bundle.digest(path), size=len(content))
         for path, content in bundle.files.items()
@@ -361,7 +361,7 @@ def files_of(bundle: Bundle) -> tuple[File, ...]:
 
 
 def to_json(manifest: Manifest) -> bytes:
-    """The manifest's text: fields in the order of the schema, two spaces a level, UTF-8, a final newline."""
+    """Return the manifest as UTF-8 text: fields in the order of the schema, indented by two spaces, a final newline."""
     data = manifest.model_dump(mode="json")
     for name in ("picture", "target", "made"):
         if not data[name]:
@@ -374,7 +374,7 @@ def _text(data: Any) -> bytes:
 
 
 def with_read(manifest: bytes, recipe: str, hashes: Mapping[str, str]) -> bytes:
-    """A manifest with another hash of its recipe, and of the files that were read, by their names in it."""
+    """Return a manifest with new hashes of its recipe and of the files that were read, by their names in it."""
     data = json.loads(manifest)
     data["recipe"]["sha256"] = recipe
     for each in data["read"]:
@@ -383,17 +383,17 @@ def with_read(manifest: bytes, recipe: str, hashes: Mapping[str, str]) -> bytes:
 
 
 def from_json(text: bytes | str) -> Manifest:
-    """The manifest that a bundle carries. Raises pydantic's ValidationError, a ValueError."""
+    """Parse the manifest of a bundle. Raises pydantic's ValidationError, a ValueError."""
     return Manifest.model_validate_json(text)
 
 
 def with_manifest(bundle: Bundle, manifest: Manifest) -> Bundle:
-    """The bundle with this manifest in it."""
+    """Return the bundle with this manifest in it."""
     return bundle.with_files({MANIFEST: to_json(manifest)})
 
 
 def schema() -> str:
-    """The JSON Schema of manifests, as the text of its file."""
+    """Return the JSON Schema of manifests, as the text of its file."""
     data = {"$schema": SCHEMA_ID, **Manifest.model_json_schema(mode="serialization")}
     return json.dumps(data, indent=2, ensure_ascii=False) + "\n"
 

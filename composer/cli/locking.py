@@ -1,4 +1,4 @@
-"""What `lock` and `update` have in common: plan the recipe, write its lock, say what is new."""
+"""The common part of `lock` and `update`: plan the recipe, write its lock, report what is new."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def write_lock(recipe: Path, names: tuple[str, ...] | None, form: str, choices: Choices) -> None:
-    """Make the lock anew; `names` are what is to be updated: nothing for None, everything for `()`."""
+    """Write a new lock; `names` are the sources to update: nothing for None, everything for `()`."""
     from composer.cli.fetching import fetching
     from composer.context import Context
 
@@ -48,7 +48,7 @@ def write_lock(recipe: Path, names: tuple[str, ...] | None, form: str, choices: 
 def made_lock(
     recipe: Path, names: tuple[str, ...] | None, context: Context, given: Given | None = None
 ) -> tuple[str, list[str]] | None:
-    """Write the lock: where the lock is and what is new in it; None where the sink says why there is none."""
+    """Write the lock; return its place and what is new in it, or None if the sink says why there is none."""
     from composer.bundle.output_error import OutputError
     from composer.bundle.staging import staged_file
     from composer.plan.locked import changed, lock_of, use_lock
@@ -58,7 +58,7 @@ def made_lock(
     from composer.sources.lock_file import to_text
 
     if not (context.folder / recipe).is_file():
-        make_plan(recipe, context)  # which says what is there instead
+        make_plan(recipe, context)  # which reports what exists instead
         return None
     disputes: Disputed = {}
     how = use_lock(recipe, context, disputes)
@@ -127,13 +127,13 @@ def _wrote_shapes(lock_file: Path, shapes: dict[str, bytes], before: Lock | None
 
 
 def _plans_of_cells(recipe: Path, context: Context, given: Given) -> Iterator[Plan]:
-    """The matrix may choose sources that the recipe alone does not name."""
+    """Yield the plans of cells: the matrix may select sources that the recipe alone does not name."""
     from composer.cache.cells import cells_of
     from composer.plan.pieces import parameters_choose
     from composer.plan.planner import plan_what_remains
     from composer.plan.read import read_recipe
 
-    drawn = parameters_choose(read_recipe(context.folder / recipe, context))  # each sample takes its time
+    drawn = parameters_choose(read_recipe(context.folder / recipe, context))  # each sample takes time
     for cell in cells_of(recipe, context, dict(given)):
         if cell.sample and not drawn:
             continue  # its sources are those of the nominal model
@@ -143,7 +143,7 @@ def _plans_of_cells(recipe: Path, context: Context, given: Given) -> Iterator[Pl
 
 
 def _plans_of_variants(recipe: Path, context: Context, given: Given) -> Iterator[Plan]:
-    """What `--variant` may choose; where that does not go together or is out of reach, a warning says so."""
+    """Yield the plans of all choices of `--variant`, and warn about sources that are out of reach."""
     from composer.cache.choices import choices_of
     from composer.diagnostics.codes import OF_FILES
     from composer.diagnostics.diagnostic import Severity
@@ -161,7 +161,7 @@ def _plans_of_variants(recipe: Path, context: Context, given: Given) -> Iterator
 
 
 def _wanted(names: tuple[str, ...], lock: Lock | None, context: Context) -> frozenset[str] | None:
-    """The sources that names stand for; None for all."""
+    """Return the sources for some names, or None for all."""
     from composer.diagnostics.suggest import did_you_mean, exists_note
 
     if not names or lock is None:
@@ -184,7 +184,7 @@ def _wanted(names: tuple[str, ...], lock: Lock | None, context: Context) -> froz
 
 
 def _report_disputes(disputes: Disputed, how: Fetching, context: Context) -> None:
-    """What the two sides of a merge pin otherwise is for a person to settle."""
+    """Report sources that the two sides of a merge pin differently, for the user to decide."""
     from composer.diagnostics.diagnostic import Note
 
     assert how.lock_file is not None
@@ -199,7 +199,7 @@ def _report_disputes(disputes: Disputed, how: Fetching, context: Context) -> Non
 
 
 def _report_changes(before: Lock, after: Lock, fresh: frozenset[str], recipe: Path, context: Context) -> None:
-    """What somebody else changed is not locked without being asked for."""
+    """Report upstream changes, which are not locked without an explicit request."""
     from composer.diagnostics.diagnostic import Note
     from composer.sources.digest import differences
     from composer.sources.lock_file import kind_of

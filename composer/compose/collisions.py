@@ -1,4 +1,4 @@
-"""Step: which bodies may not touch, and which geoms shall, by the parts that they are of."""
+"""Step: select by part the bodies that must not collide, and the geoms that must."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Carry out a plan: sources become units, parts are linked to a base, and the recipe's own elements are added."""
+"""Carry out a plan: load sources as units, link parts to a base, and add the recipe's own elements."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Step: an entry of `edit` is carried out on a model."""
+"""Step: carry out an entry of `edit` on a model."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def is_of_keys(step: EditElements | DrawValues) -> bool:
 
 @dataclass(slots=True)
 class _Entry:
-    """An entry that is carried out on the elements that were found. `checks` wait until all values are in place."""
+    """An entry that is carried out on the selected elements. `checks` run when all values are written."""
 
     editing: Editing
     found: list[Node]
@@ -186,7 +186,7 @@ check_rows("the verbs of `edit` that composer/compose/edit.py carries out", _CAR
 
 
 class Change:
-    """New values for the attributes of elements, by one of the verbs `set`, `scale`, `offset`."""
+    """Gives the attributes of elements new values, by one of the verbs `set`, `scale`, `offset`."""
 
     def __init__(self, editing: Editing, verb: str, masses: Masses) -> None:
         self.editing, self.verb, self.masses = editing, verb, masses

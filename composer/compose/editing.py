@@ -1,4 +1,4 @@
-"""What an edit works on: one model with its names, what a selector finds in it, and the places of what is written."""
+"""The context of an edit: one model with its names, the elements that a selector finds, and the places of values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Find out what a plan will do to the elements of its models; MuJoCo compiles them only where bodies may touch."""
+"""Find out what a plan will do to the elements of its models, without compiling them unless bodies may touch."""
 
 from __future__ import annotations
 

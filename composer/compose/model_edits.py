@@ -1,4 +1,4 @@
-"""The edits and draws of a whole recipe, in two rounds: all but those of keys, then these, when keys are laid out."""
+"""The edits and draws of a whole recipe, in two rounds: those of keys come last, once the keys are laid out."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _SECTIONS_WITHOUT_NAMES = ("edit", "randomize", "check", "keyframe")
 
 @dataclass(frozen=True, slots=True)
 class Changes:
-    """What a recipe changes in its model; `drawn` and `tabled` grow with what was drawn."""
+    """The changes that a recipe makes to its model; draws are appended to `drawn` and `tabled`."""
 
     plan: Plan
     linking: Linking

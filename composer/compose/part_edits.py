@@ -1,4 +1,4 @@
-"""Step: `drop` and `edit` of a base or a part, carried out on it alone, in its own names, before it meets others."""
+"""Step: `drop` and `edit` of a base or a part, carried out on it alone, with its own names, before it is linked."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class OwnEdits:
-    """Edits a unit. Keys follow: what has been changed in them by hand comes after they are laid out anew."""
+    """Edits a unit. Its keys are laid out anew, and edits of keys are carried out after that."""
 
     plan: Plan
     wanted: PartRequest

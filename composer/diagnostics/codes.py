@@ -109,4 +109,4 @@ CODES: dict[str, str] = {
 }
 
 OF_FILES = ("source-", "archive-", "store-", "lock-", "file-")
-"""How the codes of faults begin that are about files and addresses: what does not exist, or out of reach."""
+"""Prefixes of the codes about files and addresses that do not exist or are out of reach."""

@@ -1,4 +1,4 @@
-"""A plan in words, and as data for other programs."""
+"""Describe a plan in words, and as data for other programs."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _PLURALS = {"body": "bodies", "mesh": "meshes", "equality": "equalities", "defau
 
 
 def describe(plan: Plan, foreseen: Foreseen | None = None) -> str:
-    """One line a step, in the order in which they are done; nested recipes indented."""
+    """Return one line for each step, in their order, with nested recipes indented."""
     found = foreseen or Foreseen()
     adopted = [f"  adopt {words}" for words in in_words(found.adopted)]
     touching = [f"  {one} and {other} touch, and will not collide" for one, other in found.touching]
@@ -73,7 +73,7 @@ def _lines(plan: Plan, foreseen: Foreseen, indent: str = "") -> Iterator[str]:
 
 
 def _called(part: AttachPart, last: str) -> str:
-    """A part, or all its copies with how many there are on each axis."""
+    """Return the name of a part, or of all its copies with their number on each axis."""
     if not part.copy:
         return part.prefix or "(no prefix)"
     axes = " × ".join(str(axis.count) for axis in part.attachment.replicate)
@@ -95,7 +95,7 @@ def _body(name: str | None) -> str:
 def _own(
     plan: Plan, wanted: LoadBase | Attachment, at: Path, foreseen: Foreseen, indent: str
 ) -> Iterator[str]:
-    """What is done to a base or a part by itself."""
+    """Yield what is done to a base or a part by itself."""
     if wanted.drop:
         yield f"{indent}drop {', '.join(map(str, wanted.drop))}"
     yield from _left(foreseen.subtrees.get(plan.place_of(at)), indent)
@@ -104,7 +104,7 @@ def _own(
 
 
 def _edit(edit: Edit, outcome: EditOutcome | None, indent: str) -> Iterator[str]:
-    """An entry of `edit`, how many elements it is about, and a line for each kind of what it takes out."""
+    """Yield an entry of `edit` with the number of its elements, and a line for each kind that it removes."""
     if outcome is None:
         yield indent + edit.words
         return
@@ -117,7 +117,7 @@ def _edit(edit: Edit, outcome: EditOutcome | None, indent: str) -> Iterator[str]
 
 
 def _left(subtree: Subtree | None, indent: str) -> Iterator[str]:
-    """A line for each kind of what is left behind, and one for each thing that would have been cut in two."""
+    """Yield a line for each kind that is left behind, and one for each element that would be cut in two."""
     left = [each for each in subtree.left if each.lacks is None] if subtree else []
     for kind, names in _by_kind(left).items():
         yield f"{indent}leaves {_listed(kind, names)}"
@@ -159,7 +159,7 @@ def _place(part: AttachPart) -> str:
 
 
 def as_data(plan: Plan, foreseen: Foreseen | None = None) -> dict[str, Any]:
-    """The plan as JSON takes it: name, sources with their references, steps in words."""
+    """Return the plan as JSON data: name, sources with their references, steps in words."""
     found = foreseen or Foreseen()
     return {
         "name": plan.name,
@@ -212,7 +212,7 @@ def _own_data(plan: Plan, wanted: LoadBase | Attachment, foreseen: Foreseen) -> 
 
 
 def _edits_data(plan: Plan, edits: Iterable[Edit], foreseen: Foreseen) -> dict[str, Any]:
-    """What each entry of `edit` that could be carried out selects and removes."""
+    """Return what each entry of `edit` selects and removes, for those that succeeded."""
     edited = [
         {
             "words": each.words,
@@ -260,7 +260,7 @@ def _model_data(model: Source | Plan | None, foreseen: Foreseen) -> Any:
 
 
 def checks_of(plan: Plan) -> Iterator[str]:
-    """What will be checked of the model, a line for each."""
+    """Yield one line for each check."""
     for check in plan.checks:
         node: Node = plan.document
         for key in (*check.at, check.word):

@@ -1,4 +1,4 @@
-"""What putting a model together finds out about its plan: what is left behind, and what edits touch."""
+"""What composing finds out about a plan: what is left behind, and what edits select."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Place: TypeAlias = tuple[str, Path]
 
 @dataclass(frozen=True, slots=True)
 class EditOutcome:
-    """What an entry of `edit` does: how many elements of each kind it selects, and what a removal takes out.
+    """The effect of an entry of `edit`: how many elements of each kind it selects, and what it removes.
 
     `gone` has what was selected first, then what goes with it; `made` what was made of meshes.
     """
@@ -40,7 +40,7 @@ class Excluded:
 
 @dataclass(frozen=True, slots=True)
 class Foreseen:
-    """`subtrees` are of models of which not all is taken, `edits` of entries that were carried out.
+    """What composing finds out about a plan.
 
     `adopted` are the settings that the model takes from its parts, `touching` the bodies
     of which contacts are taken out because they touch, `excluded` those that need not collide.

@@ -1,4 +1,4 @@
-"""A plan and its lock: what a lock of it would say, and whether one that exists still holds."""
+"""Create the lock of a plan, and compare a plan with an existing lock."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ _SHOWN = 8
 
 
 def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -> Fetching | None:
-    """How to fetch for a recipe: as its lock says where there is one. Read once a run; None where it has faults.
+    """Return how to fetch for a recipe, according to its lock if it has one; None if the lock is faulty.
 
-    `disputes` is for a lock in the middle of a merge, see `read_lock`.
+    Read once a run. `disputes` is for a lock with merge conflicts, see `read_lock`.
     """
     fetching = context.fetching = context.fetching or Fetching()
     if fetching.lock_file is not None:
@@ -54,7 +54,7 @@ def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -
 
 
 def _report_versions(lock: Lock, shown: str, recipe: str, context: Context) -> None:
-    """Warn that what is locked may come out otherwise."""
+    """Warn that other versions made the lock, which may change the result."""
     here = {"mjcompose": __version__, "MuJoCo": _mujoco()}
     made_with = {"mjcompose": lock.mjcompose, "MuJoCo": lock.mujoco}
     others = [name for name, version in made_with.items() if version and version != here[name]]
@@ -70,7 +70,7 @@ def _report_versions(lock: Lock, shown: str, recipe: str, context: Context) -> N
 
 @dataclass(slots=True)
 class _Use:
-    """What is known of a source while files are gathered."""
+    """Facts about a source while its files are gathered."""
 
     root: Path
     origin: Origin | None
@@ -88,7 +88,7 @@ def lock_of(
     context: Context,
     shapes: Mapping[str, str] | None = None,
 ) -> Lock:
-    """The lock of plans of one recipe, its variants; `folder` is where the lock will be. Reads every file.
+    """Return the lock for plans of one recipe, its variants; `folder` is where the lock will be. Reads every file.
 
     `shapes` are the hashes of what was made of meshes, by key. What is damaged in the store is reported.
     """
@@ -104,9 +104,9 @@ def lock_of(
 
 
 def check_lock(plan: Plan, context: Context) -> None:
-    """Report what differs from the lock, if there is one: bytes that changed, sources that are not in it.
+    """Report differences from the lock, if there is one: changed bytes, and sources that are not in it.
 
-    That something is no longer what was fetched is reported with or without a lock.
+    Damaged files in the store are reported with or without a lock.
     """
     fetching = context.fetching
     if fetching is None or not (fetching.lock or any(each.is_fetched for each in fetching.origins.values())):
@@ -165,7 +165,7 @@ def check_lock(plan: Plan, context: Context) -> None:
 
 
 def _of_another_version(before: Locked, now: Locked) -> Iterator[str]:
-    """What else a manifest has of a source and is not as it was locked."""
+    """Yield other facts about a source that a manifest records and that differ from the lock."""
     for what in ("version", "commit"):
         was, there = getattr(before, what), getattr(now, what)
         if was and there and was != there:
@@ -179,13 +179,13 @@ def _report_unused(unused: Iterable[str], shown: str, plan: Plan, context: Conte
 
 
 def _is_whole(id: str, use: _Use, context: Context) -> bool:
-    """Whether the files in the store that are used are those that were fetched; it is reported that they are not."""
+    """Return whether the used files in the store are as they were fetched, and report those that are not."""
     if use.origin is None or context.fetching is None:
         return True
     there = {}
     for name, path in use.files.items():
         if name in use.origin.stored:
-            with contextlib.suppress(OSError):  # reported by those who need it
+            with contextlib.suppress(OSError):  # reported where the file is needed
                 there[name] = context.fetching.digest(path)
     stored = {name: digest for name, digest in use.origin.stored.items() if name in there}
     changes = differences(stored, there)
@@ -202,7 +202,7 @@ def _is_whole(id: str, use: _Use, context: Context) -> bool:
 
 
 def _wrong(before: Locked, now: Locked) -> Iterator[str]:
-    """What a lock says of a source, and its kind or its pin, which is right, contradicts: somebody has edited it."""
+    """Yield contradictions between a lock's entry and its kind or its correct pin; they show a manual edit."""
     if before.kind == now.kind:
         own = kind_of(now).pins
         foreign = (pin for pin in PINS if pin not in own and getattr(before, pin) is not None)
@@ -218,12 +218,12 @@ def _more(changes: Sequence[str]) -> list[Note]:
 
 
 def _is_gone(use: _Use, file: str) -> bool:
-    """Whether a locked file that is not used does not exist either; another variant may use it."""
+    """Return whether a locked, unused file no longer exists either; another variant may use it."""
     return not (use.root / file).is_file()
 
 
 class _Gathering:
-    """All files of plans, each with the source that it belongs to."""
+    """Gathers all files of plans by source."""
 
     def __init__(self, fetching: Fetching, folder: Path, context: Context) -> None:
         self.fetching = fetching
@@ -240,11 +240,10 @@ class _Gathering:
         return self.uses
 
     def _recipe(self, plan: Plan, place: Place) -> None:
-        """The files of a recipe itself.
+        """Add the files of a recipe itself.
 
-        Of the recipe that is built, and of recipes beside it that it extends, anything may change that changes no
-        source: they are not locked themselves, nor what is written
-        in place in them. What is nested is, and what was fetched.
+        The built recipe, recipes next to it that it extends, and models written in place are not locked, because
+        any change that matters changes a source. Nested recipes and fetched ones are locked.
         """
         if place.part and not plan.at:
             self._put(plan.path, [plan.path], plan.source, place.part, place.span)
@@ -284,7 +283,7 @@ def _local_id(path: str) -> str:
 
 
 def _locked(use: _Use, fetching: Fetching) -> Locked | None:
-    """The entry of a source; None where nothing of it can be read."""
+    """Return the entry of a source, or None if no file of it is readable."""
     files = {}
     for name, path in use.files.items():
         try:
@@ -308,7 +307,7 @@ def _locked(use: _Use, fetching: Fetching) -> Locked | None:
 
 
 def _relative(path: Path, folder: Path) -> str:
-    """With `..` where it has to be: a licence may lie outside of a package."""
+    """Return a relative path, with `..` if necessary: a licence may be outside of its package."""
     return Path(os.path.relpath(os.path.realpath(path), os.path.realpath(folder))).as_posix()
 
 
@@ -322,7 +321,7 @@ def _mujoco() -> str | None:
 
 
 def changed(before: Lock | None, after: Lock) -> Iterator[str]:
-    """What a new lock says that an older one did not, in words. No I/O."""
+    """Yield the changes from an older lock to a new one, in words. No I/O."""
     old = before.sources if before is not None else {}
     for id in sorted({*old, *after.sources}):
         if id not in after.sources:

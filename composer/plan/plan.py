@@ -31,7 +31,7 @@ KeyPolicy = Literal["merge", "prefix", "none"]
 MESH_VERBS = frozenset({"collision", "simplify"})
 """The verbs of `edit` that make something of meshes."""
 BASE = "base"
-"""What a recipe calls the model that it starts from."""
+"""The name in a recipe of the model that it starts from."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ class LoadBase:
 
 @dataclass(frozen=True, slots=True)
 class AttachPart:
-    """Hang a model on a place, its names under `prefix` (separator included).
+    """Attach a model to a place, with its names under `prefix` (separator included).
 
     `copy` has its number on each axis of `replicate`, from 0.
     """
@@ -63,20 +63,20 @@ class AttachPart:
 
 @dataclass(frozen=True, slots=True)
 class DropElements:
-    """Leave out of a part, or of the base, what is not wanted of it."""
+    """Leave elements out of a part or the base."""
 
     drop: tuple[Drop, ...]
     span: Span
 
     @property
     def words(self) -> str:
-        """What it does, on one line."""
+        """A description on one line."""
         return f"drop {', '.join(map(str, self.drop))}"
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """One model: the recipe it is made from, what holds for the whole recipe, and the steps in order."""
+    """One model: the recipe it is made from, the settings of the whole recipe, and the steps in order."""
 
     name: str
     description: str | None
@@ -95,29 +95,29 @@ class Plan:
     """The parameters of the recipe and the chosen variants, by name."""
     randomize: Randomize | None = None
     sample: int = 0
-    """Which sample it is; 0 is the nominal model."""
+    """The number of the sample; 0 is the nominal model."""
     drawn: tuple[Drawn, ...] = ()
-    """The parameters that were drawn for it."""
+    """The parameters that were drawn for the sample."""
     variants: Mapping[str, str] = field(default_factory=dict)
-    """The chosen variants alone."""
+    """The chosen variants only."""
     source: Source | None = None
-    """The recipe as it was resolved, where it is nested in another."""
+    """The resolved recipe, if it is nested in another one."""
     extended: tuple[tuple[Source, Span], ...] = ()
     """The recipes that it extends, each with the place that names it."""
     at: KeyPath = ()
-    """Where it is written in its file, for a model that is written in place."""
+    """The path in its file, for a model that is written in place."""
     cells: int = 0
-    """How many cells its matrix has, where it is the model of none of them."""
+    """The number of cells of its matrix, if this model is none of them."""
     cells_at: Span | None = None
-    """Where the first of these is written."""
+    """Where the first of them is written."""
 
     def place_of(self, at: KeyPath) -> tuple[str, KeyPath]:
-        """The file and the path in it of what stands at a path in this recipe."""
+        """Return the file of a path in this recipe, and the path in the file."""
         return self.file, (*self.at, *at)
 
     @property
     def span(self) -> Span:
-        """The place of what is true of the whole model: where its only source is named, or the recipe."""
+        """The place for messages about the whole model: where its only source is named, or the recipe."""
         named = [self.base.span, *(part.span for part in self.parts)]
         places = [span for span in named if span is not None]
         return places[0] if len(places) == 1 else Span(self.file, 1, 1)
@@ -128,7 +128,7 @@ class Plan:
 
     @property
     def asked(self) -> frozenset[str]:
-        """The parts, by path, of whose keys keys are made."""
+        """The parts, by path, from whose keys other keys are made."""
         return frozenset(part for step in self.keyframes for part in step.key.sources)
 
     @property
@@ -153,35 +153,35 @@ class Plan:
         return tuple(step for step in self.steps if isinstance(step, DrawValues))
 
     def of_sample(self, sample: int) -> Plan:
-        """The same with the draws of another sample; parameters are not drawn anew."""
+        """Return the plan with the draws of another sample; parameters keep their values."""
         steps = tuple(
             replace(step, sample=sample) if isinstance(step, DrawValues) else step for step in self.steps
         )
         return replace(self, steps=steps, sample=sample)
 
     def walk(self, stands: bool = True) -> Iterator[Place]:
-        """The plan itself, then its base and its parts in their order, each followed by what is in it.
+        """Yield the plan itself, then its base and its parts in their order, each followed by its contents.
 
         `stands` says that the plan itself is fixed in the world.
         """
         yield from _walk(Place(self, stands=stands))
 
     def plans(self) -> Iterator[Plan]:
-        """The plan, and those of the recipes nested in it."""
+        """Yield the plan, and those of its nested recipes."""
         yield from (place.model for place in self.walk() if isinstance(place.model, Plan))
 
     def sources(self) -> Iterator[Source]:
-        """The model files of the plan and of the recipes nested in it."""
+        """Yield the model files of the plan and of its nested recipes."""
         yield from (place.model for place in self.walk() if isinstance(place.model, Source))
 
     @property
     def part_names(self) -> tuple[str, ...]:
-        """Everything that is a part of the recipe, with the path to it: `base`, `left`, `left/gripper`."""
+        """The paths of all parts of the recipe: `base`, `left`, `left/gripper`."""
         return tuple(place.part for place in self.walk() if place.part and place.model is not None)
 
     @property
     def takes_subtrees(self) -> bool:
-        """Whether of some model, here or in a nested recipe, not all is wanted."""
+        """Whether some model, here or in a nested recipe, is only taken in part."""
         wanted = [place.request for place in self.walk() if place.request is not None]
         return any(each.subtree is not None or each.drop for each in wanted)
 
@@ -200,7 +200,7 @@ class Plan:
 
     @property
     def selects_parts(self) -> bool:
-        """Whether some edit or draw, here or in a nested recipe, asks from which part an element came."""
+        """Whether some edit or draw, here or in a nested recipe, selects elements by their part."""
         selectors = [step.edit.select for plan in self.plans() for step in plan.edits]
         selectors += [step.field.select for plan in self.plans() for step in plan.draws if step.field.select]
         draws_by_part = any(step.field.per == "part" for plan in self.plans() for step in plan.draws)
@@ -210,18 +210,18 @@ class Plan:
 
     @property
     def prefixes(self) -> frozenset[str]:
-        """The prefixes of all parts, those of nested recipes with what stands before them; `""` is the base."""
+        """The prefixes of all parts, including those of nested recipes; `""` is the base."""
         return frozenset(place.prefix for place in self.walk())
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A model where it stands in the outermost plan: that plan itself, or a base or part, there or in a nested plan.
+    """A model and its place in the outermost plan: that plan itself, or a base or part of it or of a nested plan.
 
     `outer` is the plan that it is the base or a part of, by `step`; both are None for the outermost plan. `part` is
-    what the outermost recipe calls it, empty for itself; `prefix` stands before its names, `keys` before the names of
-    its keyframes, None where they are left out. `others` are prefixes that begin like its own and are not of it.
-    `stands` says that it is fixed in the world, `span` is where the outermost recipe asks for it.
+    its name in the outermost recipe, empty for that recipe itself; `prefix` starts its names, `keys` the names of
+    its keyframes, None if they are left out. `others` are longer prefixes that do not belong to it. `stands` says
+    that it is fixed in the world, `span` is its place in the outermost recipe.
     """
 
     model: Source | Plan | None
@@ -236,7 +236,7 @@ class Place:
 
     @property
     def request(self) -> LoadBase | Attachment | None:
-        """What the recipe around it wants of it."""
+        """The entry of the recipe around it that takes or attaches it."""
         return self.step.attachment if isinstance(self.step, AttachPart) else self.step
 
 
@@ -278,11 +278,11 @@ def _walk(place: Place) -> Iterator[Place]:
 
 
 def called(part: AttachPart, separator: str) -> str:
-    """What a recipe calls its part: the prefix, or the key where it has none."""
+    """Return a part's name in its recipe: the prefix, or the key if it has no prefix."""
     return part.prefix.removesuffix(separator) or str(part.at[-1])
 
 
 def stands_in_world(part: Attachment) -> bool:
-    """Whether a part is fixed in the world of the recipe that it is part of."""
+    """Return whether a part is fixed in the world of its recipe."""
     in_world = part.site is None and part.frame is None and part.body in (None, "world")
     return in_world and part.joint in (None, "weld")

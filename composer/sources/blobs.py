@@ -1,10 +1,10 @@
-"""Files of the store that are one piece each, as a compressed asset is: written in one step, hashed when read.
+"""Single-file entries of the store, such as compressed assets: written in one step, verified when read.
 
     asked/, built/, raw/, packed/     what the build cache keeps (`composer/cache/cache.py`)
     shapes/                           what was made of meshes (`composer/compose/shape_store.py`)
     writing/                          files being written; they move to their place in one step
 
-No lock is needed: whoever writes a key writes the same as all others do, or what counts as well as theirs.
+No lock is needed: all writers of a key write the same content, or content that is as good.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _DIGEST = 32
 
 
 def key_of(data: object) -> str:
-    """A key for data that JSON can hold. No I/O."""
+    """Return a key for JSON data. No I/O."""
     return hashlib.sha256(json.dumps(data, ensure_ascii=True).encode()).hexdigest()
 
 
@@ -40,13 +40,16 @@ def digest(content: bytes) -> str:
 
 
 def get(store: str | PathLike[str], kind: str, key: str) -> bytes | None:
-    """What was put, marked as used now; None where it does not exist. What is damaged is removed, and gives None."""
+    """Return an entry and mark it as used now, or None if it does not exist.
+
+    A damaged entry is removed and gives None.
+    """
     path = os.path.join(store, kind, key)
     try:
         content = read(path)
     except OSError:
         return None
-    with contextlib.suppress(OSError):  # somebody else's store, which may be read
+    with contextlib.suppress(OSError):  # the store of another user may be read-only
         if content is None:
             os.unlink(path)
         else:
@@ -55,14 +58,14 @@ def get(store: str | PathLike[str], kind: str, key: str) -> bytes | None:
 
 
 def put(store: str | PathLike[str], kind: str, key: str, content: bytes) -> None:
-    """Write it, complete or not at all. Raises OSError."""
+    """Write an entry completely or not at all. Raises OSError."""
     write_whole(store, os.path.join(store, kind, key), hashlib.sha256(content).digest(), content)
 
 
 def write_whole(store: str | PathLike[str], path: str | PathLike[str], *pieces: bytes) -> None:
-    """Write a file of the store, complete or not at all. Raises OSError.
+    """Write a file of the store completely or not at all. Raises OSError.
 
-    It is locked as long as it is being written: what is not locked was left by a process that was killed.
+    It is locked while it is written: an unlocked one was left behind by a killed process.
     """
     stage = os.path.join(store, WRITING, f"{os.path.basename(path)}.{os.urandom(6).hex()}")
     try:
@@ -71,11 +74,11 @@ def write_whole(store: str | PathLike[str], path: str | PathLike[str], *pieces: 
         with open(stage, "xb", buffering=0) as stream:
             with contextlib.suppress(
                 OSError
-            ):  # a file system without locks, where what is left waits for its time
+            ):  # on a file system without locks, leftovers are removed after a time
                 lock_file(stream.fileno(), wait=False)
             for piece in pieces:
                 _write_all(stream, piece)
-            if os.name == "posix":  # elsewhere no open file can be renamed
+            if os.name == "posix":  # other systems cannot rename an open file
                 os.replace(stage, path)
         if os.name != "posix":
             os.replace(stage, path)
@@ -86,7 +89,7 @@ def write_whole(store: str | PathLike[str], path: str | PathLike[str], *pieces: 
 
 
 def is_left(stage: str | PathLike[str]) -> bool:
-    """Whether a file that was being written is one of a killed process. One without bytes may not be locked yet."""
+    """Return whether a staged file was left by a killed process. An empty one may not be locked yet."""
     try:
         file = os.open(stage, os.O_RDWR)
     except OSError:
@@ -106,12 +109,12 @@ def _write_all(stream: FileIO, piece: bytes) -> None:
 
 
 def has(store: str | PathLike[str], kind: str, key: str) -> bool:
-    """Whether it is there, damaged or not."""
+    """Return whether an entry exists, damaged or not."""
     return os.path.isfile(os.path.join(store, kind, key))
 
 
 def read(path: str | PathLike[str]) -> bytes | None:
-    """The content of a blob's file, without its hash; None where the two do not agree. Raises OSError."""
+    """Return the content of an entry's file without its hash, or None if they do not match. Raises OSError."""
     with open(path, "rb") as stream:
         digest, content = stream.read(_DIGEST), stream.read()
     return content if hashlib.sha256(content).digest() == digest else None
@@ -119,7 +122,7 @@ def read(path: str | PathLike[str]) -> bytes | None:
 
 @dataclass(frozen=True, slots=True)
 class Blob:
-    """One such file; `used` is when it was read or written last, in seconds."""
+    """An entry of one file; `used` is when it was last read or written, in seconds."""
 
     kind: str
     key: str
@@ -129,7 +132,7 @@ class Blob:
 
     @property
     def is_damaged(self) -> bool:
-        """Whether it is no longer what was put."""
+        """Whether its content no longer matches its hash."""
         try:
             return read(self.path) is None
         except OSError:
@@ -137,7 +140,7 @@ class Blob:
 
 
 def blobs_in(store: Path) -> Iterator[Blob]:
-    """All of them, in no order."""
+    """Yield all entries, in no particular order."""
     for kind in KINDS:
         with contextlib.suppress(OSError), os.scandir(store / kind) as entries:
             for entry in entries:

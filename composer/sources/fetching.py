@@ -1,4 +1,4 @@
-"""How a run may fetch and what it has fetched, and with that where a reference is looked up."""
+"""The rules for fetching in a run, what it has fetched, and the context for looking up a reference."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 
 
 def quiet(message: str) -> None:
-    """Progress that nobody wants to see."""
+    """Discard progress messages."""
 
 
 @dataclass(slots=True)
 class Fetching:
-    """The rules of one run, and its memory.
+    """The rules and the memory of one run.
 
     `offline`: nothing is fetched, what is not in the store is an error. `locked`: what the lock does not pin is
     an error. `remakes_shapes`: the lock is being made, and need not know of what is made of a mesh.
@@ -55,24 +55,27 @@ class Fetching:
     doors: dict[tuple[Path, Path | None, Trust], Door] = field(default_factory=dict)
 
     def digest(self, path: Path) -> str:
-        """The sha256 of a file, which is read once. Raises OSError."""
+        """Return the sha256 of a file, which is read once. Raises OSError."""
         if path not in self.digests:
             self.digests[path] = sha256_of(path)
         return self.digests[path]
 
     def around(self, path: Path) -> Origin | None:
-        """What a file or folder was fetched or installed with; the innermost where folders lie in one another."""
+        """Return the origin that a file or folder belongs to; the innermost if origins are nested."""
         real = Path(real_path(path))
         found = [each for each in self.origins.values() if real.is_relative_to(real_path(each.root))]
         return max(found, key=lambda each: len(real_path(each.root)), default=None)
 
     def door_of_text(self, folder: Path) -> Door:
-        """What a recipe in a folder may name by a path: its own whatever it likes, others what they came with."""
+        """Return what a recipe in a folder may name by path.
+
+        The user's own recipes may name anything, others only files of their origin.
+        """
         origin = self.around(folder)
         return ALL if origin is None else self.door_of_origin(origin)
 
     def door_of_origin(self, origin: Origin) -> Door:
-        """What may be read by what was fetched or installed as one: all that came with it."""
+        """Return what files of an origin may read: all files of the origin."""
         verb = "fetched" if origin.is_fetched else "installed"
         return Door.of(
             (origin.root, *self.trust.folders),
@@ -82,7 +85,7 @@ class Fetching:
         )
 
     def door_of_model(self, path: Path) -> Door:
-        """What a model at a path may read: its project, that of the recipe, and what this trusts it with."""
+        """Return what the model at a path may read: its project, that of the recipe, and folders the recipe trusts."""
         key = path, self.outer, self.trust
         if key not in self.doors:
             self.doors[key] = self._own_door(path)
@@ -95,13 +98,13 @@ class Fetching:
         return own_door(path, (recipe, *self.trust.files), os.path.dirname(os.path.abspath(self.outer)))
 
     def pin(self, id: str) -> str | None:
-        """The commit or sha256 that the lock has for an origin."""
+        """Return the commit or sha256 that the lock has for an origin."""
         if self.lock is None or self.fresh is None or id in self.fresh or id not in self.lock.sources:
             return None
         return self.lock.sources[id].pin
 
     def known_files(self, id: str) -> Mapping[str, str]:
-        """The files of an origin and their sha256 as the lock has them; empty where it has none."""
+        """Return the files of an origin and their sha256 from the lock; empty if the lock does not have it."""
         if self.lock is None or id not in self.lock.sources:
             return {}
         return self.lock.sources[id].files
@@ -109,9 +112,9 @@ class Fetching:
 
 @dataclass(frozen=True, slots=True)
 class Lookup:
-    """What a reference is looked up with: the folder of the file that holds it, the environment, and the run.
+    """The context of a reference: the folder of the file that contains it, the environment, and the run.
 
-    `is_confined` says that a fetched recipe holds it, which may not reach this machine or its network.
+    `is_confined` says that the reference is in a fetched recipe, which may not reach this machine or its network.
     """
 
     folder: Path

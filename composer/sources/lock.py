@@ -1,4 +1,4 @@
-"""The lock of a recipe as data: what every source was when it was locked, so that it is the same again."""
+"""The lock of a recipe as data: it records every source, so that later builds use the same."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Locked(_Part):
 
     @property
     def pin(self) -> str | None:
-        """What fetches the same bytes again."""
+        """The commit or sha256 that fetches the same bytes again."""
         return self.commit or self.sha256
 
 
@@ -42,7 +42,7 @@ if missing := {*PINS} - Locked.model_fields.keys():
 
 
 class Lock(_Part):
-    """All sources of a recipe and of the recipes in it, by their id; files are named relative to the source.
+    """All sources of a recipe and its nested recipes, by id; file names are relative to the source.
 
     `mjcompose` and `mujoco` are the versions that the lock was made with. `shapes` has the sha256 of what was made of
     each mesh and is kept beside the recipe, by its key.
@@ -56,7 +56,7 @@ class Lock(_Part):
 
 
 def lock_path(recipe: Path) -> Path:
-    """Where the lock of a recipe is: beside it, `arm.lock` for `arm.yaml`. No I/O.
+    """Return the path of a recipe's lock: next to it, `arm.lock` for `arm.yaml`. No I/O.
 
     >>> lock_path(Path("robots/recipe.yaml")).as_posix()
     'robots/recipe.lock'

@@ -1,4 +1,4 @@
-"""The file of a lock: reading it, writing it, and what both sides pin in the middle of a merge."""
+"""Read and write a lock file, even one with unresolved merge conflicts."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MERGE = re.compile(r"^<<<<<<<( |$)", re.MULTILINE)
 
 
 def to_text(lock: Lock) -> str:
-    """The lock as its file has it: the same lock is the same text. No I/O."""
+    """Return the lock as text; equal locks have equal texts. No I/O."""
     data = lock.model_dump(exclude_defaults=True)
     data["sources"] = {
         id: {**source, "files": dict(sorted(source["files"].items()))}
@@ -31,21 +31,21 @@ def to_text(lock: Lock) -> str:
 
 
 def kind_of(locked: Locked) -> SourceKind:
-    """The row of a source's kind. A lock with a kind that does not exist is not read. No I/O."""
+    """Return the row of a source's kind. It exists, because a lock with an unknown kind is not read. No I/O."""
     kind = kind_called(locked.kind)
     assert kind is not None, locked.kind
     return kind
 
 
 Disputed = dict[str, tuple[str, str]]
-"""Sources that the two sides of a merge pin otherwise, and how each does in words."""
+"""Sources that the two sides of a merge pin differently, with both pins in words."""
 
 
 def read_lock(path: Path, shown: str, sink: Sink, disputes: Disputed | None = None) -> Lock | None:
-    """The lock in a file; None where there is none, or where it cannot be read, which goes to `sink`.
+    """Return the lock in a file, or None if there is none or it cannot be read, which goes to `sink`.
 
-    Where `disputes` is given, a lock in the middle of a merge is what the two sides pin together; what they pin
-    otherwise goes there.
+    If `disputes` is given, a lock with merge conflicts becomes the union of both sides; sources that they pin
+    differently go into `disputes`.
     """
     try:
         text = path.read_bytes()
@@ -60,7 +60,7 @@ def read_lock(path: Path, shown: str, sink: Sink, disputes: Disputed | None = No
 
 
 def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | None = None) -> Lock | None:
-    """The lock that a text is; one fault of it at its place goes to `sink`. No I/O."""
+    """Parse a lock; the first fault goes to `sink` with its place. No I/O."""
     plain = text.decode("utf-8", "replace") if isinstance(text, bytes) else text
     if (mark := _MERGE.search(plain)) is not None:
         return _in_a_merge(plain, mark.start(), shown, sink, disputes)
@@ -97,14 +97,14 @@ def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | No
         return None
     if (
         version is None or not isinstance(number, Scalar) or type(number.value) is not int
-    ):  # `true` is 1 to Python
+    ):  # in Python, `True == 1`
         _report("missing" if version is None else "", ("lock",), node, shown, sink)
         return None
     return lock
 
 
 def _in_a_merge(text: str, start: int, shown: str, sink: Sink, disputes: Disputed | None) -> Lock | None:
-    """What both sides pin, where that is asked for; else the fault, at the first mark."""
+    """Return what both sides pin if `disputes` is given; else report the fault at the first conflict marker."""
     if disputes is not None:
         ours, theirs = (from_text(side, shown, Sink()) for side in _sides(text))
         if ours is not None and theirs is not None:
@@ -136,7 +136,7 @@ def _report(fault: str, path: tuple[str | int, ...], node: Mapping, shown: str, 
 
 
 def _sides(text: str) -> tuple[str, str]:
-    r"""The text of each side of a file with the marks of a merge in it. No I/O.
+    r"""Return the text of each side of a file with conflict markers. No I/O.
 
     >>> _sides("a\n<<<<<<< HEAD\nb\n||||||| base\nc\n=======\nd\n>>>>>>> x\ne\n")
     ('a\nb\ne\n', 'a\nd\ne\n')
@@ -160,7 +160,7 @@ def _sides(text: str) -> tuple[str, str]:
 
 
 def _both(ours: Lock, theirs: Lock) -> Lock:
-    """All that either side pins; where both do it otherwise, ours. No I/O."""
+    """Return everything that either side pins; for conflicts, our side. No I/O."""
     both = {
         id: _joined(ours.sources[id], locked) if id in ours.sources else locked
         for id, locked in theirs.sources.items()
@@ -170,9 +170,9 @@ def _both(ours: Lock, theirs: Lock) -> Lock:
 
 
 def _disputed(ours: Lock, theirs: Lock) -> dict[str, tuple[str, str]]:
-    """The sources that the two sides pin otherwise, and how each does in words. No I/O.
+    """Return the sources that the two sides pin differently, with both pins in words. No I/O.
 
-    A user's own files are none of them: they are hashed anew.
+    The user's own files are not among them: they are hashed again.
     """
     found = {}
     for id, mine in ours.sources.items():

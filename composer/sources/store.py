@@ -1,4 +1,4 @@
-"""The store: what was fetched, one folder for each commit or archive, complete or not there.
+"""The store of fetched files: one folder for each commit or archive, complete or absent.
 
     git/COMMIT/, archive/SHA256/      content/ and entry.json: what it is, its size, the hash of every file
     asked/, built/, raw/, packed/     what the build cache keeps, one file each (`blobs.py`)
@@ -9,7 +9,7 @@
     locks/                            one for each entry: two processes do not fetch the same thing at once
     leases/                           one for each process that reads entries: these are not pruned
 
-Every name in it is the hash of something, so that no reference can lead out of it.
+Every name is a hash, so that no reference can lead out of the store.
 """
 
 from __future__ import annotations
@@ -34,21 +34,21 @@ from composer.sources.error import SourceError
 from composer.sources.lease import gate, held, hold
 
 Stored = Literal["git", "archive"]
-"""What an entry is, and with that what its key is: the hash of a commit, or the sha256 of an archive."""
+"""The kind of an entry. It determines the key: a commit hash, or the sha256 of an archive."""
 KINDS: tuple[Stored, ...] = get_args(Stored)
 ENTRY = "entry.json"
 DEFAULT_LIMIT = 10 * 1024**3
 GRACE = 3600.0
-"""Seconds for which an entry that was used is not pruned on its own: a build may still be reading it."""
+"""Seconds for which a recently used entry is not pruned automatically: a build may still read it."""
 _WAIT = 3600.0
 
 
 def store_folder(environment: Mapping[str, str]) -> str:
-    """The absolute path that `MJCOMPOSE_CACHE` names, or the place where the system keeps a user's caches."""
+    """Return the absolute path in `MJCOMPOSE_CACHE`, or the system's folder for a user's caches."""
     if named := environment.get("MJCOMPOSE_CACHE"):
         return os.path.abspath(os.path.expanduser(named))
     if sys.platform == "linux" and "ANDROID_ROOT" not in environment:
-        # What platformdirs says here too, without the time to import it.
+        # Same as platformdirs, without its import time.
         caches = environment.get("XDG_CACHE_HOME", "")
         return os.path.join(caches if caches.strip() else os.path.expanduser("~/.cache"), "mjcompose")
     from platformdirs import user_cache_dir
@@ -58,7 +58,7 @@ def store_folder(environment: Mapping[str, str]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One thing in the store; `content` is the folder with its files, `about` what a fetcher wrote down of it."""
+    """One entry of the store; `content` is the folder with its files, `about` are the fetcher's notes."""
 
     kind: str
     key: str
@@ -76,16 +76,16 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Store:
-    """A folder of entries; `limit` is the size in bytes that it is kept below."""
+    """A folder of entries; `limit` is its maximum size in bytes."""
 
     folder: Path
     limit: int = DEFAULT_LIMIT
 
     @classmethod
     def of(cls, environment: Mapping[str, str]) -> Store:
-        """The user's store: `MJCOMPOSE_CACHE`, or where the system keeps caches; `MJCOMPOSE_CACHE_SIZE` bounds it.
+        """Return the user's store: `MJCOMPOSE_CACHE` or the system's cache folder.
 
-        Raises SourceError for one that another user can change.
+        `MJCOMPOSE_CACHE_SIZE` limits its size. Raises SourceError if another user can change it.
         """
         limit = _size(environment.get("MJCOMPOSE_CACHE_SIZE", ""))
         folder = Path(store_folder(environment))
@@ -98,27 +98,29 @@ class Store:
         return cls(folder, limit)
 
     def get(self, kind: Stored, key: str) -> Entry | None:
-        """The entry, marked as used now; None where there is none. It is not pruned while this process lives."""
+        """Return an entry and mark it as used now, or None if it does not exist.
+
+        It is not pruned while this process lives.
+        """
         folder = self.folder / kind / key
         try:
             with gate(self.folder):
                 if (entry := self._read(kind, folder)) is not None:
                     hold(self.folder, key)
-        except OSError:  # a store that cannot be written, of which nothing is taken away either
+        except OSError:  # a read-only store, where nothing is removed either
             entry = self._read(kind, folder)
         if entry is not None:
-            with contextlib.suppress(OSError):  # somebody else's store, which may be read
+            with contextlib.suppress(OSError):  # the store of another user may be read-only
                 os.utime(folder / ENTRY)
         return entry
 
     def add(
         self, kind: Stored, key: str, origin: str, fill: Callable[[Path], None], about: Mapping[str, str]
     ) -> Entry:
-        """Make an entry: `fill` writes its files into the empty folder that it is given.
+        """Create an entry: `fill` writes its files into the given empty folder.
 
-        `about` is read when that is done. Under the lock of `key`, which the caller holds. Whatever happens in
-        between, the entry is there as a whole or not at all. Raises what `fill` raises, and SourceError where the disk
-        refuses.
+        `about` is read afterwards. The caller holds the lock of `key`. The entry is added completely or not at all.
+        Raises what `fill` raises, and SourceError for errors of the disk.
         """
         with self.usable():
             self._sweep(key)
@@ -144,7 +146,7 @@ class Store:
                     os.fsync(stream.fileno())
                 target = self.folder / kind / key
                 target.parent.mkdir(parents=True, exist_ok=True)
-                if os.path.lexists(target):  # damaged: a whole one would have been found
+                if os.path.lexists(target):  # damaged: an intact one would have been found
                     self._remove(target, key)
                 with gate(self.folder):
                     hold(self.folder, key)
@@ -159,7 +161,7 @@ class Store:
 
     @contextlib.contextmanager
     def lock(self, name: str, waiting: Callable[[str], None]) -> Iterator[None]:
-        """No other process is in a block of the same name; a process that is killed lets go of it."""
+        """Exclude other processes from blocks of the same name; a killed process releases the lock."""
         from filelock import FileLock, Timeout
 
         with self.usable():
@@ -185,7 +187,7 @@ class Store:
 
     @contextlib.contextmanager
     def usable(self) -> Iterator[None]:
-        """What the file system refuses inside the block becomes a SourceError."""
+        """Turn errors of the file system inside the block into a SourceError."""
         try:
             yield
         except (OSError, NotImplementedError) as error:
@@ -197,7 +199,7 @@ class Store:
             ) from error
 
     def entries(self) -> list[Entry]:
-        """All whole entries, the one that was used longest ago first."""
+        """Return all intact entries, the least recently used first."""
         found = []
         for kind in KINDS:
             with contextlib.suppress(OSError):
@@ -209,10 +211,10 @@ class Store:
     def prune(
         self, limit: int, *, grace: float = GRACE, keep: frozenset[str] | set[str] = frozenset()
     ) -> list[Entry | Blob]:
-        """Remove what was used longest ago until at most `limit` bytes are left, and what killed processes left.
+        """Remove leftovers of killed processes, and the least recently used entries beyond `limit` bytes.
 
-        Spares `keep`, entries that were used in the last `grace` seconds, and those that another process is using. What
-        was removed.
+        Entries in `keep`, entries used in the last `grace` seconds and those in use by another process stay. Return
+        the removed entries.
         """
         removed: list[Entry | Blob] = []
         entries = self.entries()
@@ -233,18 +235,18 @@ class Store:
         for left in self.unfinished():
             self._sweep_unless_busy(left)
         with contextlib.suppress(OSError), gate(self.folder):
-            held(self.folder)  # takes the leases of killed processes away
+            held(self.folder)  # removes the leases of killed processes
         for folder in headless:
             self.remove_headless(folder)
         return removed
 
     def remove(self, entry: Entry) -> None:
-        """Take an entry out of the store, in one step."""
+        """Remove an entry in one step."""
         with self.usable():
             self._remove(entry.folder, entry.key)
 
     def _remove_unused(self, entry: Entry) -> bool:
-        """Take an entry out unless a process is using it; whether that was done."""
+        """Remove an entry unless a process is using it; return whether it was removed."""
         with self.usable():
             with gate(self.folder):
                 if entry.key in held(self.folder):
@@ -254,7 +256,7 @@ class Store:
         return True
 
     def headless(self, entries: Iterable[Entry]) -> list[Path]:
-        """The folders of entries of which nothing can be read, and which no build sees; `entries` are all others."""
+        """Return entry folders without readable metadata, which no build sees; `entries` are all other entries."""
         known = {entry.folder for entry in entries}
         found: list[Path] = []
         for kind in KINDS:
@@ -263,7 +265,7 @@ class Store:
         return sorted(found)
 
     def remove_headless(self, folder: Path) -> None:
-        """Take such a folder away, unless another process makes it anew."""
+        """Remove such a folder, unless another process is recreating it."""
         from filelock import FileLock, Timeout
 
         locks = self.folder / "locks"
@@ -274,7 +276,7 @@ class Store:
                 self._remove(folder, folder.name)
 
     def unfinished(self) -> list[Path]:
-        """What is being made or downloaded now, or was when its process was killed."""
+        """Return files that are being created or downloaded, or were when their process was killed."""
         found: list[Path] = []
         for name in ("staging", "partial", WRITING):
             with contextlib.suppress(OSError):
@@ -282,7 +284,7 @@ class Store:
         return sorted(found)
 
     def damage(self, entry: Entry) -> tuple[str, ...]:
-        """How an entry differs from what was stored, a line for each file; empty when it is whole."""
+        """Return how an entry differs from what was stored, one line for each file; empty if it is intact."""
         there = {}
         for name, path in files_below(entry.content):
             try:
@@ -292,13 +294,13 @@ class Store:
         return differences(entry.files, there)
 
     def remember(self, id: str, seen: Mapping[str, str]) -> None:
-        """Write down what an origin stood for; a note that cannot be written is none."""
+        """Record what an origin resolved to; failing to write the record is no error."""
         path = self.folder / "seen" / f"{name_of(id)}.json"
         with contextlib.suppress(OSError):
             write_whole(self.folder, path, json.dumps({**seen, "id": id}).encode())
 
     def recall(self, id: str) -> Mapping[str, str]:
-        """What `remember` wrote down last; empty where it did not."""
+        """Return the last record of `remember`; empty if there is none."""
         try:
             seen = json.loads((self.folder / "seen" / f"{name_of(id)}.json").read_text(encoding="utf-8"))
         except (OSError, ValueError):
@@ -336,7 +338,7 @@ class Store:
         return stage
 
     def _sweep(self, key: str) -> None:
-        """Erase what killed processes left of this key, whose lock is held."""
+        """Remove leftovers of killed processes for this key, whose lock the caller holds."""
         for left in (self.folder / "staging").glob(f"{key}.*"):
             _erase(left)
 
@@ -357,7 +359,7 @@ class Store:
 
 
 def name_of(id: str) -> str:
-    """A name for the files that belong to an origin."""
+    """Return a file name for an origin."""
     return hashlib.sha256(id.encode()).hexdigest()
 
 
@@ -365,7 +367,7 @@ def _erase(path: Path) -> None:
     import shutil  # reading what is there needs none of it
 
     if path.is_dir():
-        if os.name == "nt":  # where a file that cannot be written cannot be removed either
+        if os.name == "nt":  # Windows does not remove read-only files
             for _, file in files_below(path):
                 with contextlib.suppress(OSError):
                     file.chmod(stat.S_IWRITE)

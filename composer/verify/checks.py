@@ -1,4 +1,4 @@
-"""The checks of a recipe on the model that was built, and of the recipes in it, reported where they are written."""
+"""Run the checks of a recipe and of its nested recipes on the built model, and report failures in their recipes."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from composer.verify.outcome import Hear, Outcome
 from composer.verify.parts import Compared, Judge
 from composer.verify.report import causes, changed, notes
 
-# What a check finds in a model; other codes are about the check itself.
+# The codes of failed checks; all other codes are errors in the check itself.
 _NOT_HELD = ("check-failed", "part-changed")
 
 check_rows("the checks that composer/verify/kinds/ask.py runs", [*CHECKS, Unchanged.word], KINDS)
@@ -50,7 +50,7 @@ def run_checks(
     hear: Hear | None = None,
     made: Sequence[MadeShapes] = (),
 ) -> None:
-    """Run every check on the model that the session keeps; what does not hold goes to the sink.
+    """Run every check on the model that the session keeps, and report those that fail to the sink.
 
     `hear` is called with what came of each check, in the order of the recipe. `made` is what was made of meshes.
     """
@@ -72,7 +72,7 @@ def run_checks(
 
 
 def places(plan: Plan) -> dict[str, Span]:
-    """Where each check is written, by the name that its outcome has."""
+    """Return where each check is written, by the name in its outcome."""
     return {recipe.part + check.name: _place(check, recipe) for recipe, check in checks_in(plan)}
 
 
@@ -81,7 +81,7 @@ def _place(check: Check, recipe: Nested) -> Span:
 
 
 def _as_severe(found: Diagnostic, check: Check, recipe: Nested) -> Diagnostic:
-    """As severe as the check says; what is wrong with the check itself stays an error."""
+    """Return the diagnostic with the severity that the check sets; errors in the check itself stay errors."""
     severity = find(recipe.plan.document, (*check.at, SEVERITY))
     warns = isinstance(severity, Scalar) and severity.value == Severity.WARNING
     return replace(found, severity=Severity.WARNING) if warns and found.code in _NOT_HELD else found
@@ -95,7 +95,10 @@ def _ask(
     context: Context,
     made: Sequence[MadeShapes],
 ) -> tuple[bool, dict[str, Any]]:
-    """A check on the compiled model, asked in the process that keeps it; whether it still does, and what was found."""
+    """Run a check on the compiled model, in the process that keeps it.
+
+    Return whether that process still keeps the model, and the values that the check found.
+    """
     angle = recipe.plan.readings.at((*check.at, check.word, "value")).angle
     asked = {**asdict(check), "angle": angle, "frame": recipe.frame(members)}  # type: ignore[call-overload]
     if isinstance(check, Collision):
@@ -135,7 +138,10 @@ def _unchanged(
     context: Context,
     drawn: Sequence[str],
 ) -> dict[str, Any]:
-    """The part as the outermost recipe calls it, each of its sources against itself alone; how many there are."""
+    """Compare each source of the part with the source alone, and return how many there are.
+
+    The part goes by the name that the outermost recipe gives it.
+    """
     part = recipe.part + check.part if check.part else recipe.part.removesuffix(separator) or None
     excused = [*drawn, *(array for name in check.excepted for array in arrays_of(name))]
     found = of_part(members, part, separator)
@@ -163,7 +169,7 @@ def _report(compared: Compared, recipe: Nested, check: Unchanged, context: Conte
 
 
 def _excepting(compared: Compared, check: Unchanged) -> str | None:
-    """The line to write if all of that is meant; None where no attribute can be named for it."""
+    """Return the line that accepts all differences, or None if one of them belongs to no attribute."""
     names = list(check.excepted)
     for each in causes(compared.differences):
         if each.field in (MISSING, EXTRA):
@@ -176,7 +182,7 @@ def _excepting(compared: Compared, check: Unchanged) -> str | None:
 
 
 def _attribute(difference: Difference) -> str | None:
-    """An attribute of MJCF from which the array follows."""
+    """Return an MJCF attribute that determines the array."""
     end = difference.array.partition("_")[2]
     known = attributes()
     if end in known:

@@ -13,7 +13,7 @@ from composer.recipe.contact import Collisions
 
 @dataclass(frozen=True, slots=True)
 class SetCollisions(Step):
-    """Exclude contacts between bodies, or have geoms collide."""
+    """Exclude contacts between bodies, or make geoms collide."""
 
     sections: ClassVar[tuple[str, ...]] = ()
     collisions: Collisions

@@ -1,4 +1,4 @@
-"""One check, asked of a compiled model in the child process."""
+"""Run one check on a compiled model in the child process."""
 
 from __future__ import annotations
 
@@ -40,9 +40,10 @@ CHECKS: Mapping[str, Callable[[Scope, dict[str, Any]], list[Fault]]] = {
 
 
 def ask(mujoco: Any, model: Model, question: dict[str, Any]) -> dict[str, Any]:
-    """For `composer.engine.call`: what does not hold and what was found, as JSON data.
+    """Return the failures and the values of a check as JSON data; runs under `composer.engine.call`.
 
-    ``question`` has the `kind`, what the check asks for under `asked`, and the fields of a `Scope` under `scope`.
+    ``question`` has the `kind`, the arguments of the check under `asked`, and the fields of a `Scope` under
+    `scope`.
     """
     scope = Scope(mujoco, model, **question["scope"])
     try:
