@@ -30,6 +30,8 @@ class Limits:
 
     time: float = _limit(300.0, "seconds", "the work of MuJoCo on one model")
     memory: int = _limit(8 * GIB, "bytes", "the memory of mjcompose, and that of MuJoCo's process (POSIX)")
+    mesh_time: float = _limit(1800.0, "seconds", "the work on one mesh that a recipe asks for")
+    mesh_faces: int = _limit(1_000_000, "", "the faces of a mesh that is worked on")
     elements: int = _limit(100_000, "", "the elements that a model has as it is written")
     bodies: int = _limit(15_000, "", "the bodies of a model once it is expanded")
     dofs: int = _limit(

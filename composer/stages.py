@@ -174,7 +174,7 @@ def _built(
         return None
     making = Making(
         plan, composed.model, composed.files, composed.members, compiled, merged, tuple(checks), request.name,
-        composed.drawn, request.pictured,
+        composed.drawn, request.pictured, composed.shapes,
     )  # fmt: skip
     bundle = described(bundle, making, context)
     if request.target is not None:
@@ -237,6 +237,7 @@ def _verified(
                     hear,
                     size=size,
                     elsewhere=elsewhere,
+                    made=composed.shapes,
                 )
     return compiled
 

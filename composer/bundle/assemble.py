@@ -18,6 +18,7 @@ from composer.bundle.manifest import (
     Check,
     Draw,
     Input,
+    Made,
     Manifest,
     Origin,
     Part,
@@ -36,6 +37,7 @@ from composer.grammar import GRAMMAR
 from composer.link.dedup import Merged
 from composer.link.linking import FileUse
 from composer.plan.drawn import Drawn
+from composer.plan.made_shapes import MadeShapes
 from composer.plan.part_record import PartRecord
 from composer.plan.plan import Plan
 from composer.reading.folders import real_path
@@ -101,6 +103,7 @@ class Making:
     cell: str | None = None
     drawn: tuple[Drawn, ...] = ()
     pictured: bool = False
+    made: tuple[MadeShapes, ...] = ()
 
 
 def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
@@ -144,6 +147,7 @@ def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
         files=files_of(bundle),
         merged=making.merged,
         picture=picture_of(plan.name) if making.pictured else None,
+        made=tuple(_made(each, names) for each in making.made),
         checks=tuple(
             Check(name=each.name, kind=each.kind, values=dict(each.values), origin=names.place(each.span))
             for each in making.checks
@@ -261,6 +265,19 @@ def _part(member: PartRecord, number: int, renamed: Renamed) -> Part:
         obscure=member.obscure or member.reduced,
         subtree=member.subtree,
         renamed={kind: dict(names) for kind, names in renamed.get(member.part, {}).items()},
+    )
+
+
+def _made(made: MadeShapes, names: Portable) -> Made:
+    return Made(
+        mesh=made.mesh,
+        geom=made.of,
+        how=made.how,
+        shapes=made.shapes,
+        **made.error,  # type: ignore[arg-type]  # measured, and checked where it was kept
+        made_with=dict(made.made_with),
+        key=made.key,
+        origin=names.place(made.span),
     )
 
 

@@ -257,6 +257,34 @@ class Draw(_Part):
     )
 
 
+class Made(_Part):
+    """What `collision` or `simplify` made of a mesh, and how far it is from it."""
+
+    mesh: str
+    geom: str = Field(
+        default="", description="The geom that no longer touches; empty for one without a name."
+    )
+    how: str = Field(description="The method with its settings.")
+    shapes: tuple[str, ...] = Field(
+        default=(), description="The geoms that touch in its place; none of a mesh that was simplified."
+    )
+    hausdorff: float = Field(description="The greater one of `beyond` and `short`.")
+    beyond: float = Field(description="In metres: how far the shapes reach out of the mesh at most.")
+    short: float = Field(description="In metres: how far the mesh reaches out of the shapes at most.")
+    uncovered: float | None = Field(
+        description="The share of the mesh's surface outside of the shapes; null of a mesh that was simplified."
+    )
+    volume: float | None = Field(
+        description="Of all shapes together, by that of the mesh; null for a mesh that is open."
+    )
+    samples: int = Field(ge=0, description="At how many points the distances were measured.")
+    made_with: dict[str, str] = Field(
+        default={}, description="The packages that made it, and their versions."
+    )
+    key: str = Field(description="The hash of what it follows from.")
+    origin: str | None = Field(default=None, description="Where it is written, as FILE:LINE.")
+
+
 class LeftOut(_Part):
     """What a target cannot express, and is not in its bundle, or is there in another way."""
 
@@ -320,6 +348,9 @@ class Manifest(_Part):
         ge=2,
         description="Of a union: how many models it has the parts of; left out for any other model.",
     )
+    made: tuple[Made, ...] = Field(
+        default=(), description="What was made of meshes; left out where nothing was."
+    )
     checks: tuple[Check, ...] = Field(default=(), description="What was checked, and held.")
     index: Index | None = Field(default=None, description="null when the model was not verified.")
     warnings: tuple[str, ...] = ()
@@ -337,8 +368,8 @@ def files_of(bundle: Bundle) -> tuple[File, ...]:
 def to_json(manifest: Manifest) -> bytes:
     """Return the manifest as UTF-8 text: fields in the order of the schema, indented by two spaces, a final newline."""
     data = manifest.model_dump(mode="json")
-    for name in ("picture", "target", "union"):
-        if data[name] is None:
+    for name in ("picture", "target", "union", "made"):
+        if not data[name]:
             del data[name]
     return _text(data)
 

@@ -8,10 +8,12 @@ from dataclasses import dataclass, field
 from importlib import metadata
 from pathlib import Path
 
+from composer.compose.shape_store import kept_beside
 from composer.context import Context
 from composer.plan.plan import Plan
 from composer.plan.used_files import files_of_recipe, files_of_source
 from composer.sources.licence import licence_folders
+from composer.sources.lock import shapes_folder
 from composer.sources.source import Source
 from composer.stages import Built
 
@@ -33,19 +35,30 @@ class Inputs:
         return tuple(dict.fromkeys(map(os.path.abspath, paths)))
 
     def others(self, built: Built, context: Context) -> tuple[str, ...]:
-        """Return all other files: models, included files, assets, licences and the folders searched for them, lock."""
+        """All other files: models, what they include, assets, licences and where these are looked for, the lock.
+
+        What is made of meshes is looked for beside the lock, also where it does not exist yet.
+        """
         found = self._planned(built.plan, built.plan.sources(), context)
         model = built.composed.model
         found.update(dict.fromkeys(os.path.abspath(context.folder / name) for name in model.origins.texts))
         used: list[str] = [use.source for use in built.composed.files if use.content is None]
         found.update(dict.fromkeys(map(os.path.abspath, used)))
+        if context.fetching is not None and context.fetching.lock_file is not None:
+            folder = shapes_folder(context.fetching.lock_file)
+            kept = (folder / f"{each.key}.json" for each in built.composed.shapes)
+            found.update(dict.fromkeys(map(os.path.abspath, kept)))
         recipes = self.recipes(built.plan)
         return tuple(path for path in found if path not in recipes)
 
     def planned(self, plan: Plan, context: Context) -> tuple[str, ...]:
         """Return the inputs that are known before composition, without those of installed packages."""
         own = (each for each in plan.sources() if each.package is None or each.version is None)
-        return tuple(dict.fromkeys((*self.recipes(plan), *self._planned(plan, own, context))))
+        found = dict.fromkeys((*self.recipes(plan), *self._planned(plan, own, context)))
+        if plan.works_on_meshes and context.fetching is not None and context.fetching.lock_file is not None:
+            kept = kept_beside(shapes_folder(context.fetching.lock_file)).values()
+            found.update(dict.fromkeys(map(os.path.abspath, kept)))
+        return tuple(found)
 
     def _planned(self, plan: Plan, sources: Iterable[Source], context: Context) -> dict[str, None]:
         found: dict[str, None] = {}

@@ -54,6 +54,7 @@ def made_lock(
     from composer.plan.locked import changed, lock_of, use_lock
     from composer.plan.matrix import like_first_cell
     from composer.plan.planner import make_plan
+    from composer.sources.blobs import digest
     from composer.sources.lock_file import to_text
 
     if not (context.folder / recipe).is_file():
@@ -76,13 +77,17 @@ def made_lock(
     if plan is None:
         return None
     plans = [plan, *_plans_of_cells(recipe, context, given), *_plans_of_variants(recipe, context, whole)]
-    after = lock_of(plans, how, how.lock_file.parent, context)
+    shapes = _shapes(plans, context)
+    digests = {key: digest(content) for key, content in shapes.items()}
+    after = lock_of(plans, how, how.lock_file.parent, context, digests)
     if before is not None and how.fresh is not None:
         _report_changes(before, after, how.fresh, recipe, context)
     if context.sink.has_errors:
         return None
     changes = list(changed(before, after))
     text = to_text(after).encode()
+    if not _wrote_shapes(how.lock_file, shapes, before, context):
+        return None
     if not how.lock_file.is_file() or how.lock_file.read_bytes() != text:
         try:
             with staged_file(how.lock_file) as stage:
@@ -94,6 +99,31 @@ def made_lock(
             changes = changes or ["no sources to pin"]
         changes = changes or ["made with other versions" if before != after else "the same, written anew"]
     return context.shown(how.lock_file), changes
+
+
+def _shapes(plans: list[Plan], context: Context) -> dict[str, bytes]:
+    """What the models make of meshes, by key."""
+    if not any(plan.works_on_meshes for plan in plans):
+        return {}
+    from composer.compose.locked_shapes import made_for  # few recipes need it
+
+    return made_for(plans, context)
+
+
+def _wrote_shapes(lock_file: Path, shapes: dict[str, bytes], before: Lock | None, context: Context) -> bool:
+    """Keep what was made of meshes beside the recipe, before the lock says so; False where that cannot be."""
+    if not shapes and not (before is not None and before.shapes):
+        return True
+    from composer.bundle.output_error import OutputError
+    from composer.compose.locked_shapes import write_beside
+    from composer.sources.lock import shapes_folder
+
+    try:
+        write_beside(shapes_folder(lock_file), shapes)
+    except OutputError as error:
+        context.sink.add(error.diagnostic)
+        return False
+    return True
 
 
 def _plans_of_cells(recipe: Path, context: Context, given: Given) -> Iterator[Plan]:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
+from typing import Any
 
 from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer import engine
+from composer.compiled.needless import ADJACENT, NEVER, TOUCHING, needless
 from composer.compiled.touching import touching
 from composer.compose.elements import ElementBuilder
 from composer.compose.kept import KEPT, compiled
@@ -27,11 +29,24 @@ _COLLIDING = ("contype", "conaffinity")
 
 
 def set_collisions(
-    plan: Plan, linking: Linking, making: ElementBuilder, context: Context, session: engine.Session | None
-) -> None:
-    """Write the excludes and pairs that the recipe asks for by its parts, in the order of the file."""
+    plan: Plan,
+    linking: Linking,
+    making: ElementBuilder,
+    context: Context,
+    session: engine.Session | None,
+    samples: bool = True,
+) -> list[tuple[Node, str]]:
+    """Write the excludes and pairs that the recipe asks for by its parts, in the order of the file.
+
+    Gives the excludes of bodies that need not collide, each with its reason; none without time for `samples`.
+    """
+    found: list[tuple[Node, str]] = []
     steps = [step for step in plan.steps if isinstance(step, SetCollisions)]
     for step in steps:
+        if step.collisions.samples is not None:
+            if samples:
+                found += _exclude_needless(step, linking, making, context, session)
+            continue
         if not step.collisions.sides:
             _exclude_touching(step, plan, linking, making, context, session)
             continue
@@ -42,6 +57,51 @@ def set_collisions(
             _append(linking, making, step, "exclude", ("body1", "body2"), named)
         else:
             _collide(step, sides, linking, making)
+    return found
+
+
+def _exclude_needless(
+    step: SetCollisions, linking: Linking, making: ElementBuilder, context: Context,
+    session: engine.Session | None,
+) -> list[tuple[Node, str]]:  # fmt: skip
+    samples, seed = step.collisions.samples, step.collisions.seed
+    with ExitStack() as stack:
+        session = session or stack.enter_context(engine.Session())
+        if not compiled(linking, context, session):
+            return []
+        answer = engine.call(session, needless, [KEPT], {"samples": samples, "seed": seed})
+    if not answer.ok:
+        making.sink.error("mujoco-crash", f"MuJoCo stumbles over the contacts: {answer.error}", step.span)
+        return []
+    words = {
+        ADJACENT: "a joint connects them",
+        TOUCHING: "they touch in {}",
+        NEVER: f"they touched in none of {samples} random poses (seed {seed})",
+    }
+    _refuse_nameless(answer.value, "need not collide", step, making)
+    reasons = {
+        tuple(each["bodies"]): words[each["why"]].format(each["where"])
+        for each in answer.value
+        if all(each["bodies"])
+    }
+    written = _append(linking, making, step, "exclude", ("body1", "body2"), list(reasons))
+    return [(node, reasons[str(node.get("body1")), str(node.get("body2"))]) for node in written]
+
+
+def _refuse_nameless(
+    pairs: Sequence[Mapping[str, Any]], what: str, step: SetCollisions, making: ElementBuilder
+) -> None:
+    nameless = [pair for pair in pairs if not all(pair["bodies"])]
+    if not nameless:
+        return
+    (one, other), where = nameless[0]["called"], nameless[0]["where"]
+    more = f" ({len(nameless) - 1} more such pairs)" if len(nameless) > 1 else ""
+    making.sink.error(
+        "bad-name",
+        f"{one} and {other} {what}{where and f' in {where}'}{more}, and a body without a name cannot be excluded",
+        step.span,
+        help='give it a name: `edit: [{select: {body: "**", where: {name: ""}}, rename: "b${index}"}]` in the part',
+    )
 
 
 def _exclude_touching(
@@ -57,16 +117,7 @@ def _exclude_touching(
     if not answer.ok:
         making.sink.error("mujoco-crash", f"MuJoCo stumbles over the contacts: {answer.error}", step.span)
         return
-    nameless = [pair for pair in answer.value if not all(pair["bodies"])]
-    if nameless:
-        (one, other), where = nameless[0]["called"], nameless[0]["where"]
-        more = f" ({len(nameless) - 1} more such pairs)" if len(nameless) > 1 else ""
-        making.sink.error(
-            "bad-name",
-            f"{one} and {other} touch in {where}{more}, and a body without a name cannot be excluded",
-            step.span,
-            help='give it a name: `edit: [{select: {body: "**", where: {name: ""}}, rename: "b${index}"}]` in the part',
-        )
+    _refuse_nameless(answer.value, "touch", step, making)
     named = [tuple(pair["bodies"]) for pair in answer.value if all(pair["bodies"])]
     _append(linking, making, step, "exclude", ("body1", "body2"), named)
 
@@ -161,8 +212,9 @@ def _name(body: Node) -> str:
 def _append(
     linking: Linking, making: ElementBuilder, step: SetCollisions, tag: str, keys: tuple[str, str],
     pairs: Sequence[tuple[str, ...]],
-) -> None:  # fmt: skip
-    """Write what is not written yet."""
+) -> list[Node]:  # fmt: skip
+    """Write what is not written yet; gives that."""
+    written = []
     # Which of the two is named first does not matter, and MuJoCo 4.0 counts the same pair twice.
     known = {
         frozenset((each.get(keys[0]), each.get(keys[1])))
@@ -174,4 +226,6 @@ def _append(
         known.add(frozenset(pair))
         node = etree.SubElement(linking.base.section("contact"), tag, dict(zip(keys, pair, strict=True)))
         making.origins.own(node, step.span)
+        written.append(node)
     linking.watch(linking.units, step)
+    return written

@@ -43,7 +43,7 @@ from composer.link.linking import FileUse, Linking, Measure
 from composer.link.request import Request
 from composer.link.source_check import STUMBLES, check_source, put_right
 from composer.plan.drawn import Drawn, Tabled
-from composer.plan.foreseen import EditOutcome
+from composer.plan.foreseen import EditOutcome, Excluded
 from composer.plan.part_record import PartRecord
 from composer.plan.plan import BASE, Plan, called
 from composer.plan.steps.add_element import AddElement
@@ -68,8 +68,10 @@ from composer.tree.watch import Watch, nobody
 
 if TYPE_CHECKING:
     from composer.compose.model_edits import Changes
+    from composer.compose.workshop import Workshop
     from composer.engine import Session
     from composer.link.subtree import Subtree
+    from composer.plan.made_shapes import MadeShapes
 
 Result = TypeVar("Result")
 # What else is added would change what `settotalmass` of the base gives each body: MuJoCo scales the whole model to it.
@@ -88,22 +90,28 @@ check_rows("the steps that composer/compose/compose.py carries out", [*_WRITE, *
 
 @dataclass(frozen=True, slots=True)
 class Composed:
-    """One flat model, the files that it names, the sources that it contains, and the values drawn for it."""
+    """One flat model, the files it names, the sources that are in it, what was drawn for it and made of its meshes.
+
+    `excluded` are the bodies that need not collide, where the recipe asks for these.
+    """
 
     model: Unit
     files: tuple[FileUse, ...]
     members: tuple[PartRecord, ...] = ()
     drawn: tuple[Drawn, ...] = ()
     tabled: tuple[Tabled, ...] = ()
+    shapes: tuple[MadeShapes, ...] = ()
+    excluded: tuple[Excluded, ...] = ()
 
 
 class Composer:
     """Composes plans.
 
-    `checks_sources` is set if every source must be valid MJCF as a whole, not only where the composition reads it.
-    `subtrees` holds the results of taking single bodies, by recipe and path. `parts` maps elements to the recipe's
-    name for the part that they came from; it is filled if `notes_parts` is set or the plan needs it. `edits` holds
-    the outcome of each entry of `edit`, by recipe and path.
+    `checks_sources` says whether all of a source has to be MJCF, or only what is looked at. `subtrees` has what became
+    of the models of which only one body is taken, by recipe and path. `parts` says of an element what the recipe calls
+    the part that it came from, where `notes_parts` asks for that or the plan needs it. `edits` has what each
+    entry of `edit` did, by recipe and path. `makes_shapes` says whether meshes are worked on, which may take minutes;
+    otherwise only what is kept of them is used.
     """
 
     def __init__(
@@ -115,9 +123,12 @@ class Composer:
         library: Library | None = None,
         checks_sources: bool = False,
         notes_parts: bool = False,
+        makes_shapes: bool = True,
     ) -> None:
         self.context, self.measure, self.watch = context, measure, watch
-        self.notes_parts = notes_parts
+        self.notes_parts, self.makes_shapes = notes_parts, makes_shapes
+        self.workshop: Workshop | None = None
+        self.needless: list[tuple[Node, str]] = []
         self.loader = Loader(context, session, watch, library, checks_sources)
         self.subtrees: dict[tuple[str, KeyPath], Subtree] = {}
         self.edits: dict[tuple[str, KeyPath], EditOutcome] = {}
@@ -132,7 +143,12 @@ class Composer:
         composed = self._compose(plan, True)
         if composed is None or self.context.sink.has_errors:
             return None
-        return replace(composed, members=placed(self.hung[composed.model.root], composed.model.root))
+        shapes = () if self.workshop is None else self.workshop.made(composed.model.root)
+        members = placed(self.hung[composed.model.root], composed.model.root)
+        excluded = tuple(
+            Excluded(str(node.get("body1")), str(node.get("body2")), why) for node, why in self.needless
+        )
+        return replace(composed, members=members, shapes=shapes, excluded=excluded)
 
     def unit_of(self, plan: Plan, wanted: PartRequest) -> Unit | None:
         """The base or a part of a plan by itself, cut down to what is wanted of it; None where it is at fault."""
@@ -284,7 +300,8 @@ class Composer:
         finish(linking)
         hold_poses(plan, linking, making, self.context, self.loader.session)
         linking.watch(linking.units, hold_poses)
-        set_collisions(plan, linking, making, self.context, self.loader.session)
+        session = self.loader.session
+        self.needless += set_collisions(plan, linking, making, self.context, session, self.makes_shapes)
         check_names_of_keys(linking, making)
         if changes:
             changes.of_keys()
@@ -306,7 +323,15 @@ class Composer:
             return None
         from composer.compose.model_edits import Changes  # few recipes need it
 
-        return Changes(plan, linking, making, self.parts, self.cost, self.edits)
+        return Changes(plan, linking, making, self.parts, self.cost, self.edits, self._workshop())
+
+    def _workshop(self) -> Workshop:
+        """Where meshes are worked on: one for the whole composition."""
+        if self.workshop is None:
+            from composer.compose.workshop import Workshop  # few recipes need it
+
+            self.workshop = Workshop(self.context, self.makes_shapes)
+        return self.workshop
 
     def _note_parts(self, plan: Plan, units: list[Unit]) -> None:
         """From which part each element comes, before they are one model; a nested recipe has noted its own."""
@@ -342,7 +367,15 @@ class Composer:
             from composer.compose.part_edits import OwnEdits  # few recipes need it
 
             edits = OwnEdits(
-                plan, wanted, unit, self.context, self.measure, self.watch, self.cost, self.edits
+                plan,
+                wanted,
+                unit,
+                self.context,
+                self.measure,
+                self.watch,
+                self.cost,
+                self.edits,
+                self._workshop(),
             )
             dropped = edits.carry_out()
             if dropped is None:

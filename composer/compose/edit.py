@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lxml.etree import _Element as Node
 
@@ -63,6 +63,9 @@ from composer.tree.names import own_references
 from composer.tree.references import resolves, unresolved
 from composer.tree.selector import paths_of
 
+if TYPE_CHECKING:
+    from composer.compose.workshop import Record
+
 
 def edit(step: EditElements, editing: Editing) -> EditOutcome | None:
     """Do to every element that is selected what the entry says; what is wrong is reported, once an entry.
@@ -85,7 +88,7 @@ def edit(step: EditElements, editing: Editing) -> EditOutcome | None:
         work.check()
     except Unusable:
         return None
-    return EditOutcome(selected, tuple(work.gone))
+    return EditOutcome(selected, tuple(work.gone), tuple(each.about for each in work.records))
 
 
 def is_of_keys(step: EditElements | DrawValues) -> bool:
@@ -103,6 +106,7 @@ class _Entry:
     masses: Masses
     checks: list[Callable[[], None]] = field(default_factory=list)
     gone: list[Left] = field(default_factory=list)
+    records: list[Record] = field(default_factory=list)
 
     def check(self) -> None:
         while self.checks:
@@ -156,6 +160,20 @@ def _move(work: _Entry, value: Any, at: Path) -> None:
             Change(work.editing, "set", work.masses).carry_out(node, index, pose, at)
 
 
+def _collision(work: _Entry, value: Any, at: Path) -> None:
+    from composer.compose.collision import collide  # few recipes need it
+
+    work.check()
+    work.records += collide(work.editing, work.found, value, at)
+
+
+def _simplify(work: _Entry, value: Any, at: Path) -> None:
+    from composer.compose.simplify import simplify  # few recipes need it
+
+    work.check()
+    work.records += simplify(work.editing, work.found, value, at)
+
+
 def _rename(work: _Entry, value: Any, at: Path) -> None:
     work.check()  # messages name the elements as they are written
     rename(work.editing, work.found, value, at)
@@ -171,6 +189,8 @@ _CARRY_OUT: Mapping[str, Callable[[_Entry, Any, Path], None]] = {
     "scale": _scale,
     "offset": _assigning("offset"),
     "inertia": _inertia,
+    "simplify": _simplify,
+    "collision": _collision,
     "convert": _convert,
     "motor": _motor,
     "move": _move,

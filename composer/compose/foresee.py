@@ -35,7 +35,8 @@ def foresee(plan: Plan, context: Context) -> Foreseen:
         if _excludes_touching(plan):
             composed = _composed_aside(plan, context, library)
     adopted = _adopted(plan, composed, context, library)
-    return Foreseen(composer.subtrees, composer.edits, adopted, _touching(plan, composed))
+    excluded = () if composed is None else composed.excluded
+    return Foreseen(composer.subtrees, composer.edits, adopted, _touching(plan, composed), excluded)
 
 
 def _composed_aside(plan: Plan, context: Context, library: Library) -> Composed | None:
@@ -66,7 +67,7 @@ def _touching(plan: Plan, composed: Composed | None) -> tuple[tuple[str, str], .
         step.span
         for each in plan.plans()
         for step in each.steps
-        if isinstance(step, SetCollisions) and not step.collisions.sides
+        if isinstance(step, SetCollisions) and not step.collisions.sides and step.collisions.samples is None
     }
     origins, file = composed.model.origins, composed.model.file
     return tuple(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from lxml import etree
 from lxml.etree import _Element as Node
@@ -25,6 +26,9 @@ from composer.plan.foreseen import EditOutcome, Place
 from composer.plan.plan import Plan
 from composer.plan.steps.edit_elements import EditElements
 
+if TYPE_CHECKING:
+    from composer.compose.workshop import Workshop
+
 # What is wrong whatever the missing things are: a name, an attribute or a selector that can mean nothing.
 _CERTAIN = ("selector", "unknown-name", "unknown-attribute")
 _UNNAMING = {"remove", "rename"}  # after which an element does not have its name any more
@@ -41,6 +45,7 @@ class Changes:
     parts: Mapping[Node, str]
     cost: EditCost
     outcomes: dict[Place, EditOutcome] = field(default_factory=dict)
+    workshop: Workshop | None = None
     drawn: list[Drawn] = field(default_factory=list)
     tabled: list[Tabled] = field(default_factory=list)
 
@@ -113,7 +118,15 @@ class Changes:
 
     def _editing(self) -> Editing:
         plan = self.plan
-        return Editing(self.linking, self.making, plan.scope, self.parts, cost=self.cost, motors=plan.motors)
+        return Editing(
+            self.linking,
+            self.making,
+            plan.scope,
+            self.parts,
+            cost=self.cost,
+            motors=plan.motors,
+            workshop=self.workshop,
+        )
 
     def _edited_beside(self, step: EditElements, editing: Editing, keys: list[Node]) -> list[Node]:
         """Carry out an edit with keys in the model that are replaced afterwards; gives those that still are."""

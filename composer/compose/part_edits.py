@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Set
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from lxml.etree import _Element as Node
 
@@ -29,6 +30,9 @@ from composer.tree.key import Key, PartKeys
 from composer.tree.unit import Unit
 from composer.tree.watch import Watch
 
+if TYPE_CHECKING:
+    from composer.compose.workshop import Workshop
+
 
 @dataclass(slots=True)
 class OwnEdits:
@@ -42,6 +46,7 @@ class OwnEdits:
     watch: Watch
     cost: EditCost
     outcomes: dict[Place, EditOutcome] = field(default_factory=dict)
+    workshop: Workshop | None = None
 
     def carry_out(self) -> tuple[Left, ...] | None:
         """Drop and edit; gives what was dropped, or None where something was wrong, which is reported."""
@@ -72,7 +77,15 @@ class OwnEdits:
             unit.settings.angle, unit.settings.eulerseq, self.context.folder, unit.file, unit.origins,
             self.context.door_of_text,
         )  # fmt: skip
-        return Editing(linking, making, plan.scope, own=True, cost=self.cost, motors=plan.motors)
+        return Editing(
+            linking,
+            making,
+            plan.scope,
+            own=True,
+            cost=self.cost,
+            motors=plan.motors,
+            workshop=self.workshop,
+        )
 
     def _dropped(self, editing: Editing) -> list[Left]:
         at = (*self.wanted.at, "drop")

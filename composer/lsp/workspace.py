@@ -103,7 +103,7 @@ class Workspace:
         watch = Trace()
         composer = Composer(
             context, measure_with(context, session=self._session), self._session,
-            watch=watch, library=self.shelf.library, checks_sources=True,
+            watch=watch, library=self.shelf.library, checks_sources=True, makes_shapes=False,
         )  # fmt: skip
         composed = composer.compose(plan)
         return None if composed is None else Traced(composed.model, watch, plan.separator, context.folder)

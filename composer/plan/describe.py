@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from composer.document.node import Mapping, Node, Scalar
@@ -19,6 +20,7 @@ from composer.tree.adopted import Adopted, in_words
 
 if TYPE_CHECKING:
     from composer.link.subtree import Left, Subtree
+    from composer.plan.made_shapes import MadeShapes
 
 _PLURALS = {"body": "bodies", "mesh": "meshes", "equality": "equalities", "default class": "default classes"}
 
@@ -28,7 +30,8 @@ def describe(plan: Plan, foreseen: Foreseen | None = None) -> str:
     found = foreseen or Foreseen()
     adopted = [f"  adopt {words}" for words in in_words(found.adopted)]
     touching = [f"  {one} and {other} touch, and will not collide" for one, other in found.touching]
-    return "\n".join([*_lines(plan, found), *adopted, *touching])
+    excluded = [f"  {each.one} and {each.other} will not collide: {each.why}" for each in found.excluded]
+    return "\n".join([*_lines(plan, found), *adopted, *touching, *excluded])
 
 
 def _lines(plan: Plan, foreseen: Foreseen, indent: str = "") -> Iterator[str]:
@@ -109,6 +112,8 @@ def _edit(edit: Edit, outcome: EditOutcome | None, indent: str) -> Iterator[str]
     yield f"{indent}{edit.words} ({counts or 'nothing'})"
     for kind, names in _by_kind(outcome.gone).items():
         yield f"{indent}  removes {_listed(kind, names)}"
+    for each in outcome.made:
+        yield f"{indent}  {each.words}"
 
 
 def _left(subtree: Subtree | None, indent: str) -> Iterator[str]:
@@ -178,6 +183,7 @@ def as_data(plan: Plan, foreseen: Foreseen | None = None) -> dict[str, Any]:
         **_draws_data(plan),
         **_adopted_data(found.adopted),
         **({"touching": [list(pair) for pair in found.touching]} if found.touching else {}),
+        **({"excluded": [asdict(each) for each in found.excluded]} if found.excluded else {}),
     }
 
 
@@ -212,11 +218,23 @@ def _edits_data(plan: Plan, edits: Iterable[Edit], foreseen: Foreseen) -> dict[s
             "words": each.words,
             "selected": dict(outcome.selected),
             "removed": [{"kind": gone.what, "name": gone.name} for gone in outcome.gone],
+            **({"made": [_made_data(made) for made in outcome.made]} if outcome.made else {}),
         }
         for each in edits
         if (outcome := foreseen.edits.get(plan.place_of(each.at))) is not None
     ]
     return {"edited": edited} if edited else {}
+
+
+def _made_data(made: MadeShapes) -> dict[str, Any]:
+    """What was made of a mesh, and how far it is from it."""
+    return {
+        "mesh": made.mesh,
+        "geom": made.of,
+        "how": made.how,
+        "shapes": list(made.shapes),
+        "error": dict(made.error),
+    }
 
 
 def _subtree_data(subtree: Subtree | None) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from composer.tree.adopted import Adopted
 
 if TYPE_CHECKING:
     from composer.link.subtree import Left, Subtree
+    from composer.plan.made_shapes import MadeShapes
 
 Place: TypeAlias = tuple[str, Path]
 """A recipe's file, and a path in it."""
@@ -20,23 +21,33 @@ Place: TypeAlias = tuple[str, Path]
 class EditOutcome:
     """The effect of an entry of `edit`: how many elements of each kind it selects, and what it removes.
 
-    `gone` lists the selected elements first, then those that are removed with them.
+    `gone` has what was selected first, then what goes with it; `made` what was made of meshes.
     """
 
     selected: Mapping[str, int]
     gone: tuple[Left, ...] = ()
+    made: tuple[MadeShapes, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Excluded:
+    """Two bodies that need not collide, and why, in words."""
+
+    one: str
+    other: str
+    why: str
 
 
 @dataclass(frozen=True, slots=True)
 class Foreseen:
     """What composing finds out about a plan.
 
-    `subtrees` has the models that are taken in part, `edits` the entries that were carried out. `adopted` are the
-    settings that the model takes from its parts, `touching` the pairs of bodies whose contacts are excluded because
-    they touch.
+    `adopted` are the settings that the model takes from its parts, `touching` the bodies
+    of which contacts are taken out because they touch, `excluded` those that need not collide.
     """
 
     subtrees: Mapping[Place, Subtree] = field(default_factory=dict)
     edits: Mapping[Place, EditOutcome] = field(default_factory=dict)
     adopted: tuple[Adopted, ...] = ()
     touching: tuple[tuple[str, str], ...] = ()
+    excluded: tuple[Excluded, ...] = ()

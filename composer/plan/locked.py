@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -81,10 +81,16 @@ class _Use:
     used_by: dict[str, None] = field(default_factory=dict)
 
 
-def lock_of(plans: Iterable[Plan], fetching: Fetching, folder: Path, context: Context) -> Lock:
+def lock_of(
+    plans: Iterable[Plan],
+    fetching: Fetching,
+    folder: Path,
+    context: Context,
+    shapes: Mapping[str, str] | None = None,
+) -> Lock:
     """Return the lock for plans of one recipe, its variants; `folder` is where the lock will be. Reads every file.
 
-    Reports damaged files in the store.
+    `shapes` are the hashes of what was made of meshes, by key. What is damaged in the store is reported.
     """
     uses = _Gathering(fetching, folder, context).of(plans)
     for id, use in uses.items():
@@ -93,6 +99,7 @@ def lock_of(plans: Iterable[Plan], fetching: Fetching, folder: Path, context: Co
         mjcompose=__version__,
         mujoco=_mujoco(),
         sources={id: locked for id, use in uses.items() if (locked := _locked(use, fetching)) is not None},
+        shapes=dict(shapes or {}),
     )
 
 
@@ -329,3 +336,11 @@ def changed(before: Lock | None, after: Lock) -> Iterator[str]:
             elif was.version and now.version and was.version != now.version:
                 yield f"{id}: version {was.version} is now {now.version}"
             yield from (f"{id}: {line}" for line in differences(was.files, now.files))
+    earlier = before.shapes if before is not None else {}
+    for word, keys in (
+        ("locked", after.shapes.keys() - earlier.keys()),
+        ("no longer used", earlier.keys() - after.shapes.keys()),
+        ("changed", {key for key in earlier if after.shapes.get(key, earlier[key]) != earlier[key]}),
+    ):
+        if keys:
+            yield f"{len(keys)} result{'s' * (len(keys) != 1)} of work on meshes: {word}"

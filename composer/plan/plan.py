@@ -29,6 +29,8 @@ from composer.sources.source import Source
 
 KeyPolicy = Literal["merge", "prefix", "none"]
 
+MESH_VERBS = frozenset({"collision", "simplify"})
+"""The verbs of `edit` that make something of meshes."""
 BASE = "base"
 """The name in a recipe of the model that it starts from."""
 
@@ -141,7 +143,7 @@ class Plan:
     def excludes_touching(self) -> bool:
         """Whether bodies that touch are excluded from colliding."""
         steps = (step for step in self.steps if isinstance(step, SetCollisions))
-        return any(not step.collisions.sides for step in steps)
+        return any(not step.collisions.sides for step in steps)  # with what is found by itself
 
     @property
     def added_places(self) -> Mapping[tuple[str, str], AddedPlace]:
@@ -191,6 +193,13 @@ class Plan:
         """Whether there is an entry of `edit`, here, at a part or in a nested recipe."""
         wanted = [place.request for place in self.walk() if place.request is not None]
         return any(plan.edits for plan in self.plans()) or any(each.edit for each in wanted)
+
+    @property
+    def works_on_meshes(self) -> bool:
+        """Whether an entry of `edit`, here, at a part or in a nested recipe, makes something of a mesh."""
+        own = [step.edit for plan in self.plans() for step in plan.edits]
+        parts = [each for place in self.walk() if place.request is not None for each in place.request.edit]
+        return any(not MESH_VERBS.isdisjoint(each.verbs) for each in (*own, *parts))
 
     @property
     def selects_parts(self) -> bool:

@@ -10,7 +10,7 @@ from composer.diagnostics.suggest import closest, exists_note
 from composer.recipe.by_tag import Lists
 from composer.recipe.element import Element
 from composer.recipe.element_schema import mapping
-from composer.recipe.fault import Fault, Path
+from composer.recipe.fault import Fault, Path, unknown_key
 from composer.recipe.pattern import GLOB, pattern_fault
 from composer.recipe.raw import path_of
 from composer.recipe.reader import Reader
@@ -19,20 +19,25 @@ from composer.recipe.shown import kind_of
 
 EXCLUDE: Literal["exclude"] = "exclude"
 COLLIDE: Literal["collide"] = "collide"
-BETWEEN, TOUCHING = "between", "touching"
+BETWEEN, TOUCHING, AUTO = "between", "touching", "auto"
+SAMPLES = 1000
+_MOST_SAMPLES = 1_000_000
 
 
 @dataclass(frozen=True, slots=True)
 class Collisions:
     """Bodies that shall not touch (`exclude`), or geoms that shall (`collide`).
 
-    The two `sides` are names of parts or globs over bodies; none for what touches already. `at` is the path of what
-    asks for it, from the top of the recipe.
+    The two `sides` are names of parts or globs over bodies; none for what touches already, and for what is found by
+    itself, which has so many `samples` drawn by a `seed`. `at` is the path of what asks for it, from the top of the
+    recipe.
     """
 
     what: Literal["exclude", "collide"]
     sides: tuple[tuple[str, ...], ...]
     at: Path
+    samples: int | None = None
+    seed: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +55,7 @@ class Contacts(Lists):
             for at, item in _items(items, (COLLIDE,)):
                 found += _between(reader, COLLIDE, item, at, top)
         excludes = rest.get(EXCLUDE)
-        if excludes == TOUCHING or (isinstance(excludes, Mapping) and "body1" not in excludes):
+        if excludes in (TOUCHING, AUTO) or (isinstance(excludes, Mapping) and "body1" not in excludes):
             found += _exclude(reader, rest.pop(EXCLUDE), (EXCLUDE,), top)
         elif isinstance(excludes, str):
             reader.faults.append(_no_word(rest.pop(EXCLUDE), (EXCLUDE,)))
@@ -69,12 +74,15 @@ class Contacts(Lists):
 
     def schema(self) -> Schema:
         schema = Lists.schema(self)
-        between = _schema()
+        between, found = _schema(), _found_schema()
+        words: Schema = {
+            "enum": [TOUCHING, AUTO],
+            "description": "bodies of different parts that touch, or all that need not collide",
+        }
         exclude = schema["properties"][EXCLUDE]
-        touching: Schema = {"const": TOUCHING, "description": "bodies of different parts that touch"}
-        exclude["items"] = {"anyOf": [exclude["items"], between, touching]}
+        exclude["items"] = {"anyOf": [exclude["items"], found, words]}
         about = exclude.pop("description", "")
-        schema["properties"][EXCLUDE] = {"anyOf": [exclude, between, touching], "description": about}
+        schema["properties"][EXCLUDE] = {"anyOf": [exclude, found, words], "description": about}
         schema["properties"][COLLIDE] = {
             "anyOf": [between, {"type": "array", "items": between}],
             "description": "a contact pair for every two geoms between parts that could not touch otherwise",
@@ -91,8 +99,22 @@ def _schema() -> Schema:
     return {**mapping({BETWEEN: sides}), "required": [BETWEEN]}
 
 
+def _found_schema() -> Schema:
+    """What is excluded without naming each pair: between two sides, or what need not collide."""
+    samples = {
+        "type": "integer", "minimum": 1, "maximum": _MOST_SAMPLES,
+        "description": f"in how many random poses nothing may touch (default: {SAMPLES})",
+    }  # fmt: skip
+    seed = {"type": "integer", "minimum": 0, "description": "of the poses (default: 0)"}
+    auto = {
+        **mapping({"samples": samples, "seed": seed}),
+        "description": "bodies that need not collide; `plan` has the reason of each pair",
+    }
+    return {**mapping({**_schema()["properties"], AUTO: auto}), "minProperties": 1, "maxProperties": 1}
+
+
 def _is_element(item: Any) -> bool:
-    return isinstance(item, Mapping) and not any(closest(key, (BETWEEN,)) for key in item)
+    return isinstance(item, Mapping) and not any(key == AUTO or closest(key, (BETWEEN,)) for key in item)
 
 
 def _items(value: Any, at: Path) -> list[tuple[Path, Any]]:
@@ -106,19 +128,51 @@ def _items(value: Any, at: Path) -> list[tuple[Path, Any]]:
 def _exclude(reader: Reader, value: Any, at: Path, top: Path) -> list[Collisions]:
     if value == TOUCHING:
         return [Collisions(EXCLUDE, (), (*top, *at))]
+    if value == AUTO:
+        return [Collisions(EXCLUDE, (), (*top, *at), SAMPLES)]
     if isinstance(value, str):
         reader.faults.append(_no_word(value, at))
         return []
+    if isinstance(value, Mapping) and AUTO in value:
+        return _auto(reader, value, at, top)
     return _between(reader, EXCLUDE, value, at, top)
 
 
+def _auto(reader: Reader, value: Mapping[str, Any], at: Path, top: Path) -> list[Collisions]:
+    """The entry of one `{auto: {samples: 5000, seed: 1}}`; none where it has faults."""
+    before = len(reader.faults)
+    for key in value:
+        if key != AUTO:
+            message = f"`{key}` is not a key of `{EXCLUDE}`"
+            note = exists_note("key", (AUTO,), key)
+            reader.faults.append(Fault("unknown-key", message, (*at, key), key=True, notes=(note,)))
+    given = value[AUTO]
+    if not isinstance(given, Mapping):
+        message = f"`{AUTO}` expects a mapping, got {kind_of(given)}"
+        help = f"write `{AUTO}: {{samples: {SAMPLES}}}`"
+        reader.faults.append(Fault("wrong-type", message, (*at, AUTO), help=help))
+        return []
+    for key, number in given.items():
+        path = (*at, AUTO, key)
+        if key not in ("samples", "seed"):
+            reader.faults.append(
+                unknown_key(f"`{key}` is not a key of `{AUTO}`", key, ("samples", "seed"), path)
+            )
+        elif isinstance(number, bool) or not isinstance(number, int):
+            message = f"`{key}` expects a whole number, got {kind_of(number)}"
+            reader.faults.append(Fault("wrong-type", message, path))
+        elif not (key == "samples") <= number <= (_MOST_SAMPLES if key == "samples" else 2**63):
+            message = f"`{key}` is {int(key == 'samples')} to {_MOST_SAMPLES}, got {number}"
+            reader.faults.append(Fault("out-of-range", message, path))
+    if len(reader.faults) > before:
+        return []
+    return [Collisions(EXCLUDE, (), (*top, *at), given.get("samples", SAMPLES), given.get("seed", 0))]
+
+
 def _no_word(word: str, at: Path) -> Fault:
-    message = f"`{EXCLUDE}` is a list of pairs, `{TOUCHING}` or `{BETWEEN}`, got `{word}`"
-    help = (
-        f"write `{EXCLUDE}: {TOUCHING}`"
-        if closest(word, (TOUCHING,))
-        else f"write `{EXCLUDE}: {{{BETWEEN}: [ARM, TABLE]}}`"
-    )
+    message = f"`{EXCLUDE}` is a list of pairs, `{TOUCHING}`, `{AUTO}` or `{BETWEEN}`, got `{word}`"
+    near = closest(word, (TOUCHING, AUTO))
+    help = f"write `{EXCLUDE}: {near[0]}`" if near else f"write `{EXCLUDE}: {{{BETWEEN}: [ARM, TABLE]}}`"
     return Fault("wrong-keyword", message, at, help=help)
 
 

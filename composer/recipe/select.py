@@ -21,8 +21,8 @@ from composer.tree.selector import XPATH, Selector, known_tags, paths_of
 
 NARROWING = ("parent", "in", "part", "class", "where")
 _BESIDE = (
-    "expect", "optional", "when", "id", "unset", "set", "scale", "offset", "convert", "move", "rename", "remove",
-    "attr", "per",
+    "expect", "optional", "when", "id", "unset", "set", "scale", "offset", "simplify", "collision", "convert",
+    "move", "rename", "remove", "attr", "per",
 )  # fmt: skip
 """Keys that stand beside a `select`."""
 _EXAMPLE = 'write for instance `{geom: "**/pad*"}`'

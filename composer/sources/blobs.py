@@ -1,7 +1,8 @@
 """Single-file entries of the store, such as compressed assets: written in one step, verified when read.
 
-    asked/, built/, raw/, packed/     entries of the build cache (`composer/cache/cache.py`)
-    writing/                          files being written, which are renamed to their place
+    asked/, built/, raw/, packed/     what the build cache keeps (`composer/cache/cache.py`)
+    shapes/                           what was made of meshes (`composer/compose/shape_store.py`)
+    writing/                          files being written; they move to their place in one step
 
 No lock is needed: all writers of a key write the same content, or content that is as good.
 """
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from io import FileIO
     from os import PathLike
 
-KINDS = ("asked", "built", "raw", "packed")
+KINDS = ("asked", "built", "raw", "packed", "shapes")
 WRITING = "writing"
 _DIGEST = 32
 
@@ -31,6 +32,11 @@ _DIGEST = 32
 def key_of(data: object) -> str:
     """Return a key for JSON data. No I/O."""
     return hashlib.sha256(json.dumps(data, ensure_ascii=True).encode()).hexdigest()
+
+
+def digest(content: bytes) -> str:
+    """The sha256 of bytes. No I/O."""
+    return hashlib.sha256(content).hexdigest()
 
 
 def get(store: str | PathLike[str], kind: str, key: str) -> bytes | None:

@@ -29,7 +29,8 @@ class Fetching:
     """The rules and the memory of one run.
 
     `offline`: nothing is fetched, and a source that is not in the store is an error. `locked`: a source that the
-    lock does not pin is an error. `lock` is the lock of the recipe, `lock_file` its path, whether it exists or not,
+    lock does not pin is an error. `remakes_shapes`: the lock is being made, and need not have the shapes of meshes.
+    `lock` is the lock of the recipe, `lock_file` its path, whether it exists or not,
     `recipe` the recipe's name in messages. `fresh` are the origins whose pin is ignored, None for all of them.
     `origins` are the origins resolved in this run, by id, so that all parts see the same commit of a moving branch.
     `first` has the first file requested from each. `digests` has the sha256 of files, `files` the files of sources,
@@ -39,6 +40,7 @@ class Fetching:
 
     offline: bool = False
     locked: bool = False
+    remakes_shapes: bool = False
     lock: Lock | None = None
     lock_file: Path | None = None
     recipe: str = "RECIPE"

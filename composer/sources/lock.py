@@ -44,13 +44,15 @@ if missing := {*PINS} - Locked.model_fields.keys():
 class Lock(_Part):
     """All sources of a recipe and its nested recipes, by id; file names are relative to the source.
 
-    `mjcompose` and `mujoco` are the versions that created the lock.
+    `mjcompose` and `mujoco` are the versions that the lock was made with. `shapes` has the sha256 of what was made of
+    each mesh and is kept beside the recipe, by its key.
     """
 
     lock: Literal[1] = 1
     mjcompose: str
     mujoco: str | None
     sources: dict[str, Locked]
+    shapes: dict[_Sha256, _Sha256] = Field(default_factory=dict)
 
 
 def lock_path(recipe: Path) -> Path:
@@ -60,3 +62,12 @@ def lock_path(recipe: Path) -> Path:
     'robots/recipe.lock'
     """
     return recipe.with_suffix(".lock")
+
+
+def shapes_folder(lock: Path) -> Path:
+    """Where what is made of meshes is kept for everybody: beside the lock, `arm.shapes` for `arm.lock`. No I/O.
+
+    >>> shapes_folder(Path("robots/recipe.lock")).as_posix()
+    'robots/recipe.shapes'
+    """
+    return lock.with_suffix(".shapes")

@@ -25,6 +25,8 @@ def to_text(lock: Lock) -> str:
         id: {**source, "files": dict(sorted(source["files"].items()))}
         for id, source in sorted(data["sources"].items())
     }
+    if lock.shapes:
+        data["shapes"] = dict(sorted(lock.shapes.items()))
     return json.dumps({"lock": FORMAT, **data}, indent=2, ensure_ascii=False) + "\n"
 
 
@@ -163,7 +165,8 @@ def _both(ours: Lock, theirs: Lock) -> Lock:
         id: _joined(ours.sources[id], locked) if id in ours.sources else locked
         for id, locked in theirs.sources.items()
     }
-    return ours.model_copy(update={"sources": {**ours.sources, **both}})
+    shapes = {**theirs.shapes, **ours.shapes}
+    return ours.model_copy(update={"sources": {**ours.sources, **both}, "shapes": shapes})
 
 
 def _disputed(ours: Lock, theirs: Lock) -> dict[str, tuple[str, str]]:

@@ -1,12 +1,13 @@
 """The store of fetched files: one folder for each commit or archive, complete or absent.
 
     git/COMMIT/, archive/SHA256/      content/ and entry.json: what it is, its size, the hash of every file
-    asked/, built/, raw/, packed/     entries of the build cache, one file each (`blobs.py`)
-    seen/                             what a branch, tag or URL last resolved to
-    partial/                          downloads to resume
-    staging/                          entries being created, which are renamed to their place
-    locks/                            one for each entry, so that two processes do not fetch it at once
-    leases/                           one for each process that reads entries; these are not pruned
+    asked/, built/, raw/, packed/     what the build cache keeps, one file each (`blobs.py`)
+    shapes/                           what was made of meshes, one file each
+    seen/                             what a branch, tag or URL stood for when it was last asked for
+    partial/                          downloads to be resumed
+    staging/                          entries being made; they move to their place in one step
+    locks/                            one for each entry: two processes do not fetch the same thing at once
+    leases/                           one for each process that reads entries: these are not pruned
 
 Every name is a hash, so that no reference can lead out of the store.
 """

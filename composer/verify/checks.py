@@ -19,9 +19,11 @@ from composer.document.node import Scalar, find, locate
 from composer.link.dedup import Merged
 from composer.mujoco_errors.message import CRASHES
 from composer.plan.drawn_arrays import arrays_of_draw
+from composer.plan.made_shapes import MadeShapes
 from composer.plan.part_record import PartRecord, of_part
 from composer.plan.plan import Plan
 from composer.recipe.check import KINDS, SEVERITY
+from composer.recipe.checks.collision import Collision
 from composer.recipe.checks.kind import Check
 from composer.recipe.checks.unchanged import Unchanged, attributes
 from composer.recipe.rows import check_rows
@@ -56,11 +58,12 @@ def run_checks(
     *,
     size: int = 0,
     elsewhere: Mapping[str, Elsewhere] | None = None,
+    made: Sequence[MadeShapes] = (),
 ) -> None:
     """Run every check on the model that the session keeps, and report those that fail to the sink.
 
     `hear` is called with what came of each check, in the order of the recipe. `size` is that of the files of the model,
-    in bytes; `elsewhere` carries out the checks that are about targets.
+    in bytes; `elsewhere` carries out the checks that are about targets; `made` is what was made of meshes.
     """
     judge, kept = Judge(session, merged, renamed), True
     drawn = sorted({array for step in plan.draws if step.sample for array in arrays_of_draw(step)})
@@ -71,7 +74,7 @@ def run_checks(
         elif KINDS[check.word].of_target:
             values = _ask_elsewhere(check, recipe, elsewhere or {}, own)
         else:
-            kept, values = _ask(check, recipe, members, session, own, size)
+            kept, values = _ask(check, recipe, members, session, own, size, made)
         reported = tuple(_as_severe(each, check, recipe) for each in own.sink.diagnostics)
         for diagnostic in reported:
             context.sink.add(diagnostic)
@@ -119,6 +122,7 @@ def _ask(
     session: engine.Session,
     context: Context,
     size: int,
+    made: Sequence[MadeShapes],
 ) -> tuple[bool, dict[str, Any]]:
     """Run a check on the compiled model, in the process that keeps it.
 
@@ -126,6 +130,10 @@ def _ask(
     """
     angle = recipe.plan.readings.at((*check.at, check.word, "value")).angle
     asked = {**asdict(check), "angle": angle, "frame": recipe.frame(members), "bytes": size}  # type: ignore[call-overload]
+    if isinstance(check, Collision):
+        asked["made"] = [
+            {"mesh": each.mesh, "of": each.of, "shapes": each.shapes, **each.error} for each in made
+        ]
     about = f"check `{recipe.part}{check.name}`"
     if KINDS[check.word].needs_world and asked["frame"] is None:
         message = (

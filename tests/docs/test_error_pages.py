@@ -80,6 +80,12 @@ MODELS = {
 }
 """What the recipes of every page find beside them."""
 
+WEIGHED = """\
+<mujoco>
+  <asset><mesh name="link" builtin="sphere" params="3" scale="0.1 0.1 0.1"/></asset>
+  <worldbody><body><geom type="mesh" mesh="link"/></body></worldbody>
+</mujoco>
+"""
 SERVO = '<actuator><position name="elbow" joint="elbow" kp="100" kv="10" forcerange="-50 50"/></actuator>'
 MODELS_OF = {
     **{code: {"arm.xml": ARM.format("", SERVO)} for code in ("convert-loss", "still-referred-to")},
@@ -88,6 +94,7 @@ MODELS_OF = {
         "arm.xml": ARM.format("", HOME.format(1)),
         "gripper.xml": ARM.format("", HOME.format(1.5)),
     },
+    "mesh-unusable": {"arm.xml": WEIGHED},
     "name-clash": {"arm.xml": PROP.format("table", "", "")},
     "not-held": {"arm.xml": ARM.format("", '<actuator><motor name="shoulder" joint="elbow"/></actuator>')},
     "option-conflict": {
@@ -134,6 +141,8 @@ NOT_A_BUILD = {
     "no-server": "needs a port that is taken: tests/cli/test_view.py",
     "no-video": "needs a machine without an encoder: tests/cli/test_render.py",
     "cannot-format": "is not about a build: tests/formatting",
+    "mesh-doubtful": "needs the extra `mesh`: tests/compose/test_workshop.py",
+    "mesh-tools-missing": "needs to be without the extra `mesh`: tests/meshes/test_make.py",
     "mujoco-crash": "a model that crashes one MuJoCo is refused by another",
     "mujoco-timeout": "takes long by its nature",
     "mujoco-warning": "not every MuJoCo warns",

@@ -32,6 +32,7 @@ WRITTEN_BY_MUJOCO = {"urdf", "xacro", "compiler_of_base", "compiler_of_parts"}
 
 # Parts that a recipe takes elements from, or whose place has no name. All others must be compared, and unchanged.
 NOT_COMPARED = {
+    "collision": {"base", "left"},
     "comments": {"second"},
     "edit": {"base", "left"},
     "edit_keys": {"base", "left"},

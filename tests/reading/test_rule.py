@@ -25,6 +25,7 @@ ALLOWED = {
     "cli/new.py": "what stands where the project is to be",
     "cli/reporting.py": "shows the lines of files in which faults were found, which were read before",
     "cluster/probe.py": "the files of this package",
+    "compose/locked_shapes.py": "results beside the recipe that the user names, which are written anew",
     "diagnostics/page.py": "the pages of this package",
     "diff/renders.py": "pictures of ours",
     "diff/revision.py": "what was checked out into a folder of ours",

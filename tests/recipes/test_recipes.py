@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 RECIPES = sorted((ROOT / "recipes").glob("*.yaml"))
 # What is told of them on purpose.
 TOLD = {"soft_arm": ["convert-loss"]}
-NEEDS_MORE = {f"menagerie_{name}" for name in ("bimanual", "go1_z1", "panda_allegro")}
+NEEDS_MORE = {f"menagerie_{name}" for name in ("bimanual", "collision", "go1_z1", "panda_allegro")}
 """Recipes of robots that only the corpus has."""
 QUICK = (
     {path.stem for path in RECIPES} - NEEDS_MORE - {"menagerie_cell", "menagerie_randomised", "held_payload"}

@@ -27,6 +27,9 @@ class SetCollisions(Step):
 
     @property
     def words(self) -> str:
+        if self.collisions.samples is not None:
+            drawn = f"{self.collisions.samples} samples, seed {self.collisions.seed}"
+            return f"exclude contacts between bodies that need not collide ({drawn})"
         if not self.collisions.sides:
             return "exclude contacts between bodies of different parts that touch"
         one, other = (", ".join(side) for side in self.collisions.sides)

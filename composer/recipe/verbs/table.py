@@ -2,10 +2,36 @@
 
 from __future__ import annotations
 
-from composer.recipe.verbs import convert, inertia, motor, move, offset, remove, rename, scale, set, unset
+from composer.recipe.verbs import (
+    collision,
+    convert,
+    inertia,
+    motor,
+    move,
+    offset,
+    remove,
+    rename,
+    scale,
+    set,
+    simplify,
+    unset,
+)
 from composer.recipe.verbs.verb import Verb
 
 VERBS: dict[str, Verb] = {
     each.VERB.name: each.VERB
-    for each in (unset, set, scale, offset, inertia, convert, motor, move, rename, remove)
+    for each in (
+        unset,
+        set,
+        scale,
+        offset,
+        simplify,
+        collision,
+        inertia,
+        convert,
+        motor,
+        move,
+        rename,
+        remove,
+    )
 }

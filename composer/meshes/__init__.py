@@ -1,0 +1,1 @@
+"""Work on meshes, in the child process: hulls, fitted shapes, pieces, simpler meshes, and how far these are off."""

@@ -1,0 +1,206 @@
+"""Verb `collision`: what geoms of meshes touch with becomes convex shapes that are made of their meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from composer.diagnostics.suggest import advised, closest, exists_note
+from composer.recipe.fault import EXCLUSIVE, Fault, Path, unknown_key
+from composer.recipe.reference import Schema
+from composer.recipe.shown import kind_of, shown
+from composer.recipe.verbs.verb import Selected, Verb, read_mapping
+
+FITS = ("box", "sphere", "capsule", "cylinder", "best")
+EXAMPLE = "{hull: {}}"
+_EXAMPLES = {"count": 16, "faces": 500}
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """A number of a method: what it is where it is not written (None: no limit), and what it must be at least."""
+
+    about: str
+    default: float | None
+    least: float
+    most: float = 1e9
+    whole: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Method:
+    """A way to make shapes; `settings` is empty for `fit`, which has a word."""
+
+    about: str
+    settings: Mapping[str, Setting]
+    needed: tuple[str, ...] = ()
+
+
+_SEED = Setting("of what is chosen at random (default: 0)", 0, 0)
+METHODS: dict[str, Method] = {
+    "hull": Method(
+        "the convex hull", {"vertices": Setting("the most vertices (default: no limit)", None, 4, 10_000)}
+    ),
+    "fit": Method("one primitive around the mesh; `best` is the one of the least volume", {}),
+    "decompose": Method(
+        "convex pieces, by CoACD",
+        {
+            "parts": Setting("the most pieces (default: no limit)", None, 1, 1000),
+            "threshold": Setting(
+                "how concave a piece may stay, by CoACD's measure (default: 0.05)", 0.05, 0.01, 1, whole=False
+            ),
+            "vertices": Setting("the most vertices of a piece (default: 256)", 256, 4, 10_000),
+            "seed": _SEED,
+        },
+    ),
+    "spheres": Method(
+        "balls that cover the surface",
+        {"count": Setting("how many", None, 1, 1000), "seed": _SEED},
+        needed=("count",),
+    ),
+}
+
+
+def _read(value: Any, selected: Selected) -> dict[str, Any]:
+    given = read_mapping("collision", value, EXAMPLE, selected)
+    if given is None:
+        return {}
+    if selected.kinds and any(kind.path != "geom" for kind in selected.kinds):
+        message = f"`collision` is for geoms, and `{selected.tag}` is not one"
+        selected.add(Fault("wrong-type", message, selected.at, help="select the geoms of the meshes"))
+        return {}
+    unknown = [name for name in given if name not in METHODS]
+    for name in unknown:
+        help, fix = advised(name, METHODS)
+        note = exists_note("method", METHODS, name)
+        message = f"`{name}` is not a way to make collision shapes"
+        selected.add(
+            Fault("unknown-key", message, (*selected.at, name), key=True, notes=(note,), help=help, fix=fix)
+        )
+    method, *others = [name for name in given if name in METHODS] or [""]
+    if others:
+        message = f"`collision` has both `{method}` and `{others[0]}`, of which only one may stand"
+        selected.add(Fault(EXCLUSIVE, message, (*selected.at, others[0]), key=True))
+    if unknown or others or not method:
+        return {}
+    at = (*selected.at, method)
+    if method == "fit":
+        return (
+            {} if (word := _word(given[method], at, selected)) is None else {"method": method, "wanted": word}
+        )
+    wanted = read_settings(given[method], method, METHODS[method], at, selected.add)
+    return {} if wanted is None else {"method": method, "wanted": wanted}
+
+
+def _word(value: Any, at: Path, selected: Selected) -> str | None:
+    if value in FITS:
+        return str(value)
+    near = closest(value, FITS) if isinstance(value, str) else []
+    selected.add(
+        Fault(
+            "wrong-keyword",
+            f"`fit` is one of the primitives, got {kind_of(value)}",
+            at,
+            notes=(exists_note("primitive", FITS, str(value)),),
+            help=f"write `fit: {near[0] if near else 'best'}`",
+        )
+    )
+    return None
+
+
+def read_settings(
+    value: Any, name: str, method: Method, at: Path, add: Callable[[Fault], None]
+) -> dict[str, Any] | None:
+    """The settings of a method with their defaults; None where one is wrong, which is reported."""
+    example = ", ".join(f"{key}: {_EXAMPLES[key]}" for key in method.needed)
+    if not isinstance(value, dict):
+        message = f"`{name}` expects a mapping, got {kind_of(value)}"
+        add(Fault("wrong-type", message, at, help=f"write `{name}: {{{example}}}`"))
+        return None
+    right = True
+    for key in value:
+        if key not in method.settings:
+            add(unknown_key(f"`{key}` is not a key of `{name}`", key, tuple(method.settings), (*at, key)))
+            right = False
+    for key in method.needed:
+        if key not in value:
+            add(Fault("missing-key", f"`{name}` lacks `{key}`", at, help=f"write `{name}: {{{example}}}`"))
+            right = False
+    for key, setting in method.settings.items():
+        if key in value and (fault := _number_fault(value[key], key, setting, (*at, key))) is not None:
+            add(fault)
+            right = False
+    wanted = {key: value.get(key, setting.default) for key, setting in method.settings.items()}
+    return wanted if right else None
+
+
+def _number_fault(value: Any, name: str, setting: Setting, at: Path) -> Fault | None:
+    kind = "a whole number" if setting.whole else "a number"
+    types: tuple[type, ...] = (int,) if setting.whole else (int, float)
+    if isinstance(value, bool) or not isinstance(value, types):
+        return Fault("wrong-type", f"`{name}` expects {kind}, got {kind_of(value)}", at)
+    assert isinstance(value, int | float)
+    if not setting.least <= value <= setting.most:
+        message = f"`{name}` is {shown(setting.least)} to {shown(setting.most)}, got {shown(value)}"
+        return Fault("out-of-range", message, at)
+    return None
+
+
+def _words(value: Mapping[str, Any]) -> str:
+    return f"collide with {in_words(value['method'], value['wanted'])}"
+
+
+def in_words(method: str, wanted: Any) -> str:
+    """A method and its settings, as plans and manifests have them.
+
+    >>> in_words("decompose", {"parts": 8, "threshold": 0.05, "vertices": None, "seed": 1})
+    'decompose (parts 8, threshold 0.05, seed 1)'
+    """
+    if isinstance(wanted, str):
+        return f"{method} {wanted}"
+    written = [f"{name} {shown(value)}" for name, value in wanted.items() if value is not None]
+    return f"{method} ({', '.join(written)})" if written else method
+
+
+def settings_schema(method: Method) -> Schema:
+    properties = {
+        name: {
+            "type": "integer" if setting.whole else "number",
+            "minimum": setting.least,
+            "maximum": setting.most,
+            "description": setting.about,
+        }
+        for name, setting in method.settings.items()
+    }
+    schema: Schema = {
+        "type": "object",
+        "description": method.about,
+        "properties": properties,
+        "additionalProperties": False,
+    }
+    return {**schema, "required": [*method.needed]} if method.needed else schema
+
+
+def _schema() -> Schema:
+    properties = {
+        name: settings_schema(method) if method.settings else {"enum": [*FITS], "description": method.about}
+        for name, method in METHODS.items()
+    }
+    return {
+        "type": "object",
+        "properties": properties,
+        "additionalProperties": False,
+        "minProperties": 1,
+        "maxProperties": 1,
+    }
+
+
+VERB = Verb(
+    "collision",
+    "convex shapes for what it touches with, made of its mesh",
+    _read,
+    _words,
+    changes=None,
+    schema=_schema,
+)
