@@ -242,7 +242,7 @@ TABLE: tuple[Change, ...] = (
         *_twice(advise("body/geom", "{called} is fitted to the box of its mesh in another way since MuJoCo 3.3.7",
                "write its size and place", lambda editing, node: editing.value(node, "mesh") is not None
                and (editing.value(node, "type") or "sphere") not in ("mesh", "sdf") and _fits_boxes(editing))),
-        arrays=("geom_size", "geom_pos", "body_mass", "body_inertia"),
+        arrays=("geom_size", "geom_pos", "geom_quat", "body_mass", "body_inertia"),
     ),
     Change(
         "margins", "3.5.0", MEANING, "`margin` and `gap` of a contact", "the larger of its two geoms", "their sum",
@@ -335,7 +335,8 @@ TABLE: tuple[Change, ...] = (
         arrays=("actuator_gainprm", "actuator_biasprm", "actuator_biastype"),
     ),
     Change(
-        "rods", "3.17.0", MEANING, "`young` of a flex of dimension 1", "not read", "bends it", "it becomes 0; back, a warning",
+        "rods", "3.17.0", MEANING, "`young` of a flex of dimension 1", "not read", "bends it",
+        "it becomes 0; back, a warning",
         rules.lines_did_not_bend, rules.lines_that_bend, arrays=("flex_bending", "flex_stiffness"), since="3.2.3",
     ),
     Change(
