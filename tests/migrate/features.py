@@ -19,6 +19,7 @@ class Feature:
     gone: tuple[str, ...] = ()
     warns: bool = False
     refuses: bool = False
+    says: str = ""
     shows: bool = True
 
     @property
@@ -148,7 +149,7 @@ FEATURES = (
     Feature("bounding-volumes", "4.0.0", f"<mujoco>{BALL}</mujoco>", "3.11.0", written=('bvactive="false"',)),
     Feature("motor-inputs", "3.11.0", f"""<mujoco>{HINGE}<actuator>
       <dcmotor joint="j" motorconst="1" resistance="1" input="position" controller="1 0 0 0"/></actuator></mujoco>""",
-            refuses=True, shows=False),
+            refuses=True, says="K²/R", shows=False),
     Feature("mocap-bodies", "3.11.0", """<mujoco><worldbody><body mocap="true"><geom size=".1"/></body></worldbody></mujoco>""",
             warns=True, shows=False),
     Feature("flex-integration", "3.12.0", flex('<elasticity young="1e4" elastic2d="both" thickness=".01"/>',
@@ -174,7 +175,7 @@ FEATURES = (
             written=('young="0"',)),
     Feature("cables", "3.17.0", """<mujoco><extension><plugin plugin="mujoco.elasticity.cable"/></extension><worldbody>
       <composite type="cable" prefix="c" count="5 1 1" size="1"><geom type="capsule" size=".01"/></composite>
-      </worldbody></mujoco>""", refuses=True, shows=False),
+      </worldbody></mujoco>""", refuses=True, says="flexcomp dim", shows=False),
     Feature("flex-stiffness", "3.17.0", flex('<elasticity young="1e4" poisson=".2"/>', 3, "3 3 3"),
             written=('poisson="0.285714285714"',)),
     Feature("flex-stiffness", "3.17.0", flex('<elasticity young="1e4" poisson=".2" thickness=".01" elastic2d="both"/>'),
