@@ -119,8 +119,10 @@ NOT_A_BUILD = {
     ),
     **dict.fromkeys(("not-a-world", "not-installed", "not-per-world"), "is not about a build: tests/worlds"),
     "output-full": "needs a disk that is full: tests/kills",
-    **dict.fromkeys(("migrate-cannot", "migrate-changed", "migrate-differs", "migrate-python", "migrate-version"),
-                    "of `mjcompose migrate`: tests/migrate, tests/cli/test_migrate.py"),
+    **dict.fromkeys(
+        ("migrate-cannot", "migrate-changed", "migrate-differs", "migrate-python", "migrate-version"),
+        "of `mjcompose migrate`: tests/migrate, tests/cli/test_migrate.py",
+    ),
     **dict.fromkeys(("target-cannot", "target-failed", "target-loss"), "needs `--target`: tests/targets"),
     "cells-not-checked": "is a note of `check`: tests/cli/test_check.py",
     "git-revision": "needs a repository: tests/diff",
