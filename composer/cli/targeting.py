@@ -18,7 +18,7 @@ _MORE = {"isaac": ("usd",)}
 
 
 def check_target(target: str | None, kind: str, *, is_verified: bool) -> None:
-    """Refuse what a target cannot be written as, or made of. Raises OutputError."""
+    """Refuse an output form that a target does not support. Raises OutputError."""
     from composer.bundle.output_error import OutputError
 
     if target is None:
