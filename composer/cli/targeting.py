@@ -13,6 +13,9 @@ target_option = click.option(
     help="The program that the model is written for; default: mujoco. What it cannot express is reported.",
 )
 
+_MORE = {"isaac": ("usd",)}
+"""Other kinds of output that a target reads: Isaac Sim opens USD without its importer."""
+
 
 def check_target(target: str | None, kind: str, *, is_verified: bool) -> None:
     """Refuse an output form that a target does not support. Raises OutputError."""
@@ -20,7 +23,7 @@ def check_target(target: str | None, kind: str, *, is_verified: bool) -> None:
 
     if target is None:
         return
-    if kind not in ("folder", "archive"):
+    if kind not in ("folder", "archive", *_MORE.get(target, ())):
         help = f"write a folder, `--target {target} -o build/{target}/`, or an archive"
         raise OutputError(
             "output-kind", f"`--target` writes files of its own, which one {kind} has not", help

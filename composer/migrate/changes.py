@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
+from composer.grammar.number import parse_real
 from composer.grammar.version import version_key
 from composer.migrate import margins, rules
 from composer.migrate.acts import advise, drop, keep_default, keep_of_each, refuse, rename
@@ -94,7 +95,7 @@ def _dampratio(editing: Editing) -> None:
     measured = editing.values.get("kv")
     for node in editing.root.iterfind("actuator/*"):
         ratio = editing.value(node, "dampratio")
-        if ratio is None or not float(ratio or 0):
+        if ratio is None or not parse_real(ratio.strip()):
             continue
         name = str(node.get("name") or "")
         known = measured.get(name) if isinstance(measured, dict) else None
@@ -135,10 +136,11 @@ TABLE: tuple[Change, ...] = (
     Change(
         "mesh-volume", "3.0.1", MEANING, "the mass of a mesh", "that of the box with its inertia", "that of its volume",
         "nothing: the proof lists the bodies",
-        advise("body/geom", "the mass of {called} is that of its volume since MuJoCo 3.0.1, and was another one before",
+        *_twice(advise("body/geom",
+               "the mass of {called} is that of its volume since MuJoCo 3.0.1, and was another one before",
                "write the mass as `mass`, or the inertia of the body as `<inertial>`",
                lambda editing, node: editing.value(node, "type") == "mesh" and editing.value(node, "mass") is None
-               and _weighs(editing, node)),
+               and _weighs(editing, node))),
         arrays=("body_mass", "body_inertia", "body_ipos"),
     ),
     Change(
@@ -183,7 +185,7 @@ TABLE: tuple[Change, ...] = (
     Change(
         "shell-meshes", "3.3.0", MEANING, "`shellinertia` of a `<geom>` with a mesh", "puts the mass on the surface",
         "ignored: `inertia` of the `<mesh>` says it", "the mesh gets `inertia=\"shell\"`", rules.shells_of_meshes,
-        arrays=("body_inertia", "body_ipos", "geom_pos", "geom_quat"),
+        rules.shells_of_geoms, arrays=("body_inertia", "body_ipos", "geom_pos", "geom_quat"),
     ),
     Change(
         "flex-internal", "3.3.1", DEFAULT, "`internal` of the `<contact>` of a flex", "`true`", "`false`",
@@ -237,10 +239,10 @@ TABLE: tuple[Change, ...] = (
     Change(
         "fit-to-box", "3.3.7", MEANING, "a geom that `fitaabb` fits to a mesh", "with an offset", "around its box",
         "nothing: a warning at each such geom",
-        advise("body/geom", "{called} is fitted to the box of its mesh in another way since MuJoCo 3.3.7",
+        *_twice(advise("body/geom", "{called} is fitted to the box of its mesh in another way since MuJoCo 3.3.7",
                "write its size and place", lambda editing, node: editing.value(node, "mesh") is not None
-               and (editing.value(node, "type") or "sphere") not in ("mesh", "sdf") and _fits_boxes(editing)),
-        arrays=("geom_size", "geom_pos", "body_mass", "body_inertia"),
+               and (editing.value(node, "type") or "sphere") not in ("mesh", "sdf") and _fits_boxes(editing))),
+        arrays=("geom_size", "geom_pos", "geom_quat", "body_mass", "body_inertia"),
     ),
     Change(
         "margins", "3.5.0", MEANING, "`margin` and `gap` of a contact", "the larger of its two geoms", "their sum",
@@ -269,7 +271,8 @@ TABLE: tuple[Change, ...] = (
     ),
     Change(
         "tactile", "3.9.0", ENGINE, "the sensor `tactile`", "a pressure", "a depth", "nothing: a warning",
-        advise("sensor/tactile", "{called} measures a depth since MuJoCo 3.9, and measured a pressure before", None),
+        *_twice(advise(
+            "sensor/tactile", "{called} measures a depth since MuJoCo 3.9, and measured a pressure before", None)),
         since="3.3.5",
     ),
     _flag("sleep-tolerance", "3.11.0", "option/sleep_tolerance", "0.0001", "0.001", "3.4.0", "opt.sleep_tolerance"),
@@ -291,9 +294,9 @@ TABLE: tuple[Change, ...] = (
     Change(
         "mocap-bodies", "3.12.0", MEANING, "a mocap body", "welded to the world", "welded to nothing",
         "nothing: a warning",
-        advise("body", "{called} collides with static geoms and its children in another way since MuJoCo 3.12",
+        *_twice(advise("body", "{called} collides with static geoms and its children in another way since MuJoCo 3.12",
                "exclude what shall not collide", lambda editing, node: node.get("mocap") == "true"
-               and next(node.iter("geom"), None) is not None),
+               and next(node.iter("geom"), None) is not None)),
         arrays=("body_weldid",),
     ),
     Change(
@@ -319,20 +322,22 @@ TABLE: tuple[Change, ...] = (
     Change(
         "class-orientation", "3.16.0", MEANING, "`quat` of an element whose class gives an orientation in another form",
         "ignored", "read", "such a `quat` is taken away", rules.quats_that_were_ignored,
-        arrays=("geom_quat", "site_quat", "cam_quat"),
+        rules.quats_that_are_read, arrays=("geom_quat", "site_quat", "cam_quat"),
     ),
     Change(
         "keys-of-copies", "3.16.0", MEANING, "a `<key>` in a model with `<replicate>`", "one for each copy",
-        "one of the whole model", "nothing: a warning", rules.keys_of_replicates, arrays=("key_qpos",), since="3.1.5",
+        "one of the whole model", "nothing: a warning", *_twice(rules.keys_of_replicates),
+        arrays=("key_qpos",), since="3.1.5",
     ),
     Change(
         "actuator-classes", "3.16.0", MEANING, "gains that a class writes for another kind of actuator", "inherited",
-        "not inherited", "nothing: a warning at each such actuator", rules.shortcut_of_another,
+        "not inherited", "nothing: a warning at each such actuator", *_twice(rules.shortcut_of_another),
         arrays=("actuator_gainprm", "actuator_biasprm", "actuator_biastype"),
     ),
     Change(
-        "rods", "3.17.0", MEANING, "`young` of a flex of dimension 1", "not read", "bends it", "it becomes 0",
-        rules.lines_did_not_bend, arrays=("flex_bending", "flex_stiffness"), since="3.2.3",
+        "rods", "3.17.0", MEANING, "`young` of a flex of dimension 1", "not read", "bends it",
+        "it becomes 0; back, a warning",
+        rules.lines_did_not_bend, rules.lines_that_bend, arrays=("flex_bending", "flex_stiffness"), since="3.2.3",
     ),
     Change(
         "cables", "4.0.0", GONE, "`<composite>`", "makes bodies, joints and geoms", "does not exist",
@@ -348,8 +353,8 @@ TABLE: tuple[Change, ...] = (
     Change(
         "flexes-in-frames", "4.0.0", MEANING, "a `<flexcomp>` in a `<frame>`", "left where it is without it",
         "moved by it", "nothing: a warning",
-        advise("body/flexcomp", "{called} is moved by the frame around it since MuJoCo 4.0, and was not before",
-               "write it outside of the `<frame>`", rules.is_turned_frame),
+        *_twice(advise("body/flexcomp", "{called} is moved by the frame around it since MuJoCo 4.0, and was not before",
+               "write it outside of the `<frame>`", rules.is_turned_frame)),
         arrays=("flex_vert", "body_pos", "flex_vert0"), since="3.1.0",
     ),
     Change(
@@ -359,17 +364,17 @@ TABLE: tuple[Change, ...] = (
     Change(
         "side-sites", "4.0.0", ENGINE, "`sidesite` of a tendon", "a half plane", "the way through the site",
         "nothing: a warning",
-        advise("tendon/spatial/geom",
+        *_twice(advise("tendon/spatial/geom",
                "the tendon of {called} finds its side of the geom in another way since MuJoCo 4.0",
-               "put the side site near the middle of the arc", lambda editing, node: node.get("sidesite") is not None),
+               "put the side site near the middle of the arc", lambda editing, node: node.get("sidesite") is not None)),
         arrays=("tendon_length0",),
     ),
     Change(
         "runge-kutta", "4.0.0", ENGINE, "`integrator=\"RK4\"` with ball and free joints", "second order",
         "fourth order",
         "nothing: a warning",
-        advise("option", "`RK4` integrates ball and free joints more exactly since MuJoCo 4.0", None,
-               lambda editing, node: node.get("integrator") == "RK4" and _turns(editing)),
+        *_twice(advise("option", "`RK4` integrates ball and free joints more exactly since MuJoCo 4.0", None,
+               lambda editing, node: node.get("integrator") == "RK4" and _turns(editing))),
     ),
 )  # fmt: skip
 

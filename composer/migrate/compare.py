@@ -75,7 +75,7 @@ def compare(before: Compiled, after: Compiled) -> Outcome:
     """What is not the same in two compiled models; both have been compiled."""
     outcome = Outcome()
     one, two = _Side.of(before), _Side.of(after)
-    _combine_margins(one, two)
+    _combine_margins(one, two, outcome)
     _settle_surfaces(one, two, outcome)
     pairs = _pairs(one, two, outcome)
     for array in sorted(one.arrays.keys() | two.arrays.keys()):
@@ -185,16 +185,19 @@ def _matrices(quats: Array) -> Array:
     return np.stack(rows, axis=-1).reshape(-1, 3, 3)
 
 
-def _combine_margins(one: _Side, two: _Side) -> None:
+def _combine_margins(one: _Side, two: _Side, outcome: Outcome) -> None:
     """Where a contact has the larger margin of its geoms in one version and the sum in the other: those of contacts."""
     if later(_SUMS, one.version) == later(_SUMS, two.version):
         return
     if len(one.arrays["geom_margin"]) != len(two.arrays["geom_margin"]):
         return
     collide = (one.arrays["geom_contype"] | one.arrays["geom_conaffinity"]) != 0
+    if collide.sum() > _MOST:
+        outcome.apart.append("geom_margin")
+        collide = collide & (np.cumsum(collide) <= _MOST)
     for side in (one, two):
         for name in ("margin", "gap"):
-            values = side.arrays.pop(f"geom_{name}")[collide][:_MOST]
+            values = side.arrays.pop(f"geom_{name}")[collide]
             each = np.maximum.outer if later(_SUMS, side.version) else np.add.outer
             side.arrays[f"contact_{name}"] = each(values, values)
 

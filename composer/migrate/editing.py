@@ -54,6 +54,7 @@ class Editing:
     meanings: list[Meaning] = field(default_factory=list)
     renamed: dict[Node, dict[str, str]] = field(default_factory=dict)
     values: dict[str, object] = field(default_factory=dict)
+    refused: set[Node] = field(default_factory=set)
 
     @property
     def root(self) -> Node:
@@ -210,6 +211,9 @@ class Editing:
 
     def refuse(self, node: Node, message: str, help: str | None = None, attribute: str | None = None) -> None:
         """Something that cannot be said in the other version."""
+        if attribute is None and node in self.refused:
+            return
+        self.refused.add(node)
         cause = Cause(f"{self.name} {message}", called(node))
         self.sink.error("migrate-cannot", message, self.span(node, attribute), help=help, cause=cause)
 

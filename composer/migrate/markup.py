@@ -199,7 +199,9 @@ def _inside(child: _Written, parent: _Written) -> bool:
 
 def _markup(node: Node, indent: str, step: str) -> str:
     """An element that was made here, its children on lines below it."""
-    start = "<" + str(node.tag) + "".join(f" {name}={quoteattr(str(value))}" for name, value in node.items())
+    start = "".join(
+        [f"<{node.tag!s}", *(f" {name!s}={quoteattr(str(value))}" for name, value in node.items())]
+    )
     children = list(node.iterchildren("*"))
     if not children:
         return f"{start}/>"

@@ -96,6 +96,8 @@ def _leave_out(editing: Editing) -> None:
     """What the other version has not: taken away where it says what it would do anyhow, else an error."""
     for found in list(unread(editing.root, editing.after)):
         node, name = found.node, found.attribute
+        if node in editing.refused:
+            continue
         if next(unread_in(node, editing.before, name, found.value), False):
             continue  # the version it was written for does not read it either
         if name is None and not (found.since and version_key(found.since) > version_key(editing.after)):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from composer.grammar.format import number_text
-from composer.grammar.number import parse_real
+from composer.grammar.number import parse_int, parse_real
 from composer.migrate.editing import Editing, called
 from composer.migrate.released import later
 from composer.tree.classes import childclass_of
@@ -121,9 +121,26 @@ def shells_of_meshes(editing: Editing) -> None:
             editing.unset(node, "shellinertia")
         editing.warn(
             meshes[name],
-            f"the inertia of the surface of the mesh `{name}` is computed more exactly since MuJoCo 3.3",
+            _SURFACES.format(name),
             "write the inertia of its body as `<inertial>`",
         )
+
+
+_SURFACES = "the inertia of the surface of the mesh `{}` is computed more exactly since MuJoCo 3.3"
+
+
+def shells_of_geoms(editing: Editing) -> None:
+    """The same back: each geom with such a mesh says it."""
+    for mesh in editing.at("asset/mesh"):
+        if editing.value(mesh, "inertia") != "shell":
+            continue
+        name = str(mesh.get("name") or _stem(mesh))
+        for node in editing.at("body/geom"):
+            if editing.value(node, "mesh") == name and (editing.value(node, "type") or "sphere") == "mesh":
+                editing.set(node, "shellinertia", "true")
+        if mesh.get("inertia") is not None:
+            editing.unset(mesh, "inertia")
+        editing.warn(mesh, _SURFACES.format(name), "write the inertia of its body as `<inertial>`")
 
 
 def _stem(mesh: Node) -> str:
@@ -142,6 +159,22 @@ def quats_that_were_ignored(editing: Editing) -> None:
         )
         if given is not None and given[0] in _TURNED:
             editing.unset(node, "quat")
+
+
+def quats_that_are_read(editing: Editing) -> None:
+    for node in editing.at("body/geom", "body/site", "body/camera"):
+        if node.get("quat") is None or any(node.get(name) is not None for name in _TURNED):
+            continue
+        given = editing.unit.classes.get(str(node.get("class") or childclass_of(node) or "main")).orientation(
+            str(node.tag)
+        )
+        if given is not None and given[0] in _TURNED:
+            editing.refuse(
+                node,
+                f"MuJoCo {editing.after} does not read the `quat` of {called(node)}, whose class gives `{given[0]}`",
+                f"write it as `{given[0]}`, or take that from the class",
+                "quat",
+            )
 
 
 def limits_that_were_ignored(editing: Editing) -> None:
@@ -181,7 +214,7 @@ def is_interpolated(node: Node) -> bool:
 
 def dimension(node: Node) -> int:
     """Of a flex or flexcomp."""
-    return int(parse_real(str(node.get("dim") or "2")) or 2)
+    return parse_int(str(node.get("dim") or "2").strip()) or 2
 
 
 def _flexes(editing: Editing) -> list[tuple[Node, Node]]:
@@ -204,6 +237,12 @@ def lines_did_not_bend(editing: Editing) -> None:
     for flex, node in _flexes(editing):
         if dimension(flex) == 1 and _number(node, "young"):
             editing.set(node, "young", "0")
+
+
+def lines_that_bend(editing: Editing) -> None:
+    for flex, node in _flexes(editing):
+        if dimension(flex) == 1 and _number(node, "young"):
+            editing.warn(node, f"{called(flex)} does not bend in MuJoCo {editing.after}", None, "young")
 
 
 def elastic_constants(editing: Editing) -> None:
@@ -308,8 +347,8 @@ def shortcut_of_another(editing: Editing) -> None:
         if tag in _SHORTCUTS and any(_gives_gains(name, each) for name, each in around):
             editing.warn(
                 node,
-                f"{called(node)} had gains of its class that are written for another kind of actuator,"
-                f" which MuJoCo {editing.after} does not give it",
+                f"{called(node)} has gains of its class that are written for another kind of actuator,"
+                " which MuJoCo does not give it since 3.16, and gave it before",
                 "write its gains on the actuator itself",
             )
 
@@ -341,8 +380,8 @@ def keys_of_replicates(editing: Editing) -> None:
     for node in editing.at("keyframe/key") if moving else ():
         editing.warn(
             node,
-            f"MuJoCo {editing.before} made a copy of {called(node)} for each copy of a `<replicate>`,"
-            f" and {editing.after} keeps one, of the whole model",
+            f"MuJoCo makes a copy of {called(node)} for each copy of a `<replicate>` before 3.16,"
+            " and keeps one, of the whole model, since then",
             "write its values for the whole model",
         )
 

@@ -12,7 +12,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.migrate.environments import Other, OtherError, make, open_python, this_python
 from composer.migrate.migrate import Migrated, migrate, report
 from composer.migrate.proof import Proof, Prover, measured
-from composer.migrate.wish import installed, known, written_for
+from composer.migrate.wish import check_installed, installed, known, written_for
 from composer.mujoco_errors.message import parse
 from composer.scratch import scratch
 from composer.sources.error import SourceError
@@ -66,6 +66,7 @@ def run(wish: Wish, context: Context, progress: Callable[[str], None]) -> Result
     unit = None if path is None else parse_file(path, context.sink, file=context.shown(path))
     if path is None or unit is None or not all_admitted(unit, context.sink, context.shown):
         return None
+    check_installed(context)
     after = installed() if wish.after is None else known(wish.after, "--mujoco", context)
     before = None if wish.before is None else known(wish.before, "--from", context)
     others = _opened(wish.pythons, context)

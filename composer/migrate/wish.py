@@ -24,6 +24,20 @@ def installed() -> str:
     return release(".".join(map(str, version_key(own)))) or RELEASED[-1]
 
 
+def check_installed(context: Context) -> None:
+    """A warning where a MuJoCo is installed that is newer than the table."""
+    try:
+        own = version("mujoco")
+    except PackageNotFoundError:
+        return
+    if version_key(own) > version_key(RELEASED[-1]):
+        context.sink.warning(
+            "migrate-version",
+            f"MuJoCo {own} is installed, and what changed after {RELEASED[-1]} is not known",
+            help="update mjcompose",
+        )
+
+
 def known(text: str, option: str, context: Context) -> str | None:
     """The release of a version that the user names; None where there is none, which is reported."""
     found = release(text)
@@ -43,7 +57,7 @@ def written_for(unit: Unit, after: str, others: Collection[str], context: Contex
     """
     beside = [each for each in others if each != after]
     if len(beside) == 1:
-        return beside[0]
+        return known(beside[0], "--with-python", context)
     if later(installed(), after):
         return installed()
     first, last = bounds(unit.root)

@@ -87,3 +87,25 @@ def test_a_layer_of_its_own(tmp_path: Path) -> None:
     write(BALL, tmp_path / "ball.usda", environment={})
     text = (tmp_path / "ball.usda").read_text()
     assert text.startswith("#usda") and "def Sphere" in text
+
+
+@needs_converter
+@pytest.mark.slow
+def test_usd_for_isaac_has_every_mass(tmp_path: Path) -> None:
+    """The plain model has an inertia for each body; USD alone has those that are written."""
+    from cli.shell import run
+    from pxr import Usd, UsdPhysics
+
+    result = run(
+        "build", str(ROOT / "recipes" / "demo.yaml"), "--target", "isaac", "-o", str(tmp_path / "demo.usdz")
+    )
+    assert result.exit_code == 0, result.output
+    bundle = tmp_path / "demo"
+    assert run("build", str(ROOT / "recipes" / "demo.yaml"), "-o", str(bundle)).exit_code == 0
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_path(str(bundle / "model.xml"))
+    stage = Usd.Stage.Open(str(tmp_path / "demo.usdz"))
+    masses = [UsdPhysics.MassAPI(prim) for prim in stage.TraverseAll() if prim.HasAPI(UsdPhysics.MassAPI)]
+    total = sum(each.GetMassAttr().Get() or 0 for each in masses)
+    assert total == pytest.approx(model.body_mass.sum(), rel=1e-5)

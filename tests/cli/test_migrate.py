@@ -61,6 +61,7 @@ def test_one_file_elsewhere_would_not_find_the_rest(folder: Path) -> None:
     assert not (folder / "arm.xml").exists()
 
 
+@pytest.mark.slow
 def test_what_is_included_changes_where_it_stands(folder: Path) -> None:
     (folder / "two.xml").write_text(IN_TWO)
     (folder / "rest.xml").write_text(REST)
@@ -98,6 +99,7 @@ def test_the_version_has_to_be_said(folder: Path) -> None:
     )
 
 
+@pytest.mark.slow
 def test_what_cannot_be_is_an_error_at_its_place(folder: Path) -> None:
     text = '<mujoco><worldbody>\n  <replicate count="2" offset="1 0 0"><geom size=".1"/></replicate>\n</worldbody></mujoco>'
     (folder / "new.xml").write_text(text)
@@ -109,6 +111,7 @@ def test_what_cannot_be_is_an_error_at_its_place(folder: Path) -> None:
     assert not (folder / "older.xml").exists()
 
 
+@pytest.mark.slow
 def test_warnings_with_strict_are_errors(folder: Path) -> None:
     text = '<mujoco><option integrator="RK4"/><worldbody><body><freejoint/><geom size=".1"/></body></worldbody></mujoco>'
     (folder / "old.xml").write_text(text)
@@ -118,6 +121,7 @@ def test_warnings_with_strict_are_errors(folder: Path) -> None:
     assert strict.exit_code == 1 and not (folder / "other.xml").exists()
 
 
+@pytest.mark.slow
 def test_what_is_new_may_be_wanted(folder: Path) -> None:
     (folder / "old.xml").write_text(OLD)
     result = run("migrate", "old.xml", "--from", "3.2.2", "--adopt", "native-ccd", "-o", "new.xml")
@@ -126,6 +130,7 @@ def test_what_is_new_may_be_wanted(folder: Path) -> None:
     assert wrong.exit_code == 2 and "Did you mean `native-ccd`?" in wrong.stderr
 
 
+@pytest.mark.slow
 def test_json_has_each_step(folder: Path) -> None:
     (folder / "old.xml").write_text(OLD)
     result = run("migrate", "old.xml", "--from", "3.2.2", "--json")

@@ -19,6 +19,7 @@ class Feature:
     gone: tuple[str, ...] = ()
     warns: bool = False
     refuses: bool = False
+    says: str = ""
     shows: bool = True
 
     @property
@@ -148,7 +149,7 @@ FEATURES = (
     Feature("bounding-volumes", "4.0.0", f"<mujoco>{BALL}</mujoco>", "3.11.0", written=('bvactive="false"',)),
     Feature("motor-inputs", "3.11.0", f"""<mujoco>{HINGE}<actuator>
       <dcmotor joint="j" motorconst="1" resistance="1" input="position" controller="1 0 0 0"/></actuator></mujoco>""",
-            refuses=True, shows=False),
+            refuses=True, says="K²/R", shows=False),
     Feature("mocap-bodies", "3.11.0", """<mujoco><worldbody><body mocap="true"><geom size=".1"/></body></worldbody></mujoco>""",
             warns=True, shows=False),
     Feature("flex-integration", "3.12.0", flex('<elasticity young="1e4" elastic2d="both" thickness=".01"/>',
@@ -174,7 +175,7 @@ FEATURES = (
             written=('young="0"',)),
     Feature("cables", "3.17.0", """<mujoco><extension><plugin plugin="mujoco.elasticity.cable"/></extension><worldbody>
       <composite type="cable" prefix="c" count="5 1 1" size="1"><geom type="capsule" size=".01"/></composite>
-      </worldbody></mujoco>""", refuses=True, shows=False),
+      </worldbody></mujoco>""", refuses=True, says="flexcomp dim", shows=False),
     Feature("flex-stiffness", "3.17.0", flex('<elasticity young="1e4" poisson=".2"/>', 3, "3 3 3"),
             written=('poisson="0.285714285714"',)),
     Feature("flex-stiffness", "3.17.0", flex('<elasticity young="1e4" poisson=".2" thickness=".01" elastic2d="both"/>'),
@@ -198,5 +199,15 @@ FEATURES = (
     Feature("side-sites", "3.17.0", """<mujoco><worldbody><geom name="g" type="cylinder" size=".1 .1"/><site name="a" pos="1 0 0"/>
       <site name="b" pos="-1 0 0"/><site name="s" pos="0 .2 0"/></worldbody><tendon><spatial><site site="a"/>
       <geom geom="g" sidesite="s"/><site site="b"/></spatial></tendon></mujoco>""", warns=True, shows=False),
+    Feature("runge-kutta", "4.0.0", option('<option integrator="RK4"/>'), "3.17.0", warns=True, shows=False),
+    Feature("mocap-bodies", "4.0.0", """<mujoco><worldbody><body mocap="true"><geom size=".1"/></body></worldbody></mujoco>""",
+            "3.11.0", warns=True, shows=False),
+    Feature("class-orientation", "4.0.0", """<mujoco><default><geom euler="0 0 45"/></default><worldbody>
+      <body><freejoint/><geom type="box" size=".1 .2 .3" quat="0 1 0 0"/></body></worldbody></mujoco>""", "3.15.0",
+            refuses=True, shows=False),
+    Feature("shell-meshes", "4.0.0", f"""<mujoco><asset><mesh name="m" {MESH} inertia="shell"/></asset><worldbody>
+      <body><freejoint/><geom type="mesh" mesh="m"/></body></worldbody></mujoco>""", "3.2.7",
+            written=('shellinertia="true"',), gone=("inertia=\"shell\"",), warns=True, shows=False),
+    Feature("rods", "4.0.0", flex('<elasticity young="1e5"/>', 1, "5 1 1"), "3.16.0", warns=True, shows=False),
     Feature("runge-kutta", "3.17.0", option('<option integrator="RK4"/>'), warns=True, shows=False),
 )  # fmt: skip

@@ -54,6 +54,7 @@ def test_what_becomes_of_a_model(feature: Feature, tmp_path: Path) -> None:
     assert context.sink.has_errors == feature.refuses, context.sink.diagnostics
     if result is None:
         assert all(each.code == "migrate-cannot" and each.span for each in context.sink.errors)
+        assert any(feature.says in (each.help or "") for each in context.sink.errors)
         return
     text = result.files[model][1].decode()
     assert all(each in text for each in feature.written), text
