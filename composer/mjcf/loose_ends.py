@@ -1,4 +1,4 @@
-"""References to nothing, looked up in the whole composition."""
+"""Find references to names that do not exist in the whole composition."""
 
 from __future__ import annotations
 

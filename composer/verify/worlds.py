@@ -1,4 +1,4 @@
-"""In MuJoCo's process: all numbers of a model that differ from world to world, also those that follow from draws."""
+"""In MuJoCo's process: all numbers of a model that differ between worlds, including those computed from draws."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from composer.verify.run_time import apply, are_close
 
 
 def compute(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[str]:
-    """For `composer.engine.call`: writes every number that is another one in some world to the file `out`.
+    """Write every number that differs in some world to the file `out`, and return the names of the arrays.
 
-    `draws` is a file with a row for each world, `(worlds, columns)`, `columns` say where they go. `stored` says what is
-    written. Gives the names of the arrays. The model is as it was afterwards.
+    Runs under `composer.engine.call`. `draws` is a file with a row for each world, `(worlds, columns)`;
+    `columns` says where the numbers go; `stored` says what is written. The model is restored afterwards.
     """
     draws = np.load(asked["draws"], allow_pickle=False)
     columns, data = asked["columns"], mujoco.MjData(model)
@@ -38,9 +38,9 @@ def compute(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[str]:
 
 
 def compare(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -> list[str]:
-    """For `composer.engine.call`: the arrays in which `world` of the file `out` differs from a sample that was built.
+    """Return the arrays in which `world` of the file `out` differs from a built sample.
 
-    The nominal model is as it was afterwards.
+    Runs under `composer.engine.call`. The nominal model is restored afterwards.
     """
     found = Differences(nominal, 0)
     with np.load(asked["out"], allow_pickle=False) as stored:
@@ -55,19 +55,20 @@ def compare(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -
 
 
 class Computed:
-    """What the compiler computes of a model and mj_setConst does not, where no number is written for it."""
+    """The values that the compiler computes and mj_setConst does not, unless the model sets them."""
 
     def __init__(self, mujoco: Any, model: Model, data: Any) -> None:
         self._mujoco, self._model, self._data = mujoco, model, data
         self._has_inertia = are_close(_mean_inertia(model), model.stat.meaninertia)
         lengths = self._lengths() if model.ntendon else np.empty(0)
-        # `springlength` is a range; without one it has no width and is the length in the springs' reference pose.
+        # `springlength` is a range. If it is not set, both ends are the length in the springs' reference
+        # pose.
         self._springs = [
             n for n, each in enumerate(lengths) if are_close(model.tendon_lengthspring[n], [each, each])
         ]
 
     def settle(self) -> None:
-        """Compute it."""
+        """Compute them."""
         model = self._model
         # MuJoCo 3.12 computes lengths of tendons with mocap bodies where the data has them; 4.0 moves them first.
         self._mujoco.mj_resetData(model, self._data)
@@ -98,9 +99,10 @@ Place = tuple[str, int]
 
 
 def _following(model: Model, columns: list[dict[str, Any]]) -> Iterator[tuple[Place, list[Place]]]:
-    """What the compiler takes over from the pose of a body and mj_setConst does not.
+    """Yield the numbers that the compiler copies from the pose of a body and mj_setConst does not update.
 
-    The reference pose of a free joint is the body's; and so is, in a key, that of a body of which the key says nothing.
+    The reference pose of a free joint is the pose of its body, and so is its pose in a key that does not set
+    it.
     """
     for array, at, width in (("body_pos", 0, 3), ("body_quat", 3, 4)):
         drawn = {
@@ -133,7 +135,7 @@ def _of_free_joint(model: Model, body: int, component: int) -> Iterator[Place]:
 
 
 def _of_inertial_frame(model: Model, body: int, array: str, component: int) -> Iterator[Place]:
-    """MuJoCo gives a body that has no mass at all its own pose as that of its inertial frame."""
+    """Yield the number of the inertial frame: MuJoCo gives a massless body its own pose as the inertial frame."""
     name = _OF_INERTIA[array]
     if model.body_mass[body] == 0 and (getattr(model, name)[body] == getattr(model, array)[body]).all():
         yield name, body * getattr(model, name).shape[1] + component
