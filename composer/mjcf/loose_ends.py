@@ -22,8 +22,9 @@ def check_references(model: Model, sink: Sink) -> None:
     """
     for each in model.composition():
         for namespace, uses in each.names.uses.items():
+            declared = each.names.declared.get(namespace, {})  # has most of them, and is asked first
             for name, users in uses.items():
-                if namespace == "key" or resolves(each, namespace, name):
+                if name in declared or namespace == "key" or resolves(each, namespace, name):
                     continue
                 heeded = [use for use in users if section_of(use[0]) != "default"]
                 if heeded:

@@ -35,6 +35,7 @@ _MESHES = (7, 8)  # mjGEOM_MESH, mjGEOM_SDF
 _SURFACE = "surface"
 _LOOKS = ("tendon_rgba", "tendon_width")  # a fixed tendon has no attributes for them, only its class
 _FIXED = 0  # mjTENDON_FIXED
+_NO_BIAS = 0  # mjBIAS_NONE; with it, a motor of MuJoCo 3.12 keeps what its class gives to positions
 _OF_THE_TEXT = ("names_map", "signature", "tex_pathadr")
 
 
@@ -75,10 +76,12 @@ def _close(before: Any, after: Any, rows: Any) -> bool:
 
 
 def _rows(model: Any, name: str) -> Any:
-    """The rows that count: those of no mesh, and of tendons that are drawn."""
+    """The rows that count: those of no mesh, of tendons that are drawn, and of actuators that have a bias."""
     kind = name.partition("_")[0]
     if name in _POSES:
         return ~np.isin(getattr(model, f"{kind}_type"), _MESHES)
+    if name == "actuator_biasprm":
+        return model.actuator_biastype != _NO_BIAS
     return model.tendon_type != _FIXED if name in _LOOKS else slice(None)
 
 

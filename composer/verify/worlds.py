@@ -70,6 +70,8 @@ class Computed:
     def settle(self) -> None:
         """Compute them."""
         model = self._model
+        # MuJoCo 3.12 computes lengths of tendons with mocap bodies where the data has them; 4.0 moves them first.
+        self._mujoco.mj_resetData(model, self._data)
         self._mujoco.mj_setConst(model, self._data)
         if self._has_inertia:
             model.stat.meaninertia = _mean_inertia(model)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import mujoco
+
 RECIPES = Path(__file__).parents[2] / "recipes"
 
-SELDOM = """<mujoco model="seldom">
+_SELDOM = """<mujoco model="seldom">
   <default><default class="bar"><geom type="capsule" size="0.04 0.1" rgba="1 0 0 1"/></default></default>
   <worldbody>
     <body name="stand" pos="0.3 -0.2 0.5" quat="0.8 0 0.6 0">
@@ -23,9 +25,7 @@ SELDOM = """<mujoco model="seldom">
             <body name="pad" pos="0 0.1 0"><geom type="box" size="0.01 0.01 0.02"/></body>
           </body>
         </frame>
-        <replicate count="2" offset="0 0.2 0" sep="_">
-          <body name="finger" pos="0 -0.1 0.3"><joint name="bend" axis="0 0 1" range="0 40"/><geom class="bar"/></body>
-        </replicate>
+        {fingers}
       </body>
     </body>
   </worldbody>
@@ -38,4 +38,20 @@ SELDOM = """<mujoco model="seldom">
   <keyframe><key name="home" qpos="0.4 0.1 0 0.2 0.2"/></keyframe>
 </mujoco>
 """
+_FINGER = """<body name="finger{}" pos="0 {} 0.3"><joint name="bend{}" axis="0 0 1" range="0 40"/><geom class="bar"/></body>"""
+_REPLICATED = f'<replicate count="2" offset="0 0.2 0" sep="_">{_FINGER.format("", -0.1, "")}</replicate>'
+_WRITTEN_OUT = _FINGER.format("_0", -0.1, "_0") + _FINGER.format("_1", 0.1, "_1")
+
+
+def _reads(text: str) -> bool:
+    try:
+        mujoco.MjSpec.from_string(text)
+    except ValueError:
+        return False
+    return True
+
+
+SELDOM = _SELDOM.replace("{fingers}", _REPLICATED)
+# MuJoCo 3.12 takes no key of all joints where some are made by a `replicate`.
+SELDOM = SELDOM if _reads(SELDOM) else _SELDOM.replace("{fingers}", _WRITTEN_OUT)
 """Several joints of one body away from its origin, references that are not zero, frames, copies, what is fixed."""

@@ -85,6 +85,14 @@ def test_what_differs_is_told() -> None:
     assert list(differences(one, one)) == []
 
 
+def test_a_bias_that_is_not_used_may_differ() -> None:
+    text = "<mujoco><worldbody><body><joint name='j'/><geom size='.1'/></body></worldbody><actuator><{}/></actuator></mujoco>"
+    for actuator, is_same in (("motor joint='j'", True), ("position joint='j'", False)):
+        one, other = (mujoco.MjModel.from_xml_string(text.format(actuator)) for _ in range(2))
+        other.actuator_biasprm[0, 2] = -30
+        assert (list(differences(one, other)) == []) is is_same
+
+
 QUAD = """<mujoco><asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0 0 0 1" face="0 2 1 0 1 3 0 3 2 1 2 3"
   texcoord="0 0 1 0 0 1 {}"/></asset><worldbody><body><joint/><geom type="mesh" mesh="m"/></body></worldbody></mujoco>"""
 

@@ -26,6 +26,9 @@ _DONE = (
     "assetdir", "eulerseq", "passthrough",
 )  # fmt: skip
 
+_WITH_INPUTS = 4_000_000
+"""MuJoCo before 4.0 saves a servo as its gains alone."""
+
 
 class CannotBePlain(Exception):
     """MuJoCo makes more of a model, or less, than what it saves of it says."""
@@ -62,7 +65,7 @@ def plain(mujoco: Any, path: Path) -> Draft:
     files |= write_meshes(root, model, names.names["mesh"])
     write_values(mujoco, model, elements)
     _materials(model, elements, names)
-    simple_actuators(root)
+    simple_actuators(root, any_input=mujoco.mj_version() < _WITH_INPUTS)
     elements["actuator"] = list(root.iterfind("actuator/*"))
     etree.indent(root)
     return Draft(mujoco, model, root, files, elements)
