@@ -87,6 +87,8 @@ class Reading:
             tag = str(child.tag)
             if tag in ("link", "joint"):
                 self._one(tag, child)
+                if tag == "link" and child.find("inertial") is None and child.find("collision") is not None:
+                    self.read("link without inertial", child, "the mass of its shapes at 1000 kg/m³")
                 for inner in child.iterchildren("*"):
                     self._inner(tag, inner, keeps_visuals, known)
             elif child in known:

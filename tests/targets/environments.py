@@ -18,8 +18,9 @@ PACKAGES = {
     "pybullet": ("numpy", "pybullet"),
     "newton": ("newton", "trimesh", "scipy"),
     "mjx": ("mujoco-mjx",),
+    "robots": ("example-robot-data",),
 }
-"""By the name of the reader. Genesis needs Torch with CUDA, and Isaac Sim a GPU: neither is tested."""
+"""By the name of the reader; `robots` are URDFs for tests/urdf. Genesis needs Torch with CUDA, and Isaac Sim a GPU: neither is tested."""
 
 
 def python_of(name: str) -> Path:
