@@ -52,7 +52,9 @@ def of_urdf(path: Path, target: Path, context: Context) -> OfUrdf | None:
     if unit is None or reader.robot is None:
         return None
     rows = tuple(reader.reading.lines(reader.robot.unit))
-    return OfUrdf(_text(path, target, unit, choices, any(row.why for row, _ in rows)), rows)
+    return OfUrdf(
+        _text(path, target, unit, choices, any(row.why and not row.is_minor for row, _ in rows)), rows
+    )
 
 
 def _text(path: Path, target: Path, unit: Unit, choices: UrdfChoices, has_unread: bool) -> str:

@@ -17,6 +17,8 @@ from composer.reading.door import Door
 from composer.reading.refused import Refused
 
 _MOST = 1e9
+_FEWEST = 4
+"""The vertices that MuJoCo wants of a mesh."""
 
 
 def convert(mujoco: Any, argument: dict[str, Any]) -> list[dict[str, Any]]:
@@ -228,6 +230,8 @@ def _obj(vertices: Any, faces: Any, uv: Any) -> str:
     _, first, same = numpy.unique(rows, axis=0, return_index=True, return_inverse=True)
     order = numpy.argsort(numpy.argsort(first))
     rows, faces = rows[numpy.sort(first)], order[same.ravel()][faces] + 1
+    if len(rows) < _FEWEST:
+        rows = numpy.concatenate([rows, numpy.repeat(rows[-1:], _FEWEST - len(rows), axis=0)])
     lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in rows[:, :3].tolist()]
     if uv is None:
         lines += [f"f {a} {b} {c}" for a, b, c in faces.tolist()]

@@ -24,6 +24,8 @@ class Row:
     count: int = 0
     became: str = ""
     why: str = ""
+    is_minor: bool = False
+    """Of nearly every URDF, so that nobody has to be told each time."""
 
 
 _READ = {
@@ -62,6 +64,7 @@ _UNREAD = {
     "sensor": "a sensor; write it in `sensor` of the recipe",
     "link/collision_checking": "a setting of another program",
 }
+_MINOR = frozenset({"joint/limit velocity"})
 _NO_WORDS = "MJCF has no words for it"
 
 
@@ -76,10 +79,9 @@ class Reading:
         row.count += 1
 
     def unread(self, what: str, element: Node, why: str | None = None) -> None:
-        row = self.rows.setdefault(
-            f"{what} unread", Row(what, element, why=why or _UNREAD.get(what, _NO_WORDS))
-        )
-        row.count += 1
+        words = why or _UNREAD.get(what, _NO_WORDS)
+        row = Row(what, element, why=words, is_minor=what in _MINOR)
+        self.rows.setdefault(f"{what} unread", row).count += 1
 
     def ordinary(self, root: Node, keeps_visuals: bool, known: Mapping[Node, str]) -> None:
         """Rows for what MuJoCo reads by itself and for what nobody has read; `known` are elements that were read."""
@@ -141,7 +143,7 @@ class Reading:
 
     def note(self, unit: Unit, sink: Sink) -> None:
         """One note with all that is not in the model."""
-        missing = [row for row in self.rows.values() if row.why]
+        missing = [row for row in self.rows.values() if row.why and not row.is_minor]
         if not missing:
             return
         kinds = f"{len(missing)} kinds of elements are" if len(missing) > 1 else "one kind of element is"
