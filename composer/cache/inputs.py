@@ -17,6 +17,8 @@ from composer.stages import Built
 
 PACKAGES = ("mujoco", "lxml", "numpy", "pydantic", "pyyaml")
 """What the bytes of a model, or the verdict on it, may depend on."""
+OF_URDF = ("xacro", "trimesh", "pycollada", "pillow")
+"""What more they depend on where there is URDF."""
 
 
 @dataclass(slots=True)
@@ -62,6 +64,7 @@ class Inputs:
         known = list(plan.sources())
         named = [each.package for each in known if each.package]
         named += [library.name for each in known for library in each.kind.libraries]
+        named += OF_URDF if any(each.format == "urdf" for each in known) else ()
         for name in dict.fromkeys([*PACKAGES, *named]):
             if name not in self._packages:
                 self._packages[name] = tuple(_installed(name))

@@ -32,7 +32,7 @@ _HUGE, _TOO_FAR, _THIN = 20.0, 50.0, 1e-6
 
 @dataclass(slots=True)
 class Meshes:
-    """The meshes of one robot; faults go to the sink. `texts` has what more was read."""
+    """The meshes of one robot; faults go to the sink. `files` are those that nothing in the model names any more."""
 
     robot: Robot
     session: Session
@@ -143,7 +143,7 @@ class Meshes:
             what = f"`{name}`" if "." in name else name
             message = f"{called} names {what} that is not found: what it gives the mesh is left out"
             self.sink.warning("mesh-look", message, span)
-        self.files += [Path(each) for each in result["files"]]
+        self.files += [path, *(Path(each) for each in result["files"])]
         names = [self._keep(path, part, len(result["parts"])) for part in result["parts"]]
         self.robot.changed = True
         if all(map(_is_weighed_otherwise, meshes)):

@@ -48,6 +48,9 @@ _UNREAD = {
     "joint/calibration": "where an encoder has its marks; MuJoCo needs no calibration",
     "gazebo/kp": "a stiffness of Gazebo's contacts; for MuJoCo write `solref`",
     "gazebo/kd": "a damping of Gazebo's contacts; for MuJoCo write `solref`",
+    "gazebo/mu1": "the link has no shape that collides",
+    "gazebo/gravity": "the link is part of another one, and so is its weight",
+    "gazebo/turnGravityOff": "the link is part of another one, and so is its weight",
     "gazebo/mu2": "friction in a second direction; MuJoCo has one for both",
     "gazebo/fdir1": "a direction of friction; MuJoCo has one friction for both",
     "gazebo/minDepth": "a number of Gazebo's contacts; for MuJoCo write `solimp`",
@@ -58,6 +61,7 @@ _UNREAD = {
     "gazebo/sensor": "a sensor of Gazebo; write it in `sensor` of the recipe",
     "gazebo/plugin": "a program of Gazebo",
     "gazebo/implicitSpringDamper": "a way of Gazebo to integrate; MuJoCo's damping is implicit",
+    "transmission": "only SimpleTransmission of one joint that moves is read",
     "gazebo/provideFeedback": "a setting of Gazebo's joints",
     "gazebo/dampingFactor": "a damping of velocities, which MuJoCo does not have",
     "ros2_control": "what commands no joint: sensors, states, hardware",
@@ -86,7 +90,7 @@ class Reading:
     def ordinary(self, root: Node, keeps_visuals: bool, known: Mapping[Node, str]) -> None:
         """Rows for what MuJoCo reads by itself and for what nobody has read; `known` are elements that were read."""
         for child in root.iterchildren("*"):
-            tag = str(child.tag)
+            tag = _name(child)
             if tag in ("link", "joint"):
                 self._one(tag, child)
                 if tag == "link" and child.find("inertial") is None and child.find("collision") is not None:
@@ -97,7 +101,7 @@ class Reading:
                 self.read(tag, child, known[child])
             elif tag == "gazebo":
                 for inner in child.iterchildren("*"):
-                    self._known(f"gazebo/{inner.tag}", inner, known)
+                    self._known(f"gazebo/{_name(inner)}", inner, known)
             elif tag in ("transmission", "ros2_control"):
                 self._known(tag, child, known)
             elif tag != "material":
@@ -116,7 +120,7 @@ class Reading:
             self.unread(what, element)
 
     def _inner(self, tag: str, inner: Node, keeps_visuals: bool, known: Mapping[Node, str]) -> None:
-        what = f"{tag}/{inner.tag}"
+        what = f"{tag}/{_name(inner)}"
         if what == "link/visual" and not keeps_visuals:
             self.unread(
                 what, inner, "MuJoCo leaves visuals out; beside `model`, write `urdf: {visuals: keep}`"
@@ -125,7 +129,7 @@ class Reading:
             self.read(what, inner, "geom that touches nothing")
         elif inner in known:
             self.read(what, inner, known[inner])
-        elif str(inner.tag) not in _OF_LINKS_AND_JOINTS:
+        elif _name(inner) not in _OF_LINKS_AND_JOINTS:
             self._one(what, inner)
         if what == "joint/limit" and _positive(inner.get("velocity")):
             self.unread("joint/limit velocity", inner, "MuJoCo does not limit the velocity of joints")
@@ -169,3 +173,8 @@ def _positive(text: str | None) -> bool:
         return 0 < float(text or 0) < 1e6
     except ValueError:
         return False
+
+
+def _name(element: Node) -> str:
+    """The tag without its namespace."""
+    return str(element.tag).rpartition("}")[2]
