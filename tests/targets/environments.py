@@ -18,9 +18,11 @@ PACKAGES = {
     "pybullet": ("numpy", "pybullet"),
     "newton": ("newton", "trimesh", "scipy"),
     "mjx": ("mujoco-mjx",),
-    "robots": ("example-robot-data",),
 }
-"""By the name of the reader; `robots` are URDFs for tests/urdf. Genesis needs Torch with CUDA, and Isaac Sim a GPU: neither is tested."""
+"""By the name of the reader. Genesis needs Torch with CUDA, and Isaac Sim a GPU: neither is tested."""
+
+ROBOTS = {"robots": ("example-robot-data",)}
+"""No program, but the URDFs that tests/urdf reads."""
 
 
 def python_of(name: str) -> Path:
@@ -36,7 +38,7 @@ def is_ready(name: str) -> bool:
 def make(name: str) -> str | None:
     """Install what a reader needs; the reason where that fails."""
     venv.create(FOLDER / name, with_pip=True, clear=True)
-    install = [str(python_of(name)), "-m", "pip", "install", "--quiet", *PACKAGES[name]]
+    install = [str(python_of(name)), "-m", "pip", "install", "--quiet", *{**PACKAGES, **ROBOTS}[name]]
     done = subprocess.run(install, capture_output=True, text=True, check=False)
     if done.returncode:
         return next(iter(reversed(done.stderr.strip().splitlines())), "pip failed")
@@ -45,7 +47,7 @@ def make(name: str) -> str | None:
 
 
 if __name__ == "__main__":
-    for wanted in sys.argv[1:] or PACKAGES:
+    for wanted in sys.argv[1:] or (*PACKAGES, *ROBOTS):
         reason = None if is_ready(wanted) else make(wanted)
         if reason is not None:
             print(f"{wanted}: {reason}")

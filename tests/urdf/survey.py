@@ -43,7 +43,7 @@ SHOWN = tuple(
         "a1 alex_sake_hands alexander_v1.lowerBodyOnly allegro_left_hand anymal TwoDofs b1-z1 baxter bolt borinot_flying_arm_2"
         " centauro double_pendulum finger_edu g1_29dof_with_hand_rev_1_0 go1 go2 quadrotor_base hextilt_flying_arm_5 human"
         " hyq_no_sensors icub_reduced iris kinova laikago panda pr2 quadruped romeo_small simple_humanoid so100 so101 solo12"
-        " talos_reduced tiago tiago_pro ur3 ur5_robot ur10_robot xarm7 z1"
+        " talos_reduced tiago tiago_pro ur5_robot ur10_robot xarm7 z1"
     ).split()
 )
 QUICK = ("panda_description/urdf/panda", "tiago_pro", "ur5_gripper", "baxter", "hyq")
