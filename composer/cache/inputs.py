@@ -1,4 +1,4 @@
-"""What a build read: the files whose contents its outcome depends on, and the packages."""
+"""The inputs of a build: the files and packages that its result depends on."""
 
 from __future__ import annotations
 
@@ -16,26 +16,26 @@ from composer.sources.source import Source
 from composer.stages import Built
 
 PACKAGES = ("mujoco", "lxml", "numpy", "pydantic", "pyyaml")
-"""What the bytes of a model, or the verdict on it, may depend on."""
+"""Packages that may affect the bytes of a model, or the verdict on it."""
 OF_URDF = ("xacro", "trimesh", "pycollada", "pillow")
 """What more they depend on where there is URDF."""
 
 
 @dataclass(slots=True)
 class Inputs:
-    """Names the inputs of builds; what a source names is looked up once."""
+    """Lists the inputs of builds; the inputs of a source are looked up once."""
 
     _of_sources: dict[Path, tuple[str, ...]] = field(default_factory=dict)
     _packages: dict[str, tuple[tuple[str, str, str], ...]] = field(default_factory=dict)
 
     def recipes(self, plan: Plan) -> tuple[str, ...]:
-        """The recipe files of a plan: its own, those it extends, those nested in it."""
+        """Return the recipe files of a plan: its own, extended and nested ones."""
         chains = ((each.path, *(source.path for source, _ in each.extended)) for each in plan.plans())
         paths = [path for chain in chains for path in chain]
         return tuple(dict.fromkeys(map(os.path.abspath, paths)))
 
     def others(self, built: Built, context: Context) -> tuple[str, ...]:
-        """All other files: models, what they include, assets, licences and where these are looked for, the lock."""
+        """Return all other files: models, included files, assets, licences and the folders searched for them, lock."""
         found = self._planned(built.plan, built.plan.sources(), context)
         model = built.composed.model
         found.update(dict.fromkeys(os.path.abspath(context.folder / name) for name in model.origins.texts))
@@ -45,7 +45,7 @@ class Inputs:
         return tuple(path for path in found if path not in recipes)
 
     def planned(self, plan: Plan, context: Context) -> tuple[str, ...]:
-        """What is known of all these before anything is composed, without what belongs to an installed package."""
+        """Return the inputs that are known before composition, without those of installed packages."""
         own = (each for each in plan.sources() if each.package is None or each.version is None)
         return tuple(dict.fromkeys((*self.recipes(plan), *self._planned(plan, own, context))))
 
@@ -60,7 +60,7 @@ class Inputs:
         return found
 
     def packages(self, plan: Plan) -> Iterator[tuple[str, str, str]]:
-        """The packages that decide what comes out, and those that sources are in."""
+        """Yield the packages that affect the result, and those that contain sources."""
         known = list(plan.sources())
         named = [each.package for each in known if each.package]
         named += [library.name for each in known for library in each.kind.libraries]
@@ -81,7 +81,7 @@ class Inputs:
 
 
 def may_move(context: Context) -> bool:
-    """Whether something is to be looked up on the network in every build, as a branch that nothing pins is."""
+    """Return whether every build queries the network, for example for an unpinned branch."""
     fetching = context.fetching
     if fetching is None:
         return False
@@ -90,7 +90,7 @@ def may_move(context: Context) -> bool:
 
 
 def _installed(package: str) -> Iterator[tuple[str, str, str]]:
-    """Name, version, and a file that is another one in another version; nothing if the package is not installed."""
+    """Yield name, version, and a file whose path contains the version; nothing if the package is not installed."""
     try:
         found = metadata.distribution(package)
     except metadata.PackageNotFoundError:

@@ -1,4 +1,4 @@
-"""`mjcompose doctor`: what this installation is and can do."""
+"""`mjcompose doctor`: the state of this installation."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _MODEL = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What was found; `fine` is None where something is missing that not everybody needs."""
+    """A finding; `fine` is None if something optional is missing."""
 
     what: str
     found: str
@@ -62,7 +62,7 @@ def _installed() -> Iterator[Finding]:
 
 
 def _mujoco() -> Iterator[Finding]:
-    """MuJoCo's version and its renderer, both in a process of their own."""
+    """Yield MuJoCo's version and its renderer, both checked in a process of their own."""
     from composer import engine
     from composer.pictures.pairs import pictures
 

@@ -1,4 +1,4 @@
-"""`mjcompose import`: from a merged model and its parts to the recipe."""
+"""`mjcompose import`: recover the recipe of a merged model from its parts."""
 
 from __future__ import annotations
 
@@ -150,14 +150,14 @@ def _urdf(file: Path, is_more_named: bool, target: Path, context: Context, form:
 
 
 def _is_reference(part: Path) -> bool:
-    """Whether what is named as a file is a reference such as `menagerie:…`; one letter is a drive."""
+    """Return whether a file argument is a reference such as `menagerie:…`; a single letter is a drive."""
     return re.match(r"[a-z][a-z+]+:", str(part)) is not None and not part.exists()
 
 
 def _searched(
     merged: Path, folders: tuple[Path, ...], target: Path, context: Context, form: str
 ) -> tuple[tuple[Path, ...], dict[Path, str]]:
-    """The parts that were found, with the references of those that have one; where there are none, this is the end."""
+    """Return the parts that were found, with their references if they have one; exit if there are none."""
     from composer.bundle.output_error import OutputError
     from composer.bundle.staging import staged_file
     from composer.importing.recover import whole_recipe
@@ -190,7 +190,7 @@ def _searched(
 
 
 def several(heading: str, lines: list[str]) -> None:
-    """Lines below a heading, of many only the first."""
+    """Print lines below a heading, only the first of many."""
     if not lines:
         return
     say(f"{heading}:")

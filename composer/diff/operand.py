@@ -1,4 +1,4 @@
-"""What the user named as A or B: a recipe, an MJCF file or a bundle, here or in a git revision."""
+"""A or B as the user named it: a recipe, an MJCF file or a bundle, on disk or in a git revision."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ class Kind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Operand:
-    """A or B. `context` has a sink of its own and the folder that its paths are shown from.
+    """A or B. `context` has a sink of its own and the folder that displayed paths start from.
 
-    Of a git revision `files` is the folder that has them.
+    For a git revision, `files` is the folder with its files.
     """
 
     label: str
@@ -41,19 +41,19 @@ class Operand:
     files: Path | None = None
 
     def located(self, span: Span) -> Span:
-        """A place as anybody may look it up: in what was fetched, or in a revision behind its name."""
+        """Return a place that anybody can look up: in a fetched source, or in a named revision."""
         name = self.fetched(self.context.folder / span.file)
         return self._in_revision(span) if name is None else replace(span, file=name)
 
     def fetched(self, path: Path) -> str | None:
-        """A file by the reference that it was fetched with; None for any other."""
+        """Return a file by the reference that fetched it, or None for other files."""
         origin = self.context.fetching.around(path) if self.context.fetching is not None else None
         if origin is None or not origin.is_fetched:
             return None
         return origin.named(os.path.relpath(os.path.realpath(path), os.path.realpath(origin.root)))
 
     def report(self, sink: Sink) -> None:
-        """Hand on what its own sink has been reported."""
+        """Pass the diagnostics of its own sink on to another one."""
         for diagnostic in self.context.sink.sorted():
             span = diagnostic.span
             notes = tuple(
@@ -70,7 +70,7 @@ class Operand:
 
 
 def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | None:
-    """What `text` means; None where it means nothing, which is reported to the sink of `context`.
+    """Return the operand that `text` names, or None if there is none, which is reported to the sink of `context`.
 
     Temporary folders live as long as `opened`.
     """
@@ -101,27 +101,27 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
 
 
 def as_recipe(operand: Operand, opened: ExitStack) -> Operand:
-    """An MJCF file as a recipe that is this file and nothing else: it has a bundle then; anything else as it is."""
+    """Return an MJCF file as a recipe with this file as base, so that it has a bundle; other operands unchanged."""
     if operand.kind is not Kind.MJCF:
         return operand
     return replace(operand, kind=Kind.RECIPE, path=_recipe_of(operand.path, opened))
 
 
 def _recipe_of(path: Path, opened: ExitStack) -> Path:
-    """A recipe that is a model file and nothing else: only what is composed is converted."""
+    """Write a recipe with a model file as base: only composed models are converted."""
     made = opened.enter_context(scratch("recipe"))
     recipe = Path(made, f"{path.stem}.yaml")
-    # JSON is YAML, whatever characters the path has.
+    # JSON is valid YAML whatever characters the path contains.
     text = json.dumps({"recipe": 1, "base": os.path.abspath(path)}, ensure_ascii=False)
     recipe.write_text(text, encoding="utf-8")
     return recipe
 
 
 def _of_revision(revision: str, path: str, context: Context, opened: ExitStack) -> tuple[Path, Path, Context]:
-    """The path below a folder that has the files of the revision, that, and the folder that stands for the user's."""
+    """Return the path in a checkout of the revision, its root, and a context with the user's folder in it."""
     made = opened.enter_context(scratch("revision"))
     tree = check_out(revision, context.folder / path, Path(os.path.realpath(made)), context.environment)
-    # Its top is that of the project, without anything there that says so.
+    # Its root counts as the root of the project, even without a file there that says so.
     fetching = Fetching(trust=Trust(files=(tree.root,)))
     inside = os.path.relpath(tree.path, tree.root)
     if Path(path).is_absolute() or ".." in Path(path).parts or not inside.endswith(os.path.normpath(path)):

@@ -1,4 +1,4 @@
-"""URDF to MJCF by MuJoCo itself, with every digit and nothing compiled into the numbers that was not asked for."""
+"""Convert URDF to MJCF with MuJoCo itself, with all digits and without unrequested compilation of numbers."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ PACKAGE = "package://"
 class Converted:
     """The MJCF text of a URDF file, or why there is none.
 
-    `meshes` are the files that MuJoCo asks for, as it looks for them: below the URDF's folder and `folder` (its
-    `meshdir`) unless absolute, or still `package://…` where the package is not known. Empty where it was not
-    read so far. `warnings` are about the reading alone: those about the model come again when it is compiled.
-    `error` and `crash` are as in `Compiled`.
+    `meshes` are the files that MuJoCo opens, under its paths: below the URDF's folder and `folder` (its `meshdir`)
+    unless absolute, or still `package://…` if the package is unknown. Empty if the file could not be read.
+    `warnings` are about reading only; those about the model are repeated when it is compiled. `error` and `crash`
+    are as in `Compiled`.
 
-    In `text` each link is a body, with a `<frame>` of its name in it. One that MuJoCo fused with its parent is a
-    frame that holds that one (from MuJoCo 4.0 on; an older one leaves nothing of it).
+    In `text` each link is a body, with a `<frame>` of its name in it. A link that MuJoCo fused with its parent is a
+    frame around that frame (from MuJoCo 4.0 on; older versions leave nothing of it).
     """
 
     text: str | None
@@ -53,17 +53,18 @@ def convert_urdf(
     limits: Limits | None = None,
     session: Session | None = None,
 ) -> Converted:
-    """Convert a file; `packages` has the folders that `package://NAME` stands for, `door` what the file may read.
+    """Convert a file; `packages` has the folders for `package://NAME`, `door` limits what the file may read.
 
     `text`, if given, is read in place of the file's own content. `made` has the meshes that were made for it, by the
     name that the text has for each; in the converted text they have it too. The shapes of the links that are `massless`
     weigh nothing. Of `shells`, meshes by their names in the text, MuJoCo takes the surface where it needs a volume.
 
-    Whether it `stands` in the world decides about the root link: as long as it does, MuJoCo fuses it with the
-    world, which has no inertia; what shall move or hang on something keeps it as a body.
-    Needs all meshes, for MuJoCo saves only what compiles. Raises Refused for a mesh that the door does not let through,
-    before MuJoCo opens any; for nothing else that the file holds. `limits` count only
-    without a `session`, which has its own.
+    `stands` decides about the root link: if the robot stands in the world, MuJoCo fuses the link with the world,
+    which has no inertia; a robot that moves or is attached to something keeps it as a body.
+
+    Needs all meshes, because MuJoCo saves only what compiles. Raises Refused for a mesh that the door does not
+    admit, before MuJoCo opens any; for no other faults of the file. `limits` apply only without a `session`, which
+    has its own.
     """
     if session is None:
         with Session(limits) as own:
@@ -104,7 +105,7 @@ def convert_urdf(
 
 
 def _admit(read: Mapping[str, Any], path: Path, door: Door) -> None:
-    """Let what MuJoCo would open pass the door. Raises Refused, whose `path` is the file as MuJoCo looks for it."""
+    """Check the files that MuJoCo would open. Raises Refused, whose `path` is the one that MuJoCo uses."""
     for file in read["meshes"]:
         if not file.startswith(PACKAGE) and file not in read["made"]:
             name = file.replace("\\", "/").rpartition("/")[2] if read["strippath"] else file
@@ -112,7 +113,7 @@ def _admit(read: Mapping[str, Any], path: Path, door: Door) -> None:
 
 
 def read_meshes(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
-    """Runs in the child: what MuJoCo reads, with none of it compiled."""
+    """Return the meshes that MuJoCo would read, without compiling anything. Runs in the child."""
     try:
         spec = _read(mujoco, argument)
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
@@ -122,7 +123,7 @@ def read_meshes(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
 
 
 def convert(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
-    """Runs in the child: the text, or why there is none."""
+    """Return the text, or why there is none. Runs in the child."""
     try:
         text = _saved(mujoco, _read(mujoco, argument), argument["stands"])
         for name, file in argument["made"].items():
@@ -137,11 +138,11 @@ def _message(error: Exception) -> str:
 
 
 def _read(mujoco: Any, argument: dict[str, Any]) -> Any:
-    """The spec of the file, its packages resolved."""
+    """Return the spec of the file with its packages resolved."""
     path, text, made = Path(argument["path"]), argument["text"], argument["made"]
     if path.suffix == ".urdf" and text is None:
         spec = mujoco.MjSpec.from_file(argument["path"])
-    else:  # MuJoCo knows only that one
+    else:  # MuJoCo only recognises that suffix
         spec = mujoco.MjSpec.from_string(path.read_text(encoding="utf-8") if text is None else text)
         spec.modelfiledir = str(path.parent)
     if made and spec.strippath:  # which would take the folders of the made ones off as well
@@ -164,17 +165,17 @@ def _found(file: str, packages: Mapping[str, str]) -> str:
 
 
 def _saved(mujoco: Any, spec: Any, stands: bool) -> str:
-    """The text of a spec.
+    """Return the text of a spec.
 
-    What the compiler would do to the whole model is done here, where it is still a model of its own: in a
-    composition it would reach the other parts. Numbers are saved as they were read.
+    Global operations of the compiler are applied here, while it is still a model of its own: in a composition they
+    would affect the other parts. Numbers are saved as they were read.
     """
     compiler = spec.compiler
     compiler.saveinertial = False
     if not (hasattr(compiler, "savecompiled") and hasattr(spec, "fuse_static")):
         return _saved_as_compiled(mujoco, spec, stands)
     for body in spec.bodies[1:]:
-        body.add_frame(name=body.name)  # is carried along by what becomes of the body
+        body.add_frame(name=body.name)  # moves along with the body, whatever happens to it
     for root in () if stands else spec.worldbody.bodies:
         root.fuse = 0
     if compiler.discardvisual:
@@ -187,15 +188,15 @@ def _saved(mujoco: Any, spec: Any, stands: bool) -> str:
 
 
 def _saved_as_compiled(mujoco: Any, spec: Any, stands: bool) -> str:
-    """The text of a spec by an older MuJoCo, which saves compiled values: right but for rounding.
+    """Return the text of a spec from an older MuJoCo, which saves compiled values: correct up to rounding.
 
-    Inertia is written out, for what was inferred before links were fused cannot be inferred from what is left.
+    Inertia is written explicitly, because values inferred before links were fused cannot be inferred afterwards.
     """
     save_all_digits(mujoco)
     spec.compiler.saveinertial = True
     if not stands:
-        spec.compiler.fusestatic = False  # nothing less keeps the root
+        spec.compiler.fusestatic = False  # the only way to keep the root
     text = re.sub(r' inertiafromgeom="\w+"', "", spec.to_xml())
-    if spec.compiler.settotalmass > 0:  # of which what is saved knows nothing
+    if spec.compiler.settotalmass > 0:  # the saved text does not include it
         text = text.replace("<compiler ", f'<compiler settotalmass="{spec.compiler.settotalmass!r}" ', 1)
     return text
