@@ -58,7 +58,7 @@ test-worlds: $(STAMP)
 #   MENAGERIE_ROOT=…                 with the robots of Menagerie
 test-targets: $(STAMP)
 	@$(BIN)/python tests/targets/environments.py
-	@$(BIN)/python -m pytest tests/targets/test_consumers.py
+	@$(BIN)/python -m pytest tests/targets/test_consumers.py tests/urdf/test_survey.py
 
 # Other projects' tests and models, with mjcompose. The packages come from PyPI, into build/foreign; what cannot be had is
 # skipped, with the reason.

@@ -19,6 +19,8 @@ from composer.stages import Built
 
 PACKAGES = ("mujoco", "lxml", "numpy", "pydantic", "pyyaml")
 """Packages that may affect the bytes of a model, or the verdict on it."""
+OF_URDF = ("xacro", "trimesh", "pycollada", "pillow")
+"""What more they depend on where there is URDF."""
 
 
 @dataclass(slots=True)
@@ -35,9 +37,9 @@ class Inputs:
         return tuple(dict.fromkeys(map(os.path.abspath, paths)))
 
     def others(self, built: Built, context: Context) -> tuple[str, ...]:
-        """All other files: models, what they include, assets, licences and where these are looked for, the lock.
+        """Return all other files: models, included files, assets, licences and the folders searched for them, lock.
 
-        What is made of meshes is looked for beside the lock, also where it does not exist yet.
+        Shapes made of meshes are searched for beside the lock, even if there are none yet.
         """
         found = self._planned(built.plan, built.plan.sources(), context)
         model = built.composed.model
@@ -75,6 +77,7 @@ class Inputs:
         known = list(plan.sources())
         named = [each.package for each in known if each.package]
         named += [library.name for each in known for library in each.kind.libraries]
+        named += OF_URDF if any(each.format == "urdf" for each in known) else ()
         for name in dict.fromkeys([*PACKAGES, *named]):
             if name not in self._packages:
                 self._packages[name] = tuple(_installed(name))

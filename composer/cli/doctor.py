@@ -112,6 +112,8 @@ def _extras() -> Iterator[Finding]:
 
     uses = {each: f"`{kind.forms[0].scheme}:` references" for kind in KINDS for each in kind.libraries}
     uses[Library("mujoco-usd-converter", "usd")] = "USD as an output"
+    uses[Library("xacro", "xacro")] = "templates for xacro"
+    uses[Library("trimesh", "mesh")] = "Collada, glTF and the materials of OBJ in URDF"
     uses[Library("pygls", "lsp")] = "editors, which start `mjcompose lsp`"
     for library, use in uses.items():
         version = _version(library.name)

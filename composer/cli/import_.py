@@ -7,7 +7,7 @@ import os
 import re
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 import click
 
@@ -38,6 +38,8 @@ def command(
     Without PARTS they are looked for in the folders of --among, in Menagerie as far as it is on this machine, and in
     installed packages; if there are none, the recipe starts from MERGED as it is.
 
+    Of a URDF or a template for xacro, write the recipe that starts from it, and print what of it is read and what not.
+
     Parts are found by the names of their bodies, with a prefix or without. What a recipe cannot say is a comment.
     Exit codes: 0 the recipe builds the same model, 1 something differs or cannot be read or built, 2 wrong usage.
     """
@@ -60,6 +62,8 @@ def command(
             "Leave PARTS out: Menagerie and installed packages are searched"
         )
     progress(f"reading {merged}")
+    if merged.suffix.lower() in (".urdf", ".xacro"):
+        _urdf(merged, bool(parts or folders), target, context, form)
     references: dict[Path, str] = {}
     if not parts:
         parts, references = _searched(merged, folders, target, context, form)
@@ -106,6 +110,43 @@ def command(
     else:
         several(f"it builds, and is not yet the model of {shown}", different)
     sys.exit(FINDINGS if outcome is None or not outcome.same else 0)
+
+
+def _urdf(file: Path, is_more_named: bool, target: Path, context: Context, form: str) -> NoReturn:
+    """The recipe that starts from a URDF, and the table of what is read."""
+    from composer.bundle.output_error import OutputError
+    from composer.bundle.staging import staged_file
+    from composer.importing.of_urdf import of_urdf, table
+
+    if is_more_named:
+        raise click.UsageError("a URDF is taken whole: leave PARTS and --among out")
+    found = of_urdf(file, target, context)
+    if found is not None:
+        try:
+            with staged_file(target) as stage:
+                stage.write_text(found.text, encoding="utf-8")
+        except OutputError as error:
+            context.sink.add(error.diagnostic)
+    report(context, form)
+    if found is None or context.sink.has_errors:
+        sys.exit(exit_code(context.folder, [file]))
+    if form == "json":
+        rows = [
+            {
+                "what": row.what,
+                "count": row.count,
+                "became": row.became or None,
+                "why": row.why or None,
+                "first": str(at),
+            }
+            for row, at in found.rows
+        ]
+        click.echo(json.dumps({"output": str(target), "rows": rows}))
+    else:
+        say(f"wrote {target}: it starts from {context.shown(file)}")
+        for line in table(found.rows):
+            say(line)
+    sys.exit(0)
 
 
 def _is_reference(part: Path) -> bool:

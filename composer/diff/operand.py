@@ -17,7 +17,7 @@ from composer.scratch import scratch
 from composer.sources.fetching import Fetching
 from composer.sources.trust import Trust
 
-_URDF = ".urdf"
+_URDF = (".urdf", ".xacro")
 
 
 class Kind(StrEnum):
@@ -92,10 +92,10 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
     if kind is None:
         context.sink.error(
             "source-kind", f"`{text}` is neither a recipe nor an MJCF or URDF file nor a bundle",
-            help="name a .yaml, .xml, .urdf, .zip, .mjz or a folder, or one of a git revision as `REV:path`",
+            help="name a .yaml, .xml, .urdf, .xacro, .zip, .mjz or a folder, or one of a git revision as `REV:path`",
         )  # fmt: skip
         return None
-    if path.suffix.lower() == _URDF:
+    if path.suffix.lower() in _URDF:
         path = _recipe_of(path, opened)
     return Operand(text, kind, path, own, revision, files)
 
@@ -134,7 +134,7 @@ def _kind(path: Path) -> Kind | None:
     if path.is_dir():
         return Kind.BUNDLE
     kinds = {
-        _URDF: Kind.RECIPE,
+        **dict.fromkeys(_URDF, Kind.RECIPE),
         ".yaml": Kind.RECIPE,
         ".yml": Kind.RECIPE,
         ".xml": Kind.MJCF,

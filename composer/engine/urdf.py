@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -49,6 +49,7 @@ def convert_urdf(
     text: str | None = None,
     made: Mapping[str, Path] | None = None,
     massless: Sequence[str] = (),
+    shells: Collection[str] = (),
     limits: Limits | None = None,
     session: Session | None = None,
 ) -> Converted:
@@ -56,7 +57,7 @@ def convert_urdf(
 
     `text`, if given, is read in place of the file's own content. `made` has the meshes that were made for it, by the
     name that the text has for each; in the converted text they have it too. The shapes of the links that are `massless`
-    weigh nothing.
+    weigh nothing. Of `shells`, meshes by their names in the text, MuJoCo takes the surface where it needs a volume.
 
     `stands` decides about the root link: if the robot stands in the world, MuJoCo fuses the link with the world,
     which has no inertia; a robot that moves or is attached to something keeps it as a body.
@@ -68,7 +69,15 @@ def convert_urdf(
     if session is None:
         with Session(limits) as own:
             return convert_urdf(
-                path, packages, door=door, stands=stands, text=text, made=made, massless=massless, session=own
+                path,
+                packages,
+                door=door,
+                stands=stands,
+                text=text,
+                made=made,
+                massless=massless,
+                shells=shells,
+                session=own,
             )
     argument = {
         "path": str(path.absolute()),
@@ -76,6 +85,7 @@ def convert_urdf(
         "stands": stands,
         "text": text,
         "massless": list(massless),
+        "shells": sorted(shells),
         "made": {name: file.absolute().as_posix() for name, file in (made or {}).items()},
     }
     read = call(session, read_meshes, (), argument)
@@ -140,6 +150,8 @@ def _read(mujoco: Any, argument: dict[str, Any]) -> Any:
             mesh.file = mesh.file if mesh.file in made else mesh.file.replace("\\", "/").rpartition("/")[2]
         spec.strippath = False
     for mesh in spec.meshes:
+        if mesh.file in argument["shells"]:
+            mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
         mesh.file = made.get(mesh.file) or _found(mesh.file, argument["packages"])
     for name in argument["massless"]:
         for geom in spec.body(name).geoms:

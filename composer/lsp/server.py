@@ -43,7 +43,7 @@ from composer.version import __version__
 
 _TURN = 0.001
 """How many seconds an analysis may keep Python for itself while an editor waits for an answer."""
-_WATCHED = "**/*.{yaml,yml,xml,mjcf,urdf,lock}"
+_WATCHED = "**/*.{yaml,yml,xml,mjcf,urdf,xacro,lock}"
 _TRIGGERS = [":", " ", "/", "{", "[", "$", ",", ".", "*", '"', "'"]
 
 

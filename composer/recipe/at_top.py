@@ -21,7 +21,7 @@ _OF_MJCF = {
     "include": "write `attach` for another model, or `base` for the one to start from",
     "flag": "write `option: {flag: {…}}`",
 }
-_MODEL_FILES = (".xml", ".urdf", ".yaml", ".yml")
+_MODEL_FILES = (".xml", ".urdf", ".xacro", ".yaml", ".yml")
 
 
 def part_keys(data: Mapping[str, Any]) -> dict[str, Any]:

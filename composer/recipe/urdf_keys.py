@@ -12,8 +12,8 @@ class UrdfKeys(Model):
     """What becomes of what MuJoCo leaves out, or leaves to others; without it, it is as the file or MuJoCo says."""
 
     visuals: Annotated[Literal["keep", "drop"] | None, Choice("visuals")] = None
-    """Whether visuals become geoms that touch nothing. By default as `discardvisual` in the file says, which MuJoCo
-    takes for `true`."""
+    """Whether visuals become geoms that touch nothing; what collides is then in group 3, which viewers hide. By default
+    as `discardvisual` in the file says, which MuJoCo takes for `true`."""
     fixed: Annotated[Literal["keep", "fuse"] | None, Choice("fixed")] = None
     """Whether links without a joint of their own stay bodies, or become frames of the one above. By default as
     `fusestatic` in the file says, which MuJoCo takes for `true`."""

@@ -17,6 +17,8 @@ from composer.reading.door import Door
 from composer.reading.refused import Refused
 
 _MOST = 1e9
+_FEWEST = 4
+"""The vertices that MuJoCo wants of a mesh."""
 
 
 def convert(mujoco: Any, argument: dict[str, Any]) -> list[dict[str, Any]]:
@@ -39,14 +41,12 @@ def _one(path: str, door: Door) -> dict[str, Any]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             kind: dict[str, Any] = {"split_objects": False, "group_material": True} if suffix == "obj" else {}
-            scene = trimesh.load_scene(
-                io.BytesIO(data),
-                file_type=suffix,
-                resolver=resolver,
-                process=False,
-                maintain_order=True,
-                **kind,
-            )
+            kind |= {"file_type": suffix, "resolver": resolver, "process": False, "maintain_order": True}
+            load: Any = trimesh.load_scene
+            scene = load(io.BytesIO(data), **kind)
+            if suffix == "dae" and not scene.geometry and (plain := _without_textures(data)) is not None:
+                scene = load(io.BytesIO(plain), **kind)
+                resolver.lost.append("a texture")
     except Refused as refused:
         return {"refused": refused.path}
     except ImportError as error:
@@ -61,6 +61,23 @@ def _one(path: str, door: Door) -> dict[str, Any]:
     if resolver.refused:
         return {"refused": resolver.refused[0]}
     return {"parts": parts, "files": read, "lost": resolver.lost}
+
+
+def _without_textures(data: bytes) -> bytes | None:
+    """Collada whose effects are plain: a picture that is not declared makes pycollada lose the mesh with it."""
+    from lxml import etree
+
+    root = etree.fromstring(data, etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=True))
+    textures = list(root.iter("{*}texture"))
+    for element in [*textures, *root.iter("{*}newparam")]:
+        holder = element.getparent()
+        if holder is None:
+            continue
+        if element in textures:
+            colour = etree.SubElement(holder, f"{{{etree.QName(element).namespace}}}color")
+            colour.text = "0.7 0.7 0.7 1"
+        holder.remove(element)
+    return etree.tostring(root) if textures else None
 
 
 def _first_line(error: Exception) -> str:
@@ -213,6 +230,8 @@ def _obj(vertices: Any, faces: Any, uv: Any) -> str:
     _, first, same = numpy.unique(rows, axis=0, return_index=True, return_inverse=True)
     order = numpy.argsort(numpy.argsort(first))
     rows, faces = rows[numpy.sort(first)], order[same.ravel()][faces] + 1
+    if len(rows) < _FEWEST:
+        rows = numpy.concatenate([rows, numpy.repeat(rows[-1:], _FEWEST - len(rows), axis=0)])
     lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in rows[:, :3].tolist()]
     if uv is None:
         lines += [f"f {a} {b} {c}" for a, b, c in faces.tolist()]
@@ -250,10 +269,18 @@ def measures(vertices: Any, faces: Any) -> dict[str, Any]:
     open_edges = int((counts % 2).sum())
     return {
         "extents": [min(float(each), _MOST) for each in extents],
+        "volume": min(_volume(vertices, faces), _MOST),
         "faces": len(faces),
         "open": open_edges,
         "edges": len(counts),
     }
+
+
+def _volume(vertices: Any, faces: Any) -> float:
+    import numpy
+
+    a, b, c = (vertices[faces[:, corner]] - vertices.mean(axis=0) for corner in range(3))
+    return float(abs((a * numpy.cross(b, c)).sum()) / 6)
 
 
 def _stl(data: bytes) -> tuple[Any, Any]:

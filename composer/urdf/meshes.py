@@ -26,12 +26,13 @@ CONVERTED = ("dae", "glb", "gltf", "ply", "off", "3mf")
 _FOLDER = "converted"
 _MOST_FACES = 200_000
 """Of an STL file, in MuJoCo."""
+_NO_VOLUME = 1e-12
 _HUGE, _TOO_FAR, _THIN = 20.0, 50.0, 1e-6
 
 
 @dataclass(slots=True)
 class Meshes:
-    """The meshes of one robot; faults go to the sink. `texts` has what more was read."""
+    """The meshes of one robot; faults go to the sink. `files` are those that nothing in the model names any more."""
 
     robot: Robot
     session: Session
@@ -39,6 +40,8 @@ class Meshes:
     shown: Any
     files: list[Path] = field(default_factory=list)
     taken: set[str] = field(default_factory=set)
+    shells: set[str] = field(default_factory=set)
+    """The meshes that MuJoCo may weigh as shells, for it needs a volume else: their mass is nowhere used."""
 
     def prepare(self) -> None:
         """Convert what has to be, and look at what there is."""
@@ -55,6 +58,8 @@ class Meshes:
         if plain:
             for path, facts in zip(plain, self._ask(measure, plain), strict=True):
                 if facts is not None:
+                    if facts["volume"] < _NO_VOLUME and all(map(_is_weighed_otherwise, wanted[path])):
+                        self.shells.update(str(mesh.get("filename")) for mesh in wanted[path])
                     for mesh in wanted[path]:
                         self._judge(mesh, Path(path), facts)
         if convertible:
@@ -135,13 +140,14 @@ class Meshes:
                             help="export it with its faces, or take it out")  # fmt: skip
             return
         for name in result["lost"]:
-            message = (
-                f"the file `{name}`, which {called} names, is not found: what it gives the mesh is left out"
-            )
+            what = f"`{name}`" if "." in name else name
+            message = f"{called} names {what} that is not found: what it gives the mesh is left out"
             self.sink.warning("mesh-look", message, span)
-        self.files += [Path(each) for each in result["files"]]
+        self.files += [path, *(Path(each) for each in result["files"])]
         names = [self._keep(path, part, len(result["parts"])) for part in result["parts"]]
         self.robot.changed = True
+        if all(map(_is_weighed_otherwise, meshes)):
+            self.shells.update(names)
         for mesh in meshes:
             for part in result["parts"]:
                 self._judge(mesh, path, part["measures"])
@@ -215,6 +221,13 @@ def _shape(mesh: Node) -> Node:
     shape = None if geometry is None else geometry.getparent()
     assert shape is not None
     return shape
+
+
+def _is_weighed_otherwise(mesh: Node) -> bool:
+    """Whether the mass of a mesh does not count: it is a look, or its link has an inertia of its own."""
+    shape = _shape(mesh)
+    link = shape.getparent()
+    return shape.tag == "visual" or (link is not None and link.find("inertial") is not None)
 
 
 def _suffix(path: str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -88,7 +88,7 @@ class UrdfReader:
         meshes.prepare()
         if self.sink.error_count > before:
             return None
-        converted = self._converted(robot, stack)
+        converted = self._converted(robot, meshes.shells, stack)
         if (
             converted is not None
             and converted.text is None
@@ -96,7 +96,7 @@ class UrdfReader:
             and choices.inertia == "mend"
         ):
             # Only now: what MuJoCo accepts is left as it is.
-            converted = self._converted(robot, stack, inertia.mend(robot, self.sink))
+            converted = self._converted(robot, meshes.shells, stack, inertia.mend(robot, self.sink))
         if converted is None:
             return None
         for warning in converted.warnings:
@@ -153,13 +153,15 @@ class UrdfReader:
         text = expanded.text.decode("utf-8", "replace")
         return Robot(unit, source.path, known_packages(text, source.path, given), changed=True)
 
-    def _converted(self, robot: Robot, stack: ExitStack, massless: Sequence[str] = ()) -> Converted | None:
+    def _converted(
+        self, robot: Robot, shells: Collection[str], stack: ExitStack, massless: Sequence[str] = ()
+    ) -> Converted | None:
         """What MuJoCo makes of it; None for a mesh that it may not read."""
         text = robot.text()
         try:
             return convert_urdf(
                 self.source.path, robot.packages, door=robot.unit.door, stands=self.stands, text=text,
-                made=self._written(robot, stack), massless=massless, session=self.session,
+                made=self._written(robot, stack), massless=massless, shells=shells, session=self.session,
             )  # fmt: skip
         except Refused as refused:
             span = self._span(mesh_of(robot.root, refused.path), "filename")
@@ -200,12 +202,26 @@ class UrdfReader:
         made: dict[Node, list[Node]] = {}
         for element, source in pairs:
             made.setdefault(source, []).append(element)
+        if self.source.urdf.visuals == "keep":
+            self._hide_collisions(pairs)
         known = Extras(written, unit, made).add()
         known |= add_looks(robot, unit, pairs, self.sink)
         known |= add_actuators(written, unit, self.source.urdf.actuators, self.sink)
         self.reading.ordinary(robot.root, robot.keeps_visuals, known)
         self.reading.note(written, self.sink)
         return unit
+
+    def _hide_collisions(self, pairs: list[tuple[Node, Node]]) -> None:
+        """Let viewers show the looks of a link, and not the shapes that stand in for it."""
+        for element, source in pairs:
+            link = source.getparent()
+            if (
+                element.tag == "geom"
+                and source.tag == "collision"
+                and link is not None
+                and link.find("visual") is not None
+            ):
+                element.set("group", "3")
 
     def _error(self, code: str, message: str, element: Node | None = None, attribute: str | None = None,
                *, notes: tuple[Note, ...] = (), help: str | None = None) -> None:  # fmt: skip

@@ -24,6 +24,8 @@ class Row:
     count: int = 0
     became: str = ""
     why: str = ""
+    is_minor: bool = False
+    """Of nearly every URDF, so that nobody has to be told each time."""
 
 
 _READ = {
@@ -46,6 +48,9 @@ _UNREAD = {
     "joint/calibration": "where an encoder has its marks; MuJoCo needs no calibration",
     "gazebo/kp": "a stiffness of Gazebo's contacts; for MuJoCo write `solref`",
     "gazebo/kd": "a damping of Gazebo's contacts; for MuJoCo write `solref`",
+    "gazebo/mu1": "the link has no shape that collides",
+    "gazebo/gravity": "the link is part of another one, and so is its weight",
+    "gazebo/turnGravityOff": "the link is part of another one, and so is its weight",
     "gazebo/mu2": "friction in a second direction; MuJoCo has one for both",
     "gazebo/fdir1": "a direction of friction; MuJoCo has one friction for both",
     "gazebo/minDepth": "a number of Gazebo's contacts; for MuJoCo write `solimp`",
@@ -56,12 +61,14 @@ _UNREAD = {
     "gazebo/sensor": "a sensor of Gazebo; write it in `sensor` of the recipe",
     "gazebo/plugin": "a program of Gazebo",
     "gazebo/implicitSpringDamper": "a way of Gazebo to integrate; MuJoCo's damping is implicit",
+    "transmission": "only SimpleTransmission of one joint that moves is read",
     "gazebo/provideFeedback": "a setting of Gazebo's joints",
     "gazebo/dampingFactor": "a damping of velocities, which MuJoCo does not have",
     "ros2_control": "what commands no joint: sensors, states, hardware",
     "sensor": "a sensor; write it in `sensor` of the recipe",
     "link/collision_checking": "a setting of another program",
 }
+_MINOR = frozenset({"joint/limit velocity"})
 _NO_WORDS = "MJCF has no words for it"
 
 
@@ -76,24 +83,25 @@ class Reading:
         row.count += 1
 
     def unread(self, what: str, element: Node, why: str | None = None) -> None:
-        row = self.rows.setdefault(
-            f"{what} unread", Row(what, element, why=why or _UNREAD.get(what, _NO_WORDS))
-        )
-        row.count += 1
+        words = why or _UNREAD.get(what, _NO_WORDS)
+        row = Row(what, element, why=words, is_minor=what in _MINOR)
+        self.rows.setdefault(f"{what} unread", row).count += 1
 
     def ordinary(self, root: Node, keeps_visuals: bool, known: Mapping[Node, str]) -> None:
         """Rows for what MuJoCo reads by itself and for what nobody has read; `known` are elements that were read."""
         for child in root.iterchildren("*"):
-            tag = str(child.tag)
+            tag = _name(child)
             if tag in ("link", "joint"):
                 self._one(tag, child)
+                if tag == "link" and child.find("inertial") is None and child.find("collision") is not None:
+                    self.read("link without inertial", child, "the mass of its shapes at 1000 kg/m³")
                 for inner in child.iterchildren("*"):
                     self._inner(tag, inner, keeps_visuals, known)
             elif child in known:
                 self.read(tag, child, known[child])
             elif tag == "gazebo":
                 for inner in child.iterchildren("*"):
-                    self._known(f"gazebo/{inner.tag}", inner, known)
+                    self._known(f"gazebo/{_name(inner)}", inner, known)
             elif tag in ("transmission", "ros2_control"):
                 self._known(tag, child, known)
             elif tag != "material":
@@ -112,7 +120,7 @@ class Reading:
             self.unread(what, element)
 
     def _inner(self, tag: str, inner: Node, keeps_visuals: bool, known: Mapping[Node, str]) -> None:
-        what = f"{tag}/{inner.tag}"
+        what = f"{tag}/{_name(inner)}"
         if what == "link/visual" and not keeps_visuals:
             self.unread(
                 what, inner, "MuJoCo leaves visuals out; beside `model`, write `urdf: {visuals: keep}`"
@@ -121,7 +129,7 @@ class Reading:
             self.read(what, inner, "geom that touches nothing")
         elif inner in known:
             self.read(what, inner, known[inner])
-        elif str(inner.tag) not in _OF_LINKS_AND_JOINTS:
+        elif _name(inner) not in _OF_LINKS_AND_JOINTS:
             self._one(what, inner)
         if what == "joint/limit" and _positive(inner.get("velocity")):
             self.unread("joint/limit velocity", inner, "MuJoCo does not limit the velocity of joints")
@@ -139,7 +147,7 @@ class Reading:
 
     def note(self, unit: Unit, sink: Sink) -> None:
         """One note with all that is not in the model."""
-        missing = [row for row in self.rows.values() if row.why]
+        missing = [row for row in self.rows.values() if row.why and not row.is_minor]
         if not missing:
             return
         kinds = f"{len(missing)} kinds of elements are" if len(missing) > 1 else "one kind of element is"
@@ -165,3 +173,8 @@ def _positive(text: str | None) -> bool:
         return 0 < float(text or 0) < 1e6
     except ValueError:
         return False
+
+
+def _name(element: Node) -> str:
+    """The tag without its namespace."""
+    return str(element.tag).rpartition("}")[2]

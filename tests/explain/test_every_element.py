@@ -34,7 +34,9 @@ def test_what_was_read_from_a_file_stands_there(recipe: Path, traced: Traced) ->
         if life.made_by is None and life.line is not None:
             span = life.span(traced.model.origins)
             line = (recipe.parent / span.file).read_text(encoding="utf-8").splitlines()[span.line - 1]
-            tag = "" if span.file.endswith(".urdf") else life.tag  # there it is `link`, `visual`, `robot`, …
+            tag = (
+                "" if span.file.endswith((".urdf", ".xacro")) else life.tag
+            )  # there it is `link`, `visual`, `robot`, …
             assert line[span.column - 1 :].startswith(f"<{tag}")
             checked += 1
     assert checked or not _WITHOUT_SOURCES.isdisjoint({recipe.parent.name, recipe.stem})

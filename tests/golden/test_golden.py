@@ -25,8 +25,6 @@ HERE = Path(__file__).resolve().parent
 CASES = sorted(path.parent.name for path in HERE.glob("*/recipe.yaml"))
 # Something is told of these, and the model is built all the same.
 TOLD = {"conflict_merge", "conflict_warning", "fusestatic_on_body", "keyframe_of_edited", "subtree"}
-# Of a URDF there is always something that MJCF has no words for.
-TOLD_OF_URDF = {"urdf-unread"}
 # MuJoCo writes what is read of these, or computes numbers in them, and an older one does so in another way.
 WRITTEN_BY_MUJOCO = {"urdf", "xacro", "compiler_of_base", "compiler_of_parts"}
 
@@ -57,7 +55,7 @@ def test_model(case: str, tmp_path: Path, session: Session) -> None:
     context = Context(environment={}, folder=HERE / case)
     built = build(Request(HERE / case / "recipe.yaml", verified=False), context)
     assert built is not None, [each.message for each in context.sink.diagnostics]
-    assert {each.severity for each in context.sink.diagnostics if each.code not in TOLD_OF_URDF} == (
+    assert {each.severity for each in context.sink.diagnostics} == (
         {Severity.WARNING} if case in TOLD else set()
     )
     text = built.bundle.files["model.xml"].decode()

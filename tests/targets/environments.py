@@ -16,6 +16,9 @@ FOLDER = Path(__file__).parents[2] / "build" / "consumers"
 PACKAGES = {reader.program: reader.packages for reader in READERS.values()}
 """By the name of the program. Genesis needs Torch with CUDA, and Isaac Sim a GPU: neither is tested."""
 
+ROBOTS = {"robots": ("example-robot-data",)}
+"""No program, but the URDFs that tests/urdf reads."""
+
 
 def python_of(name: str) -> Path:
     """The interpreter of an environment."""
@@ -30,7 +33,7 @@ def is_ready(name: str) -> bool:
 def make(name: str) -> str | None:
     """Install what a reader needs; the reason where that fails."""
     venv.create(FOLDER / name, with_pip=True, clear=True)
-    install = [str(python_of(name)), "-m", "pip", "install", "--quiet", *PACKAGES[name]]
+    install = [str(python_of(name)), "-m", "pip", "install", "--quiet", *{**PACKAGES, **ROBOTS}[name]]
     done = subprocess.run(install, capture_output=True, text=True, check=False)
     if done.returncode:
         return next(iter(reversed(done.stderr.strip().splitlines())), "pip failed")
@@ -39,7 +42,7 @@ def make(name: str) -> str | None:
 
 
 if __name__ == "__main__":
-    for wanted in sys.argv[1:] or PACKAGES:
+    for wanted in sys.argv[1:] or (*PACKAGES, *ROBOTS):
         reason = None if is_ready(wanted) else make(wanted)
         if reason is not None:
             print(f"{wanted}: {reason}")

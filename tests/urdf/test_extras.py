@@ -66,5 +66,5 @@ def test_a_note_has_all_that_is_not_in_the_model(reader: Reader) -> None:
     read(reading)
     (note,) = (each for each in reading.sink.sorted() if each.code == "urdf-unread")
     lines = [each.message for each in note.notes]
-    assert [line.split(":")[1] for line in lines] == ["5", "7", "8", "9"]
+    assert [line.split(":")[1] for line in lines] == ["7", "8", "9"]
     assert "`<made_up>` (1)" in lines[-1]

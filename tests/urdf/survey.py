@@ -1,0 +1,243 @@
+"""Every URDF of a folder as mjcompose reads it, beside MuJoCo's own reader and Pinocchio.
+
+`python tests/urdf/survey.py --write` measures the robots of the package `example-robot-data`, which `make test-targets`
+fetches, and writes the table of `docs/urdf.md`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import mujoco
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
+
+from targets.environments import FOLDER, READERS, is_ready, python_of  # noqa: E402
+
+from composer.diagnostics.sink import Sink  # noqa: E402
+from composer.engine import Session  # noqa: E402
+from composer.link.measure import folder_of  # noqa: E402
+from composer.reading.door import Door  # noqa: E402
+from composer.sources.path import KIND  # noqa: E402
+from composer.sources.source import Source  # noqa: E402
+from composer.sources.urdf_choices import UrdfChoices  # noqa: E402
+from composer.tree.write import write  # noqa: E402
+from composer.urdf.read import UrdfReader  # noqa: E402
+from composer.urdf.report import called  # noqa: E402
+
+POSES = 50
+PAGE = ROOT / "docs" / "urdf.md"
+BEGIN, END = "<!-- robots -->\n", "<!-- end -->"
+SHOWN = tuple(
+    f"/{name}.urdf"
+    for name in (
+        "a1 alex_sake_hands alexander_v1.lowerBodyOnly allegro_left_hand anymal TwoDofs b1-z1 baxter bolt borinot_flying_arm_2"
+        " centauro double_pendulum finger_edu g1_29dof_with_hand_rev_1_0 go1 go2 quadrotor_base hextilt_flying_arm_5 human"
+        " hyq_no_sensors icub_reduced iris kinova laikago panda pr2 quadruped romeo_small simple_humanoid so100 so101 solo12"
+        " talos_reduced tiago tiago_pro ur5_robot ur10_robot xarm7 z1"
+    ).split()
+)
+QUICK = ("panda_description/urdf/panda", "tiago_pro", "ur5_gripper", "baxter", "hyq")
+
+
+@dataclass
+class Found:
+    """One robot: the model and how far it is from the other readers, or why it does not come in."""
+
+    name: str
+    errors: list[str] = field(default_factory=list)
+    warnings: dict[str, int] = field(default_factory=dict)
+    unread: list[str] = field(default_factory=list)
+    model: mujoco.MjModel | None = None
+    alone: str = ""
+    pinocchio: str = ""
+    worst: float = 0.0
+
+
+def robots() -> Path | None:
+    """The folder of the robots, if they were fetched."""
+    found = [
+        Path(at)
+        for at, _, _ in os.walk(FOLDER / "robots", followlinks=True)
+        if at.endswith("example-robot-data/robots")
+    ]
+    return found[0] if found else None
+
+
+def read(
+    path: Path, root: Path, session: Session, **choices: str
+) -> tuple[UrdfReader, mujoco.MjModel | None]:
+    packages = (("example-robot-data", root.parent), *((each.name, each) for each in sorted(root.iterdir())))
+    choices = {"visuals": "keep", "inertia": "mend", **choices}
+    source = Source(
+        path, KIND, path.name, packages=packages, door=Door.of([root]), urdf=UrdfChoices(**choices)
+    )  # type: ignore[arg-type]
+    reader = UrdfReader(source, Sink(), session, lambda each: each.name)
+    unit = reader.unit()
+    if unit is None:
+        return reader, None
+    with folder_of(unit) as folder:
+        file = str(folder / "model.xml")
+        return reader, mujoco.MjSpec.from_file(file, include={file: write(unit.root)}).compile()
+
+
+def by_mujoco(path: Path, root: Path) -> mujoco.MjModel:
+    """The model of MuJoCo's own reader, with its packages found. Raises ValueError."""
+    spec = mujoco.MjSpec.from_file(str(path))
+    for mesh in spec.meshes:
+        package, _, inside = mesh.file.removeprefix("package://").lstrip("/").partition("/")
+        if mesh.file.startswith("package://"):
+            mesh.file = str((root.parent if package == "example-robot-data" else root / package) / inside)
+    return spec.compile()
+
+
+def looked_at(path: Path, root: Path, session: Session) -> Found:
+    found = Found(path.relative_to(root).as_posix())
+    reader, found.model = read(path, root, session)
+    for each in reader.sink.sorted():
+        if each.severity == "error":
+            found.errors.append(f"{each.code}: {each.message}")
+        elif each.severity == "warning":
+            found.warnings[each.code] = found.warnings.get(each.code, 0) + 1 + len(each.others)
+    found.unread = [called(row) for row in reader.reading.rows.values() if row.why and not row.is_minor]
+    if found.model is None:
+        return found
+    try:
+        alone = by_mujoco(path, root)
+    except (ValueError, mujoco.FatalError):
+        found.alone = "refuses it"
+    else:
+        _, same = read(path, root, session, visuals="drop")
+        assert same is not None
+        found.worst = difference(alone, same)
+        found.alone = f"{found.worst:.0e}" if found.worst else "same"
+    if is_ready("pinocchio"):
+        found.pinocchio, worst = beside_pinocchio(path, found.model)
+        found.worst = max(found.worst, worst)
+    return found
+
+
+def difference(one: mujoco.MjModel, other: mujoco.MjModel) -> float:
+    """The largest difference of masses, inertias and, at random poses, places and orientations of bodies."""
+    if (one.nbody, one.nq) != (other.nbody, other.nq):
+        return float("inf")
+    worst = max(
+        float(abs(getattr(one, each) - getattr(other, each)).max()) for each in ("body_mass", "body_inertia")
+    )
+    datas = mujoco.MjData(one), mujoco.MjData(other)
+    for qpos in poses(one):
+        for model, data in zip((one, other), datas, strict=True):
+            data.qpos[:] = qpos
+            mujoco.mj_kinematics(model, data)
+        worst = max(
+            worst, *(float(abs(getattr(datas[0], n) - getattr(datas[1], n)).max()) for n in ("xpos", "xmat"))
+        )
+    return worst
+
+
+def poses(model: mujoco.MjModel) -> Iterator[np.ndarray]:
+    random = np.random.default_rng(0)
+    for _ in range(POSES):
+        qpos = model.qpos0.copy()
+        mujoco.mj_integratePos(model, qpos, random.uniform(-1.5, 1.5, model.nv), 1.0)
+        yield qpos
+
+
+def beside_pinocchio(path: Path, model: mujoco.MjModel) -> tuple[str, float]:
+    """What differs from Pinocchio, whose places are those of the same names; masses where the URDF has them."""
+    simple = [
+        j
+        for j in range(model.njnt)
+        if model.jnt_type[j] in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
+    ]
+    drawn = list(poses(model))
+    given = [
+        {"joints": {model.joint(j).name: [float(q[model.jnt_qposadr[j]])] for j in simple}, "free": {}}
+        for q in drawn
+    ]
+    with TemporaryDirectory() as folder:
+        file = Path(folder, "poses.json")
+        file.write_text(json.dumps(given))
+        command = [str(python_of("pinocchio")), "-P", str(READERS / "pinocchio.py"), str(path), str(file)]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        return "refuses it", 0.0
+    facts = json.loads(done.stdout)
+    moved = {model.body(model.jnt_bodyid[j]).name for j in simple}
+    mass = max(
+        [
+            0.0,
+            *(
+                abs(model.body(name).mass[0] - facts["bodies"][name]["mass"])
+                for name in moved
+                if name in facts["bodies"]
+            ),
+        ]
+    )
+    data, place = mujoco.MjData(model), 0.0
+    for qpos, row in zip(drawn, facts["poses"], strict=True):
+        data.qpos[:] = qpos
+        mujoco.mj_kinematics(model, data)
+        for name in moved & row.keys():
+            place = max(place, float(abs(data.body(name).xpos - np.array(row[name][0])).max()))
+    said = f"{place:.0e} m" if place > 1e-9 else "same"
+    if mass > 1e-9:
+        said += f", masses {mass:.2g} kg"
+    return said, place
+
+
+def row(found: Found) -> str:
+    model = found.model
+    if model is None:
+        return f"| {found.name} | no | | | | {'; '.join(found.errors)[:160].replace('|', '/')} |"
+    sizes = f"{model.nbody - 1} / {model.njnt} / {model.nu} / {model.neq} / {model.nmesh}"
+    told = [f"{code} ({count})" for code, count in sorted(found.warnings.items())]
+    lacks = ", ".join([*told, *found.unread]) or "nothing"
+    return f"| {found.name} | yes | {sizes} | {found.alone} | {found.pinocchio} | {lacks} |"
+
+
+def survey(root: Path, only: tuple[str, ...] = ("",)) -> Iterator[Found]:
+    with Session() as session:
+        for path in sorted(root.rglob("*.urdf")):
+            if any(each in path.as_posix() for each in only):
+                yield looked_at(path, root, session)
+
+
+def main() -> None:
+    root = robots()
+    if root is None or not is_ready("pinocchio"):
+        sys.exit("run `python tests/targets/environments.py robots pinocchio` first")
+    found: list[Found] = []
+    for each in survey(root, SHOWN):
+        found.append(each)
+        print(row(each), flush=True)  # noqa: T201
+        if "--write" in sys.argv:
+            put_down(found)
+
+
+def put_down(found: list[Found]) -> None:
+    """Write the table of the page."""
+    lines = [
+        "| robot | comes in | bodies / joints / actuators / equalities / meshes | MuJoCo's own reader | Pinocchio | warnings, and what is not in the model |",
+        "|---|---|---|---|---|---|",
+        *map(row, found),
+    ]
+    count = sum(each.model is not None for each in found)
+    alone = sum(each.alone not in ("", "refuses it") for each in found)
+    text = f"{count} of {len(found)} come in; MuJoCo's own reader takes {alone}.\n\n"
+    before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
+    after = rest.split(END)[1]
+    PAGE.write_text(f"{before}{BEGIN}\n{text}" + "\n".join(lines) + f"\n\n{END}{after}", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
