@@ -29,6 +29,7 @@ FEATURES: Mapping[str, str] = {
     "contact sensors": "contact sensors of sites",
     "keys": "keyframes",
     "soft": "flexes and skins",
+    "sleep": "bodies that sleep from the start",
     "plugins": "plugins",
     "gravity": "gravity that is not 0 0 -9.81",
     "gravcomp": "gravity compensation of bodies",

@@ -29,10 +29,10 @@ def poses(model: Any, count: int = 50, seed: int = 1) -> list[dict[str, Any]]:
         free: dict[str, list[float]] = {}
         for number in range(model.njnt):
             kind = int(model.jnt_type[number])
-            if kind in (SLIDE, HINGE):
+            if kind in (SLIDE, HINGE) and model.joint(number).name:
                 low, high = model.jnt_range[number] if model.jnt_limited[number] else (-1.0, 1.0)
                 joints[model.joint(number).name] = [float(draw.uniform(low, high))]
-            elif kind == FREE:
+            elif kind == FREE and model.body(int(model.jnt_bodyid[number])).name:
                 turned = draw.normal(size=4)
                 turned /= np.linalg.norm(turned)
                 at = draw.uniform(-1, 1, 3)
@@ -58,6 +58,8 @@ def _masses(mujoco: Any, model: Any, facts: dict[str, Any], tolerance: float) ->
         if facts.get("composite") and model.body_weldid[body] != body:
             continue  # is part of what it is fixed to
         name = model.body(body).name
+        if not name:
+            continue  # each program calls it as it likes
         if name not in facts["bodies"]:
             yield f"the body `{name}` is missing"
             continue
@@ -101,6 +103,8 @@ def _limits(model: Any, facts: dict[str, Any], tolerance: float) -> Iterator[str
         if int(model.jnt_type[number]) not in (SLIDE, HINGE):
             continue
         name = model.joint(number).name
+        if not name:
+            continue
         if name not in facts["joints"]:
             yield f"the joint `{name}` is missing"
             continue
@@ -139,14 +143,14 @@ def _poses(
         mujoco.mj_kinematics(model, data)
         for body in range(1, model.nbody):
             name = model.body(body).name
-            if name in read:
+            if name and name in read:
                 off = max(
                     float(np.abs(np.array(read[name][0]) - data.xpos[body]).max()),
                     float(np.abs(np.array(read[name][1]) - data.xmat[body].reshape(3, 3)).max()),
                 )
                 if off > worst:
                     worst, where = off, name
-            elif not facts.get("composite"):
+            elif name and not facts.get("composite"):
                 yield f"the body `{name}` has no pose"
                 return
     if worst > tolerance:

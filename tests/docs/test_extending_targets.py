@@ -37,7 +37,10 @@ def test_the_target_works(package: Path) -> None:
     assert about["name"] == "sapien"
 
 
-@pytest.mark.parametrize("forgotten", ["composer/targets/names.py", "composer/targets/table.py"])
+@pytest.mark.parametrize(
+    "forgotten",
+    ["composer/targets/names.py", "composer/targets/table.py", "composer/recipe/checks/simulators.py"],
+)
 def test_a_forgotten_row_fails_at_import(package: Path, forgotten: str) -> None:
     extend(package, TITLE, but=forgotten)
     done = run(package, "build", "recipe.yaml", "--target", "plain", "-o", "out/")

@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 
 import pytest
+from migrate.features import FEATURES, Feature
 
 from composer.context import Context
 from composer.migrate.changes import ORDERED, TABLE, between
@@ -15,7 +16,6 @@ from composer.migrate.migrate import Migrated, migrate, read
 from composer.migrate.proof import Prover, measured
 from composer.migrate.released import RELEASED
 from composer.migrate.wish import installed
-from migrate.features import FEATURES, Feature
 
 PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8BQDwAEhQGAhKmMIQAAAABJRU5ErkJggg=="

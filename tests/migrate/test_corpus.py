@@ -6,11 +6,11 @@ import os
 from pathlib import Path
 
 import pytest
+from migrate.test_changes import mujoco
 
 from composer.context import Context
 from composer.migrate.run import Wish, run
 from composer.migrate.wish import installed
-from migrate.test_changes import mujoco
 
 CORPUS = os.environ.get("MJCOMPOSE_CORPUS")
 MODELS = (

@@ -23,6 +23,12 @@ BODY_SENSOR = '<sensor><contact body1="b" num="1"/></sensor>'
 NETFORCE = '<sensor><contact geom1="g" geom2="h" num="1" reduce="netforce"/></sensor>'
 
 
+PLUGIN = (
+    '<extension><plugin plugin="mujoco.pid"><instance name="i"><config key="kp" value="1"/></instance></plugin>'
+    '</extension><actuator><plugin name="p" joint="j" plugin="mujoco.pid" instance="i" actdim="0"/></actuator>'
+)
+
+
 @pytest.mark.parametrize(
     ("target", "given", "told"),
     [
@@ -36,8 +42,13 @@ NETFORCE = '<sensor><contact geom1="g" geom2="h" num="1" reduce="netforce"/></se
          "jointlimitpos `l`: MJX has no such sensor"),
         ("mjx", {"more": BODY_SENSOR}, "contact: MJX has no contact sensor of a body"),
         ("mjx", {"more": BODY_SENSOR.replace('body1="b"', 'site="s"')}, "contact: MJX has no contact sensor of a site"),
+        ("mjx", {"more": '<contact><pair name="p" geom1="g" geom2="h" margin=".1"/></contact>'},
+         "pair `p`: MJX has no margin for contacts with meshes and height fields"),
         ("mjx", {"more": NETFORCE}, "contact: MJX has no contact sensor of the net force"),
         ("warp", {"option": 'solver="PGS"'}, "option: MuJoCo Warp has no solver `pgs`"),
+        ("warp", {"body": 'sleep="init"', "joint": 'type="free"'},
+         "body `b`: MuJoCo Warp has no body that sleeps from the start"),
+        ("warp", {"more": PLUGIN}, "plugin `p`: a plugin computes this actuator"),
         ("warp", {"flags": '<flag fwdinv="enable"/>'}, "option: MuJoCo Warp does not have the flag `fwdinv`"),
     ],
 )  # fmt: skip

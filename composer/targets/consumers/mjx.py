@@ -10,6 +10,7 @@ from composer.targets.restrictions.mjx import (
     MJX_EQUALITY,
     MJX_MARGINS,
     MJX_OPTIONS,
+    MJX_PAIR_MARGINS,
     MJX_SENSORS,
 )
 from composer.targets.restrictions.unread import NO_PLUGINS, NO_SOFT
@@ -19,8 +20,8 @@ TARGET = Target(
     "mjx",
     "MJX, MuJoCo in JAX",
     (
-        NO_SOFT, NO_PLUGINS, MJX_COLLISIONS, MJX_MARGINS, MJX_ACTUATORS, MJX_EQUALITY, MJX_SENSORS, MJX_CONTACT_SENSORS,
-        MJX_OPTIONS,
+        NO_SOFT, NO_PLUGINS, MJX_COLLISIONS, MJX_MARGINS, MJX_PAIR_MARGINS, MJX_ACTUATORS, MJX_EQUALITY, MJX_SENSORS,
+        MJX_CONTACT_SENSORS, MJX_OPTIONS,
     ),
     write_mjcf,
     "mujoco-mjx",

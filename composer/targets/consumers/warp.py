@@ -4,19 +4,30 @@ from __future__ import annotations
 
 from composer.targets.mjcf import write_mjcf
 from composer.targets.restrictions.warp import (
+    WARP_ACTUATOR_PLUGINS,
     WARP_ACTUATORS,
     WARP_EQUALITY,
     WARP_FLEXES,
     WARP_OPTIONS,
     WARP_PLUGINS,
     WARP_SENSORS,
+    WARP_SLEEP,
 )
 from composer.targets.target import Target
 
 TARGET = Target(
     "warp",
     "MuJoCo Warp, MuJoCo on GPUs of NVIDIA",
-    (WARP_ACTUATORS, WARP_EQUALITY, WARP_SENSORS, WARP_OPTIONS, WARP_PLUGINS, WARP_FLEXES),
+    (
+        WARP_ACTUATORS,
+        WARP_EQUALITY,
+        WARP_SENSORS,
+        WARP_OPTIONS,
+        WARP_PLUGINS,
+        WARP_FLEXES,
+        WARP_ACTUATOR_PLUGINS,
+        WARP_SLEEP,
+    ),
     write_mjcf,
     "mujoco-warp",
-)
+)  # fmt: skip

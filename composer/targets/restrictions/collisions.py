@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import chain
 from typing import Any
 
 from composer.compiled.enums import words
@@ -25,7 +26,8 @@ def _unknown_pairs(draft: Draft) -> None:
     geoms = dict(draft.of("geom"))
     shapes = words(draft.mujoco, "geom_type")
     told = set()
-    for first, second in colliding(draft.model):
+    pairs = zip(draft.model.pair_geom1.tolist(), draft.model.pair_geom2.tolist(), strict=True)
+    for first, second in chain(colliding(draft.model), pairs):
         pair = sorted((first, second), key=lambda number: int(draft.model.geom_type[number]))
         one, other = (shapes[int(draft.model.geom_type[number])] for number in pair)
         if (one, other) not in _KNOWN and (first, one, other) not in told and pair[0] in geoms:

@@ -61,6 +61,19 @@ def _margins(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
                 yield geom, "MJX has no margin for contacts with meshes and height fields"
 
 
+def _pair_margins(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    """The same for contact pairs, which have margins of their own."""
+    shapes = words(mujoco, "geom_type")
+    for pair in range(model.npair):
+        geoms = int(model.pair_geom1[pair]), int(model.pair_geom2[pair])
+        if model.pair_margin[pair] and {shapes[int(model.geom_type[each])] for each in geoms} & {
+            "mesh",
+            "hfield",
+        }:
+            yield pair, "MJX has no margin for contacts with meshes and height fields"
+
+
+MJX_PAIR_MARGINS = refused_elements("margins", "pair", _pair_margins, "write `set: {margin: 0}`")
 MJX_MARGINS = refused_elements("margins", "geom", _margins, "write `set: {margin: 0}`")
 
 

@@ -13,8 +13,10 @@ from composer.targets.restrictions.compiled import (
     refused_options,
     with_plugins,
 )
+from composer.targets.restrictions.left_out import refused
 
 _OUT = "leave it out with `edit`"
+_AWAKE = "write `set: {sleep: allowed}`"
 
 WARP_ACTUATORS = refused_members(
     "actuators", "actuator",
@@ -41,18 +43,25 @@ WARP_OPTIONS = refused_options(
 
 
 WARP_PLUGINS = refused_elements("plugins", "body", with_plugins("body"), _OUT)
+WARP_ACTUATOR_PLUGINS = refused_elements("actuators", "actuator", with_plugins("actuator"), _OUT)
+WARP_SLEEP = refused(
+    "sleep", ".//body[@sleep='init']", "MuJoCo Warp has no body that sleeps from the start", _AWAKE
+)
 WARP_SENSORS = refused_elements("sensors", "sensor", with_plugins("sensor"), _OUT)
 
 
 def _flexes(_mujoco: object, model: Any) -> Iterator[tuple[int, str]]:
     """Of flexes: quadratic ones, rigid ones, and contacts of the parts of one with one another."""
-    interpolated = getattr(model, "flex_interp", np.zeros(model.nflex))
+    nothing = np.zeros(model.nflex, dtype=int)  # a MuJoCo may not have all of these
+    interpolated, rigid, internal = (
+        getattr(model, name, nothing) for name in ("flex_interp", "flex_rigid", "flex_internal")
+    )
     for number in range(model.nflex):
         if abs(int(interpolated[number])) == 2:
             yield number, "MuJoCo Warp has no flexes of quadratic elements"
-        elif model.flex_rigid[number]:
+        elif rigid[number]:
             yield number, "MuJoCo Warp has no rigid flexes"
-        elif model.flex_internal[number]:
+        elif internal[number]:
             yield number, "MuJoCo Warp has no contacts inside a flex: `internal`"
 
 
