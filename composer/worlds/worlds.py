@@ -97,7 +97,7 @@ class Worlds:
         return whole.reshape(self.count, *shape)
 
     def whose(self, name: str) -> list[Whose]:
-        """Of each number of an array that differs the kind of element, its name and the attribute. Raises KeyError.
+        """The kind of element, its name and the attribute of each number of an array that differs. Raises KeyError.
 
         study.whose("geom_friction")[0]   # Whose(kind="geom", element="pads/left", attribute="friction[0]")
         """

@@ -37,7 +37,7 @@ class Binding:
 
     Shapes, for one element: a number has `()`, a row `(3,)`; what an element may have several of has its
     length even where that is one: `qpos` of a hinge is `(1,)`, of a free joint `(7,)`, `sensordata` of a
-    force `(3,)`. Of an actuator with one control `ctrl` is a number, `act` of one without state is empty.
+    force `(3,)`. An actuator with one control has a number as `ctrl`; without state, its `act` is empty.
     For a sequence of n elements, in its order: `(n,)`, `(n, 3)`, and the lengths added up. Units are
     MuJoCo's: radians, metres, kilograms, seconds.
 
