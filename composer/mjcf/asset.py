@@ -80,7 +80,7 @@ class Asset:
     def bundle_path(self) -> str | None:
         """Where `export_with_assets` puts it, `assets/arm/shell.stl`: the path that the exported model names.
 
-        The path is that in the whole composition, which is composed to find it. None for an `Asset` that was not read
+        Of the whole composition, which is put together to know it. None for an `Asset` that was not read
         from an element, and for one whose element is not written. Raises `MjcfError` as exporting does.
 
         >>> from composer import mjcf

@@ -39,7 +39,7 @@ class Table:
     """The numbers that differ, by array, in `count` worlds; and which cell and which sample of a recipe each world is.
 
     `cells` are the cells of its matrix, each with its `name` and what it sets, `cell` the number of each world's,
-    `(worlds,)`, and `sample` that of its draws. In a union, `parts` are the bodies that not all worlds have, and `has`
+    `(worlds,)`, and `sample` that of its draws. Of a union `parts` are the bodies that not all worlds have, and `has`
     says which each has, `(worlds, parts)`. `model` is the identity of the model, None in a bundle that has it.
     """
 

@@ -36,7 +36,7 @@ class Worlds:
 
     `table` says which cell of the recipe's matrix and which sample a world is; without a matrix world `n` is sample
     `n + 1`. What follows from what is drawn is among the arrays: `body_subtreemass`,
-    `dof_invweight0`, `qpos0` and others, so that nothing is to be computed again. `stat.meaninertia` is a
+    `dof_invweight0`, `qpos0` and others, so that nothing is to be computed anew. `stat.meaninertia` is a
     number of `model.stat`.
     """
 
@@ -97,7 +97,7 @@ class Worlds:
         return whole.reshape(self.count, *shape)
 
     def whose(self, name: str) -> list[Whose]:
-        """The kind of element, its name and the attribute of each number of an array that differs. Raises KeyError.
+        """Of each number of an array that differs the kind of element, its name and the attribute. Raises KeyError.
 
         study.whose("geom_friction")[0]   # Whose(kind="geom", element="pads/left", attribute="friction[0]")
         """

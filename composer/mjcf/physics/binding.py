@@ -37,7 +37,7 @@ class Binding:
 
     Shapes, for one element: a number has `()`, a row `(3,)`; what an element may have several of has its
     length even where that is one: `qpos` of a hinge is `(1,)`, of a free joint `(7,)`, `sensordata` of a
-    force `(3,)`. An actuator with one control has a number as `ctrl`; without state, its `act` is empty.
+    force `(3,)`. Of an actuator with one control `ctrl` is a number, `act` of one without state is empty.
     For a sequence of n elements, in its order: `(n,)`, `(n, 3)`, and the lengths added up. Units are
     MuJoCo's: radians, metres, kilograms, seconds.
 
@@ -279,7 +279,7 @@ def binding_of(kind: str, regular: bool) -> type[Binding]:
     """The class of bindings of a kind, with the kind's fields; MuJoCo is asked what they are.
 
     `regular` says whether the rows stand at regular distances: the one is made for fields that are views,
-    the other for fields that are read again each time.
+    the other for fields that are read anew each time.
     """
     field_of = _FieldView if regular else _scattered_field
     members: dict[str, Any] = {name: field_of(name, field) for name, field in fields(kind).items()}
