@@ -25,8 +25,8 @@ from composer.tree.unit import Unit
 class Asset:
     """A file that a model needs.
 
-    `path` is where it came from, None for bytes in memory; `prefix` the stem of its file name; `extension`
-    its suffix with the dot, as written. `Asset(data, '.stl')` may be given to any `file` attribute.
+    `path` is where it was read from, None for bytes in memory; `prefix` is the stem of its file name; `extension`
+    is its suffix with the dot, as written. Any `file` attribute accepts an `Asset(data, '.stl')`.
 
     >>> asset = Asset(b'...', '.png', 'wood')
     >>> asset.path, asset.prefix, asset.extension, asset.contents, asset.bundle_path
@@ -111,9 +111,9 @@ class Asset:
 
 
 class Files(Mapping[str, bytes | Path]):
-    """The files of a model that are not where its paths say: bytes, or where they are, by written path.
+    """The files of a model that are not at their written paths: their bytes or their actual paths, by written path.
 
-    What a caller hands over without a folder serves whatever folder asks for it.
+    A file that the caller gives without a folder is found under its name in any folder.
     """
 
     def __init__(self, given: Mapping[str, bytes | Path] | None = None) -> None:

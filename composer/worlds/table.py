@@ -1,4 +1,4 @@
-"""Tables of worlds in files: `.npz`, which NumPy alone reads, or `.parquet` with a row for each world."""
+"""Tables of worlds in files: `.npz`, which needs only NumPy, or `.parquet` with a row for each world."""
 
 from __future__ import annotations
 
@@ -26,8 +26,10 @@ _ABOUT = "about.json"
 
 @dataclass(frozen=True, slots=True)
 class Varying:
-    """Numbers of one array: `index` is where they are in the array flattened, `(numbers,)`, and `values` what they
-    are, absolute and in the array's own units, `(worlds, numbers)`.
+    """The numbers of one array that vary.
+
+    `index` are their places in the flattened array, `(numbers,)`. `values` are absolute and in the array's units,
+    `(worlds, numbers)`.
     """
 
     index: NDArray[np.int64]
@@ -36,11 +38,12 @@ class Varying:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """The numbers that differ, by array, in `count` worlds; and which cell and which sample of a recipe each world is.
+    """The numbers that differ, by array, in `count` worlds; and the cell and sample of the recipe for each world.
 
-    `cells` are the cells of its matrix, each with its `name` and what it sets, `cell` the number of each world's,
-    `(worlds,)`, and `sample` that of its draws. Of a union `parts` are the bodies that not all worlds have, and `has`
-    says which each has, `(worlds, parts)`. `model` is the identity of the model, None in a bundle that has it.
+    `cells` are the cells of its matrix, each with its `name` and its values, `cell` the number of each world's
+    cell, `(worlds,)`, and `sample` the number of its sample. For a union, `parts` are the bodies that not all
+    worlds have, and `has` says which each has, `(worlds, parts)`. `model` is the identity of the model, None in a
+    bundle that contains it.
     """
 
     arrays: Mapping[str, Varying]
@@ -55,7 +58,7 @@ class Table:
     has: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), np.bool_))
 
     def about(self) -> dict[str, Any]:
-        """All but the arrays, for JSON."""
+        """Return everything except the arrays, for JSON."""
         return {
             "worlds": FORMAT, "samples": self.count, "seed": self.seed, "mujoco": self.mujoco,
             "model_sha256": self.model, "cells": list(map(dict, self.cells)),
@@ -64,7 +67,7 @@ class Table:
 
 
 def write(path: str | PathLike[str], model: Model, table: Table) -> None:
-    """Write a table, whole or not at all: as Parquet where the name ends so, else as `.npz`. Raises OutputError."""
+    """Write a table completely or not at all: as Parquet if the name says so, else as `.npz`. Raises OutputError."""
     path = Path(path)
     check_name(path)
     with staged_file(path) as stage:
@@ -86,7 +89,7 @@ def write(path: str | PathLike[str], model: Model, table: Table) -> None:
 
 
 def check_name(path: Path) -> None:
-    """Raises OutputError for a name that no table of worlds has."""
+    """Raise OutputError for a name that is not that of a table of worlds."""
     if path.suffix.lower() not in (".npz", ".parquet"):
         help = f"end it in `.npz`, or in `.parquet` with `pyarrow` installed: `{path.with_suffix('.npz')}`"
         raise OutputError("output-kind", f"no table of worlds is called `*{path.suffix}`: `{path}`", help)
@@ -97,7 +100,7 @@ def check_name(path: Path) -> None:
 
 
 def read(content: bytes) -> Table:
-    """The table in the bytes of a file. Raises ValueError, KeyError, TypeError or OSError for what is none."""
+    """Parse a table. Raises ValueError, KeyError, TypeError or OSError for anything else."""
     if content.startswith(b"PAR1"):
         from composer.worlds.parquet import read_parquet
 
@@ -114,7 +117,7 @@ def read(content: bytes) -> Table:
 
 
 def of_about(about: Mapping[str, Any], arrays: Mapping[str, Varying], **given: Any) -> Table:
-    """A table of what a file says. Raises KeyError, TypeError, ValueError."""
+    """Return the table for the data in a file. Raises KeyError, TypeError, ValueError."""
     if about["worlds"] != FORMAT:
         raise ValueError(f"its format is {about['worlds']}, this mjcompose knows {FORMAT}")
     count = int(about["samples"])

@@ -1,4 +1,4 @@
-"""The worlds of a bundle: which numbers of mjModel differ, and what they are in each world."""
+"""The worlds of a bundle: the numbers of mjModel that differ, and their values in each world."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ from composer.worlds.table import Table, Varying
 
 @dataclass(frozen=True, slots=True)
 class Worlds:
-    """The `nominal` model, and by the name of an array of mjModel the numbers of it that differ between worlds.
+    """The `nominal` model, and by array of mjModel the numbers that differ between worlds.
 
     `table` says which cell of the recipe's matrix and which sample a world is; without a matrix world `n` is sample
     `n + 1`. What follows from what is drawn is among the arrays: `body_subtreemass`,
-    `dof_invweight0`, `qpos0` and others, so that nothing is to be computed anew. `stat.meaninertia` is a
+    `dof_invweight0`, `qpos0` and others, so that nothing is to be computed again. `stat.meaninertia` is a
     number of `model.stat`.
     """
 
@@ -47,19 +47,19 @@ class Worlds:
 
     @property
     def arrays(self) -> Mapping[str, Varying]:
-        """The numbers that differ, by the name of the array."""
+        """The numbers that differ, by array."""
         return self.table.arrays
 
     @property
     def count(self) -> int:
-        """How many worlds there are."""
+        """The number of worlds."""
         return self.table.count
 
     def __len__(self) -> int:
         return self.count
 
     def model(self, world: int) -> Model:
-        """One world as a `mujoco.MjModel` of its own. Raises IndexError."""
+        """Return one world as a `mujoco.MjModel` of its own. Raises IndexError."""
         if not -self.count <= world < self.count:
             raise IndexError(f"world {world} does not exist: there are {self.count}")
         model = copy.copy(self.nominal)
@@ -70,12 +70,12 @@ class Worlds:
         return model
 
     def models(self, worlds: Iterable[int] | None = None) -> Iterator[Model]:
-        """The models of these worlds, or of all, one after another."""
+        """Yield the models of these worlds, or of all, one after another."""
         for world in range(self.count) if worlds is None else worlds:
             yield self.model(world)
 
     def take(self, worlds: Iterable[int]) -> Worlds:
-        """Some of the worlds, in this order: `study.take(range(2000))`. Raises IndexError."""
+        """Return some of the worlds, in this order: `study.take(range(2000))`. Raises IndexError."""
         chosen = np.fromiter(worlds, np.int64)
         if chosen.size and not -self.count <= chosen.min() <= chosen.max() < self.count:
             raise IndexError(f"world {chosen.max()} does not exist: there are {self.count}")
@@ -86,9 +86,10 @@ class Worlds:
         return replace(self, table=table)
 
     def values(self, name: str) -> NDArray[Any]:
-        """An array in all worlds, `(worlds, *shape)`, what does not differ too. Raises AttributeError for no array.
+        """Return an array in all worlds, `(worlds, *shape)`, including equal numbers.
 
-        This is what batched simulators take: `values("geom_friction")` has the shape `(worlds, ngeom, 3)`.
+        Raises AttributeError if there is none. This is the form for batched simulators: `values("geom_friction")`
+        has the shape `(worlds, ngeom, 3)`.
         """
         shape = np.shape(value_of(self.nominal, name))
         whole = np.repeat(flat(self.nominal, name)[None], self.count, axis=0)
@@ -97,14 +98,16 @@ class Worlds:
         return whole.reshape(self.count, *shape)
 
     def whose(self, name: str) -> list[Whose]:
-        """Of each number of an array that differs the kind of element, its name and the attribute. Raises KeyError.
+        """Return kind, name and attribute for each differing number of an array.
 
-        study.whose("geom_friction")[0]   # Whose(kind="geom", element="pads/left", attribute="friction[0]")
+            study.whose("geom_friction")[0]   # Whose(kind="geom", element="pads/left", attribute="friction[0]")
+
+        Raises KeyError.
         """
         return whose(self.nominal, name, self.arrays[name].index)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write the numbers to an `.npz` or a `.parquet`, for `load(bundle, path)`, whole or not at all.
+        """Write the numbers to an `.npz` or a `.parquet` for `load(bundle, path)`, completely or not at all.
 
         Raises MjcomposeError.
         """
@@ -115,10 +118,10 @@ class Worlds:
 
 
 def load(bundle: str | PathLike[str], file: str | PathLike[str] | None = None) -> Worlds:
-    """Load the worlds of a bundle, a folder or an archive, that a recipe with `emit: worlds` was built as.
+    """Load the worlds of a bundle, a folder or an archive, that was built from a recipe with `emit: worlds`.
 
-    With a `file` its worlds are those that `mjcompose build --worlds` or `Worlds.save` wrote there. Files are held
-    against the manifest and arrays against the model, as `composer.load` does. Raises LoadError; warns with
+    With a `file`, the worlds are those that `mjcompose build --worlds` or `Worlds.save` wrote there. Files are
+    checked against the manifest and arrays against the model, as in `composer.load`. Raises LoadError; warns with
     BundleWarning.
     """
     shown = os.fspath(bundle)
@@ -150,7 +153,7 @@ def load(bundle: str | PathLike[str], file: str | PathLike[str] | None = None) -
 
 
 def _check(model: Model, name: str, varying: Varying, count: int, shown: str) -> None:
-    """That the numbers have a place in the model."""
+    """Check that the numbers fit the model."""
     try:
         size = flat(model, name).size
     except AttributeError:

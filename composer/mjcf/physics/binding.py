@@ -1,4 +1,4 @@
-"""Views on the arrays of a compiled model for one element or several of a kind."""
+"""Views on the arrays of a compiled model, for one element or several of one kind."""
 
 from __future__ import annotations
 
@@ -27,22 +27,22 @@ Data = Any
 
 
 class Binding:
-    """The fields of `mjModel` and `mjData` that an element, or each of several of one kind, has.
+    """The fields of `mjModel` and `mjData` for one element, or for several of one kind.
 
-    A field goes by MuJoCo's full name and by that without the kind: `geom_xpos` and `xpos`; as text it is an
-    index: `binding['xpos']`, `binding['xpos', 'z']`. What is read is
-    MuJoCo's own memory and follows it: take a `copy()` to keep it. What is assigned, to a field or to items
-    of it, is written there. MuJoCo reads a `pos`, `quat`, `ipos` or `iquat` that was written here, also where it
-    had compiled it away because it was that of another frame.
+    A field has MuJoCo's full name and one without the kind: `geom_xpos` and `xpos`. Names also work as an index:
+    `binding['xpos']`, `binding['xpos', 'z']`. Reading returns MuJoCo's own memory, which changes with the
+    simulation; take a `copy()` to keep it. Assignments, to a field or to its items, are written there. MuJoCo uses
+    a `pos`, `quat`, `ipos` or `iquat` that was written here even if it had compiled the pose away because it was
+    equal to that of another frame.
 
-    Shapes, for one element: a number has `()`, a row `(3,)`; what an element may have several of has its
-    length even where that is one: `qpos` of a hinge is `(1,)`, of a free joint `(7,)`, `sensordata` of a
-    force `(3,)`. Of an actuator with one control `ctrl` is a number, `act` of one without state is empty.
-    For a sequence of n elements, in its order: `(n,)`, `(n, 3)`, and the lengths added up. Units are
-    MuJoCo's: radians, metres, kilograms, seconds.
+    Shapes, for one element: a number has `()`, a row `(3,)`. A field that can have several numbers per element has
+    their count as its length, even if it is one: `qpos` of a hinge is `(1,)`, of a free joint `(7,)`, `sensordata`
+    of a force `(3,)`. For an actuator with one control, `ctrl` is a number; for one without state, `act` is empty.
+    For a sequence of n elements, in its order: `(n,)`, `(n, 3)`, and the sum of the lengths. Units are MuJoCo's:
+    radians, metres, kilograms, seconds.
 
-    Of a sequence whose rows do not stand at regular distances in MuJoCo's array a field is a copy made when
-    it is read; items, slices and `+=` are still written through.
+    If the rows of a sequence are not evenly spaced in MuJoCo's array, a field is a copy made when it is read;
+    assignments to items and slices, and `+=`, are still written to MuJoCo.
     """
 
     __slots__ = ("__dict__", "_data", "_homes", "_ids", "_kind", "_labels", "_model", "_one")
@@ -249,7 +249,7 @@ class Binding:
 
 
 class EmptyBinding:
-    """What a sequence of no elements is bound to: every field is an empty array."""
+    """The binding of an empty sequence of elements: every field is an empty array."""
 
     __slots__ = ()
 
@@ -279,7 +279,7 @@ def binding_of(kind: str, regular: bool) -> type[Binding]:
     """The class of bindings of a kind, with the kind's fields; MuJoCo is asked what they are.
 
     `regular` says whether the rows stand at regular distances: the one is made for fields that are views,
-    the other for fields that are read anew each time.
+    the other for fields that are read again each time.
     """
     field_of = _FieldView if regular else _scattered_field
     members: dict[str, Any] = {name: field_of(name, field) for name, field in fields(kind).items()}
@@ -292,7 +292,7 @@ def _bound(kind: str, ids: Sequence[int], labels: Sequence[str], one: bool, data
 
 
 class _FieldView:
-    """A field as an attribute. A view that a binding has kept is found before this is asked."""
+    """A descriptor for a field. Python finds a view that the binding has cached before it calls the descriptor."""
 
     __slots__ = ("field", "name")
 
