@@ -100,7 +100,9 @@ class Worlds:
     def whose(self, name: str) -> list[Whose]:
         """Return kind, name and attribute for each differing number of an array.
 
-            study.whose("geom_friction")[0]   # Whose(kind="geom", element="pads/left", attribute="friction[0]")
+                study.whose("geom_friction")[0]   # Whose(kind="geom", element="pads/left", attribute="friction[0]")
+
+        Raises KeyError.
 
         Raises KeyError.
         """
