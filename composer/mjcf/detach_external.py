@@ -29,8 +29,8 @@ _OF_BODIES = frozenset({"worldbody", "default", "asset", "extension"})
 def without_outward(unit: Unit, prefixes: tuple[str, ...]) -> Unit:
     """Return the unit, or a copy without the elements that refer to names with one of the prefixes.
 
-    Bodies and the elements on them stay, except that references to such materials are removed; MuJoCo reports other
-    missing names. Actuators stay, in their order, and act on a placeholder site.
+    Bodies and the elements on them stay. Their references to materials with these names are removed; if another name
+    is missing, MuJoCo reports it. Actuators stay, in their order, and act on a placeholder site.
     """
     if not _outward(NameIndex.of(unit.root), prefixes):
         return unit
