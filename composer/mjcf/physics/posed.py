@@ -31,7 +31,7 @@ def _own(of: str) -> Release:
 
 
 def _of_inertia(model: Model, array: str, rows: NDArray[np.intp]) -> None:
-    """The inertia of bodies leaves their frame, and what stood where it was stays there."""
+    """Prepare for setting inertia poses that differ from the body frames. Poses equal to the old ones stay."""
     simple = (model.body_simple[rows] != 0) & (model.body_dofnum[rows] > 0)
     if simple.any():
         raise _is_simple(model, array, int(rows[simple][0]))
@@ -80,7 +80,7 @@ class Posed(np.ndarray[Any, np.dtype[Any]]):
         return posed
 
     def __array_wrap__(self, array: Any, context: Any = None, return_scalar: bool = False) -> Any:
-        """What is computed from poses is plain numpy."""
+        """Return results computed from poses as plain numpy arrays."""
         return array.view(np.ndarray) if array.ndim else array[()]
 
     def __repr__(self) -> str:
