@@ -13,7 +13,7 @@ from composer.mjcf.errors import MjcfError, failure
 
 
 def as_path(argument: str, value: object) -> Path:
-    """An argument that has to be a path."""
+    """Return the argument as a path. Raises `MjcfError` if it is not a path or contains a null character."""
     if isinstance(value, str | os.PathLike):
         path = Path(value)
         if "\0" in str(path):
@@ -26,21 +26,21 @@ Folders = Sequence[str | os.PathLike[str]]
 
 
 def as_folders(argument: str, value: object) -> tuple[Path, ...]:
-    """An argument that has to be a list of folders."""
+    """Return the argument, a list of folders, as paths. Raises `MjcfError` if it is anything else."""
     if isinstance(value, str | bytes) or not isinstance(value, Sequence):
         raise expects(argument, "a list of folders", repr(value))
     return tuple(as_path(argument, each) for each in value)
 
 
 def as_name(argument: str, value: object) -> str:
-    """An argument that has to be text."""
+    """Return the argument if it is text. Raises `MjcfError` if it is not."""
     if isinstance(value, str):
         return value
     raise expects(argument, "a name", repr(value))
 
 
 def as_index(argument: str, value: object) -> int:
-    """An argument that has to be a whole number, Python's or numpy's."""
+    """Return the argument as an int. Raises `MjcfError` if it is not an integer of Python or numpy."""
     if not isinstance(value, bool):
         with contextlib.suppress(TypeError):  # arrays have the method too
             return operator.index(value)  # type: ignore[arg-type]
@@ -48,7 +48,7 @@ def as_index(argument: str, value: object) -> int:
 
 
 def as_files(argument: str, value: object) -> dict[str, bytes]:
-    """An argument that has to be the bytes of files by path, or None."""
+    """Return the argument, the bytes of files by path or None, as a dict. Raises `MjcfError` if it is anything else."""
     if not isinstance(value, Mapping | None):
         raise expects(argument, "bytes by path", type(value).__name__)
     found: dict[str, bytes] = {}
@@ -61,5 +61,5 @@ def as_files(argument: str, value: object) -> dict[str, bytes]:
 
 
 def expects(argument: str, what: str, got: object) -> MjcfError:
-    """The fault of an argument that is something else."""
+    """Return the error that `argument` expects `what` and got something else."""
     return failure("wrong-type", f"`{argument}` expects {what}, got `{got}`", call_site())

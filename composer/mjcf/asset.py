@@ -43,7 +43,7 @@ class Asset:
         *,
         path: str | os.PathLike[str] | None = None,
     ) -> None:
-        """`contents` or `path`, not both. The bytes of a path are read when they are asked for."""
+        """Make an asset from either `contents` or `path`. The file at a path is read when `contents` is accessed."""
         if (contents is None) == (path is None):
             message = "an `Asset` is made of `contents` or of a `path`, one of them"
             raise failure("wrong-type", message, call_site())
@@ -63,7 +63,7 @@ class Asset:
 
     @property
     def contents(self) -> bytes:
-        """The bytes. Raises `MjcfError` if the file cannot be read any more."""
+        """The bytes of the file. Raises `MjcfError` if the file can no longer be read."""
         if self._data is not None:
             return self._data
         assert self.path is not None
@@ -78,10 +78,11 @@ class Asset:
 
     @property
     def bundle_path(self) -> str | None:
-        """Where `export_with_assets` puts it, `assets/arm/shell.stl`: the path that the exported model names.
+        """The path that `export_with_assets` writes the file to, such as `assets/arm/shell.stl`.
 
-        Of the whole composition, which is put together to know it. None for an `Asset` that was not read
-        from an element, and for one whose element is not written. Raises `MjcfError` as exporting does.
+        The exported model refers to the file by this path. To determine it, the whole composition is linked. It is
+        None for an `Asset` that was not read from an element, and for one whose element is not written. Raises
+        `MjcfError` as exporting does.
 
         >>> from composer import mjcf
         >>> model = mjcf.RootElement('table')
@@ -93,7 +94,7 @@ class Asset:
 
     @property
     def source(self) -> bytes | Path:
-        """The bytes in memory, or where they are."""
+        """The bytes, if they are in memory, or the path of the file."""
         if self._data is not None:
             return self._data
         assert self.path is not None
@@ -121,7 +122,7 @@ class Files(Mapping[str, bytes | Path]):
         self._anywhere = {name: content for name, content in self._exact.items() if "/" not in name}
 
     def with_files(self, files: Mapping[str, bytes | Path]) -> Files:
-        """These and more, each for exactly its path."""
+        """Return these files and `files`; each of `files` is found only by its exact path."""
         more = Files()
         more._exact = {**self._exact, **files}
         more._anywhere = self._anywhere
@@ -139,7 +140,7 @@ class Files(Mapping[str, bytes | Path]):
 
 
 def asset_of(model: Model, tag: str, name: str) -> Asset:
-    """The file that an element of `tag` names."""
+    """Return the file that an element with this tag refers to by `name`."""
     unit = model.unit
     written = _written(model, tag, name)
     known = unit.contents.get(written)
@@ -152,7 +153,7 @@ def asset_of(model: Model, tag: str, name: str) -> Asset:
 
 
 def _admitted(unit: Unit, written: str) -> Path:
-    """Where a file is that the model's own text names."""
+    """Return the path of a file that the model's text refers to. Raises `MjcfError` if it may not be read."""
     try:
         return Path(unit.door.admit(join(str(unit.directory), written)))
     except Refused as refused:
@@ -160,7 +161,7 @@ def _admitted(unit: Unit, written: str) -> Path:
 
 
 def place(model: Model, tag: str, asset: Asset, contents: dict[str, bytes | Path]) -> str:
-    """A file name in the model for an asset, noted in `contents`; equal assets share one."""
+    """Return a file name in the model for an asset, and add the file to `contents`. Equal assets share one name."""
     number = 1
     while True:
         name = f"{asset.prefix}{'' if number == 1 else f'-{number}'}{asset.extension}"

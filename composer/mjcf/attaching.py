@@ -25,7 +25,7 @@ HOSTS = ("site", "body", "frame", WORLD_SECTION)
 
 
 def attach(model: Model, host: Node, child: Model) -> Node:
-    """Hang `child` on a node; gives the attachment frame. See `Element.attach`."""
+    """Attach `child` to a node and return the attachment frame. See `Element.attach`."""
     place = describe(model, host)
     if kind_of(host).path not in HOSTS or model.frame_above(host) is not None:
         raise failure(
@@ -63,14 +63,14 @@ def attach(model: Model, host: Node, child: Model) -> Node:
 
 
 def detach(child: Model) -> None:
-    """See `RootElement.detach`."""
+    """Detach a model from its parent. See `RootElement.detach`."""
     if child.hung is None:
         raise failure("attach-place", f"`{child.name}` is not attached to anything", call_site())
     release(child.hung.parent, child.prefix)
 
 
 def set_model_name(model: Model, name: str | None) -> None:
-    """Give a model another name; where it is attached, every reference from above follows the new prefix."""
+    """Rename a model. If it is attached, update the references from the models above to the new prefix."""
     written = edit.check(model, kind_of(model.unit.root), {"model": name})
     attachment = model.hung
     old = model.prefix
@@ -92,7 +92,7 @@ def set_model_name(model: Model, name: str | None) -> None:
 
 
 def _check_prefix(model: Model, child: Model, name: str, itself: Model | None = None) -> None:
-    """Two models on one cannot have one prefix, and no name of the one may be taken by names of the other."""
+    """Raise `MjcfError` if another child of `model` has the prefix `name/`, or if a name of the child would clash."""
     prefix = f"{name}/"
     taken = model.attachments.get(prefix)
     if taken is not None and taken.child is not itself:
@@ -129,7 +129,7 @@ def _check_prefix(model: Model, child: Model, name: str, itself: Model | None = 
 
 
 def attachments_below(model: Model) -> Iterator[Attachment]:
-    """Every attachment of a composition, each before those of its child."""
+    """Yield every attachment of a composition, each before the attachments of its child."""
     for attachment in model.attachments.values():
         yield attachment
         yield from attachments_below(attachment.child)

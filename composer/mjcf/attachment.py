@@ -38,7 +38,7 @@ class AttachmentFrame(Element):
 
     @property
     def parent(self) -> Element | None:
-        """The body, frame or worldbody below which the child stands."""
+        """The body, frame or worldbody that contains the child in the output."""
         attachment = self._alive()._attachment
         return cast(Element, view(self._model, attachment.container))
 
@@ -96,7 +96,7 @@ class AttachmentFrame(Element):
         super()._write(attributes)
 
     def _check_body_name(self) -> None:
-        """A frame that becomes a body takes the bare prefix as its name, which must be free."""
+        """Raise `MjcfError` if another body already has the prefix as its name, which a frame has as a body."""
         attachment, model = self._attachment, self._model
         name = attachment.child.prefix
         taken = None if attachment.is_body else model.top.lookup("body", model.full_prefix + name)
@@ -110,20 +110,20 @@ class AttachmentFrame(Element):
             )
 
     def remove(self, cascade: bool = False) -> None:
-        """Not possible: `detach()` the child instead."""
+        """Raise `MjcfError`: an attachment frame cannot be removed. Call `detach()` on the child instead."""
         raise failure(
             "not-supported", "an attachment frame goes with its model: `detach()` that", call_site()
         )
 
     def attach(self, other: RootElement) -> Element:
-        """Not possible: attach to something of the parent or of the child."""
+        """Raise `MjcfError`: attach models to an element of the parent or of the child instead."""
         raise failure("attach-place", "an attachment frame takes joints, not models", call_site())
 
 
 def get_attachment_frame(element: Element) -> AttachmentFrame | None:
-    """The frame through which an element's model hangs on its parent; None where it is not attached.
+    """Return the frame that attaches an element's model to its parent, or None if the model is not attached.
 
-    Takes an attached `RootElement` or any element in it.
+    `element` is a `RootElement` or any element of its model.
 
     >>> from composer import mjcf
     >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
@@ -138,7 +138,9 @@ def get_attachment_frame(element: Element) -> AttachmentFrame | None:
 
 
 def get_frame_joints(frame: Element) -> list[Element]:
-    """The joints of an attachment frame; takes the frame or anything in the attached model.
+    """Return the joints of an attachment frame, given the frame or any element of the attached model.
+
+    The list is empty if the model is not attached.
 
     >>> from composer import mjcf
     >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
@@ -151,7 +153,9 @@ def get_frame_joints(frame: Element) -> list[Element]:
 
 
 def get_frame_freejoint(frame: Element) -> Element | None:
-    """The free joint of an attachment frame, or None; takes the frame or anything in the attached model.
+    """Return the free joint of an attachment frame, or None if it has none.
+
+    `frame` is the frame or any element of the attached model.
 
     >>> from composer import mjcf
     >>> scene, mug = mjcf.RootElement('scene'), mjcf.RootElement('mug')
@@ -163,7 +167,10 @@ def get_frame_freejoint(frame: Element) -> Element | None:
 
 
 def get_freejoint(body: Element) -> Element | None:
-    """The free joint of a body, however it is written, or None; frames in the body are looked through.
+    """Return the free joint of a body, or None if it has none.
+
+    It finds a `<freejoint>` as well as a `<joint>` with the type `free`, which may come from a default class. It also
+    looks inside the `<frame>`s of the body.
 
     >>> from composer import mjcf
     >>> mug = mjcf.RootElement().worldbody.add('body', name='mug')

@@ -36,25 +36,25 @@ class Attributed:
     _removed: bool
 
     def __init__(self, model: Model, node: Node) -> None:
-        """For use by this package: Elements come from `add`, `find` and the like."""
+        """For internal use. To get an Element, call `add`, `find` or a similar method."""
         _set_model(self, model)
         _set_node(self, node)
         _set_removed(self, False)
 
     @classmethod
     def _of(cls, model: Model, node: Node) -> Self:
-        """The view of a node of a model that exists."""
+        """Return a view of an existing node of a model."""
         made = cls.__new__(cls)
         Attributed.__init__(made, model, node)
         return made
 
     @property
     def tag(self) -> str:
-        """The MJCF tag, `geom`."""
+        """The MJCF tag, for example `geom`."""
         return str(self._node.tag)
 
     def get(self, attribute: str, default: Any = None) -> Any:
-        """The value of an attribute; `default` where it is not set or such elements do not have it.
+        """Return the value of an attribute, or `default` if it is not set or does not exist for this tag.
 
         >>> from composer import mjcf
         >>> arm = mjcf.RootElement().worldbody.add('body', name='arm', pos=[0, 0, 1])
@@ -66,7 +66,7 @@ class Attributed:
         return default if value is None else value
 
     def get_attributes(self) -> dict[str, Any]:
-        """All attributes that are set, by their Python names.
+        """Return the values of all attributes that are set, by their Python names.
 
         >>> from composer import mjcf
         >>> mjcf.RootElement().worldbody.add('geom', name='ball', size=[1]).get_attributes()
@@ -76,7 +76,7 @@ class Attributed:
         return {spoken(str(name)): self._read(known[str(name)]) for name in self._node.keys()}  # noqa: SIM118
 
     def set_attributes(self, **attributes: object) -> None:
-        """Set several attributes, all or none: a fault in one raises `MjcfError` and changes nothing.
+        """Set several attributes at once. If one value is invalid, raise `MjcfError` and change nothing.
 
         >>> from composer import mjcf
         >>> ball = mjcf.RootElement().worldbody.add('geom', size=[1])
@@ -87,9 +87,9 @@ class Attributed:
         self._write(attributes)
 
     def origin_of(self, attribute: str) -> Span:
-        """The place one attribute came from: where it is written, or the line of the program that set it.
+        """Return where an attribute was set: its place in a file, or the line of the program that set it.
 
-        Raises `MjcfError` for one that such elements do not have, and where it is not set.
+        Raises `MjcfError` if the attribute does not exist for this tag, or is not set.
 
         >>> from composer import mjcf
         >>> ball = mjcf.from_xml_string('<mujoco><worldbody><geom size="1"/></worldbody></mujoco>').find('geom')
@@ -198,7 +198,7 @@ class Attributed:
         return kind_of(self._node)
 
     def _take_out(self) -> None:
-        """Note that the node leaves the model."""
+        """Mark the element as removed from its model."""
         object.__setattr__(self, "_removed", True)
 
     def _described(self) -> str:
@@ -215,7 +215,7 @@ _set_model, _set_node, _set_removed = (vars(Attributed)[slot].__set__ for slot i
 
 
 def targets(attributes: Mapping[str, object]) -> dict[str, object]:
-    """The attributes with nodes in place of Elements."""
+    """Return the attributes with each Element replaced by its model and node."""
     return {name: _target(value) for name, value in attributes.items()}
 
 

@@ -30,9 +30,10 @@ class _Prefixes:
 
 
 def renamed(model: Model, rename: Callable[[str], str | None]) -> dict[str, bytes | Path]:
-    """The skin files of a model in which names change. Raises `MjcfError` for a name that does not fit into one.
+    """Return the new content of the skin files in which body names change, by their written paths.
 
-    `rename` gives None for what keeps its name.
+    `rename` returns the new name of a body, or None if the name stays the same. Raises `MjcfError` for a name that
+    does not fit into a skin file.
     """
     found: dict[str, bytes | Path] = {}
     for skin in skins(model.unit.root):
@@ -46,7 +47,7 @@ def renamed(model: Model, rename: Callable[[str], str | None]) -> dict[str, byte
 
 
 def for_body(model: Model, old: str, new: str) -> Skins:
-    """What the skins of a model and of those above it are to be when one of its bodies gets another name."""
+    """Return the new skin files of a model and of the models above it after a body is renamed."""
     found: Skins = []
     for here, prefix in model.levels():
         changed = renamed(here, {prefix + old: prefix + new}.get)
@@ -56,7 +57,7 @@ def for_body(model: Model, old: str, new: str) -> Skins:
 
 
 def for_prefix(parent: Model, old: str, new: str) -> Skins:
-    """What the skins of a model and of those above it are to be when what hangs on it gets another prefix."""
+    """Return the new skin files of a model and of the models above it after the prefix of a child changes."""
     found: Skins = []
     for here, prefix in parent.levels():
         changed = renamed(here, _Prefixes(prefix + old, prefix + new, here.names.declared.get("body", {})))
@@ -66,7 +67,7 @@ def for_prefix(parent: Model, old: str, new: str) -> Skins:
 
 
 def take(skins: Skins) -> None:
-    """Let the models have these files."""
+    """Set the new skin files on their models."""
     for model, files in skins:
         known = model.unit.contents
         model.unit.contents = (known if isinstance(known, Files) else Files(known)).with_files(files)

@@ -10,7 +10,7 @@ _ROOM = __name__.rpartition(".")[0]
 
 
 def call_site() -> Span:
-    """The innermost line outside this package's element tree."""
+    """Return the innermost line of the call stack outside this package."""
     frame = sys._getframe(1)
     while frame.f_back is not None and str(frame.f_globals.get("__name__", "")).startswith(_ROOM):
         frame = frame.f_back

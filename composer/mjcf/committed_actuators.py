@@ -32,7 +32,7 @@ _PLAIN = frozenset({_GENERAL, "motor", "position", "velocity", "intvelocity", "a
 
 
 def is_plain(found: DefaultClass, node: Node) -> bool:
-    """Whether what a class gives to an actuator can be written on it as it is."""
+    """Return whether the attributes that a class sets for an actuator can be written onto it unchanged."""
     tag, known = str(node.tag), kind_of(node).attributes
     for element in _elements(found):
         if element.tag == tag:
@@ -49,11 +49,12 @@ def is_plain(found: DefaultClass, node: Node) -> bool:
 def commit(
     model: Model, node: Node, given: Mapping[str, str], found: DefaultClass, *, partly: bool = False
 ) -> None:
-    """Write onto an actuator what makes MuJoCo read the same of it with its classes and without.
+    """Write attributes onto an actuator so that MuJoCo reads the same with its classes and without them.
 
-    `given` is what they give by attributes of its own. Where these do not say it, it becomes a `general`, which can say
-    anything but what a plugin does. Issues an `MjcfWarning` then, and where it goes on needing its class. Where only
-    a part of it was asked for, `partly`, it needs its class anyway, and becomes nothing else.
+    `given` has the attributes from the classes that the actuator's own tag has. If these are not enough, the actuator
+    becomes a `general`, which can express everything except a plugin, and an `MjcfWarning` is issued. If that is not
+    enough either, the actuator still needs its class, and an `MjcfWarning` says so. With `partly`, only some of the
+    attributes were requested: then the actuator keeps its tag and its class.
     """
     sections = _sections(found)
     spelled = copy.copy(node)
@@ -83,7 +84,7 @@ def commit(
 
 
 def _sections(found: DefaultClass) -> list[Node]:
-    """All default classes of the model that a class is of; none where it says nothing, and neither do those above."""
+    """Return the default sections of the class's model, or none if the class and those above set nothing."""
     for element in _elements(found):
         above = [each for each in element.iterancestors() if each.tag == ROOT]
         return list(above[0].iterchildren("default"))
@@ -105,7 +106,7 @@ def _candidates(
     *,
     in_general: bool,
 ) -> Iterator[Node]:
-    """The element with all that its classes give, with what its tag does not determine, and as a `general`."""
+    """Yield the element with all attributes from its classes, with those that all tags share, and as a `general`."""
     for names in (given.keys(), given.keys() & OF_ALL):
         candidate = copy.copy(node)
         candidate.attrib.update({name: given[name] for name in sorted(names)})
@@ -126,13 +127,13 @@ def _candidates(
 
 
 def _bare(node: Node) -> Node:
-    """A `general` of the same class that says nothing."""
+    """Return a `general` of the same class without any other attribute."""
     found = str(node.get("class") or "")
     return node.makeelement(_GENERAL, {"class": found} if found else {})
 
 
 def _become(model: Model, node: Node, other: Node) -> None:
-    """Make an element what another one is; whoever holds it goes on holding it."""
+    """Give an element the tag and attributes of another one. Existing references to its Element stay valid."""
     model.forget(node)
     if node.tag != other.tag:
         _warn(

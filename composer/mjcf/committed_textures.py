@@ -13,7 +13,7 @@ _OF_ATTRIBUTE = "rgb"
 
 
 def commit(model: Model, node: Node, found: DefaultClass) -> None:
-    """Write onto a material the textures that its class gives for roles of which it says nothing itself."""
+    """Write onto a material the textures of its class for the roles that the material itself does not set."""
     own = _by_role(node)
     missing = {role: name for role, name in _given(found).items() if role not in own and name}
     if not missing:

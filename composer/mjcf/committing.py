@@ -37,15 +37,15 @@ _NEVER_COMPLETED = frozenset({"springlength"})
 
 
 def commit_defaults(root_or_element: Element, attributes: Collection[str] | None = None) -> None:
-    """Write onto an element and all below it, attached models included, what their default classes give.
+    """Write the values of default classes onto an element and everything below it, including attached models.
 
-    With `attributes` these alone, by their Python names; elements that do not have one go without it. Raises
-    `MjcfError` for a name that no element has.
+    With `attributes`, write only these, given by their Python names; elements without such an attribute are skipped.
+    Raises `MjcfError` for an attribute that no element has.
 
-    The classes stay, and so does the compiled model. A list that is written shorter than its class has it
-    is completed, as MuJoCo does; an orientation is left as it is where there is one. An actuator whose class speaks of
-    actuators of another tag has what MuJoCo makes of both together; where its tag cannot say that, it becomes a
-    `general`, and an `MjcfWarning` says so. For such actuators MuJoCo is imported.
+    The classes stay in the model, and the compiled model stays the same. A list that is shorter than the one of its
+    class is completed, as MuJoCo does; an orientation that is set stays as it is. If the class of an actuator has
+    settings for actuators with another tag, the actuator gets the combination that MuJoCo makes of both. If its tag
+    cannot express this, it becomes a `general`, and an `MjcfWarning` is issued. MuJoCo is imported for such actuators.
 
     >>> from composer import mjcf
     >>> model = mjcf.from_xml_string('<mujoco><default><geom rgba="1 0 0 1" friction="1 0.1"/></default>'
@@ -59,7 +59,7 @@ def commit_defaults(root_or_element: Element, attributes: Collection[str] | None
 
 
 def _known(attributes: Collection[str]) -> frozenset[str]:
-    """Attributes by their names in MJCF."""
+    """Return the MJCF names of attributes. Raises `MjcfError` for a name that no default class can set."""
     if isinstance(attributes, str):
         raise expects("attributes", "a list of names", attributes)
     kinds = GRAMMAR.section("default").children.values()
@@ -101,7 +101,7 @@ def _commit_below(model: Model, top: Node, only: frozenset[str] | None) -> None:
 
 
 def _commit_joints(model: Model, top: Node, only: frozenset[str] | None) -> None:
-    """The joints of an attachment frame have the class in force where it hangs."""
+    """Write the defaults onto the joints of an attachment frame, which take the class in force at its host."""
     classes = Classes(model.unit.root)
     for node in top.iter("joint"):
         frame = model.frame_above(node)
@@ -111,7 +111,7 @@ def _commit_joints(model: Model, top: Node, only: frozenset[str] | None) -> None
 
 
 def _class(model: Model, classes: Classes, name: str | None) -> DefaultClass:
-    """The class of a name, which may be one of an attached model."""
+    """Return the class with this name, which may belong to an attached model."""
     if name is not None and name not in classes.by_name:
         found = model.lookup("default", name)
         if found is not None and found.model is not model:
@@ -120,7 +120,7 @@ def _class(model: Model, classes: Classes, name: str | None) -> DefaultClass:
 
 
 def _elements(top: Node) -> Iterator[Node]:
-    """Everything that default classes can say something of."""
+    """Yield every element that default classes can set attributes of."""
     tags = frozenset(GRAMMAR.section("default").children) | {"fixed", "spatial"}
     sections = top.iterchildren("*") if top.tag == ROOT else [top]
     for section in sections:
@@ -163,7 +163,7 @@ def _commit(model: Model, node: Node, found: DefaultClass, only: frozenset[str] 
 
 
 def _given(found: DefaultClass, node: Node, attributes: Mapping[str, Attribute]) -> dict[str, str]:
-    """Every attribute that a class and those above it give to an element; the nearest counts."""
+    """Return the attributes that a class and those above it set for an element; the nearest class wins."""
     inherited = {} if found.parent is None else _given(found.parent, node, attributes)
     tag = default_tag(node)
     for element in _written(found, ACTUATORS if tag in ACTUATORS else (tag,)):
@@ -183,17 +183,17 @@ def _given(found: DefaultClass, node: Node, attributes: Mapping[str, Attribute])
 
 
 def _counts_empty(attribute: Attribute) -> bool:
-    """Whether nothing between the quotes is a value too, which takes back what a class above gives."""
+    """Return whether an empty text is a value of its own, which overrides the value of a class above."""
     return attribute.type in _TEXTS
 
 
 def _is_settled(node: Node, name: str) -> bool:
-    """Whether an element says in another way what an attribute would say."""
+    """Return whether an element sets another attribute that has the same meaning as this one."""
     return any(name in group and any(node.get(each) for each in group) for group in _ONE_OF)
 
 
 def _written(found: DefaultClass, tags: Collection[str]) -> list[Node]:
-    """The elements of one class that are of these tags, as they stand."""
+    """Return the elements of one class that have these tags, in document order."""
     elements = [element for tag in tags for element in found.elements.get(tag, ())]
     if len(tags) > 1 and len(elements) > 1:
         elements.sort(key=_place)
@@ -201,13 +201,13 @@ def _written(found: DefaultClass, tags: Collection[str]) -> list[Node]:
 
 
 def _place(node: Node) -> list[int]:
-    """Where a node stands in its document, to be compared."""
+    """Return the position of a node in its document as a sort key."""
     parent = node.getparent()
     return [] if parent is None else [*_place(parent), parent.index(node)]
 
 
 def _completed(attribute: Attribute, own: str, inherited: str) -> str:
-    """A value with the end of the inherited one where it is shorter and its length is bounded."""
+    """Return a value; if it is shorter than the inherited one and its length is bounded, append the missing items."""
     if not own.strip():
         return "" if _counts_empty(attribute) else inherited
     if not attribute.is_number or attribute.max_length in (None, 1) or attribute.name in _NEVER_COMPLETED:

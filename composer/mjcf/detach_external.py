@@ -27,10 +27,10 @@ _OF_BODIES = frozenset({"worldbody", "default", "asset", "extension"})
 
 
 def without_outward(unit: Unit, prefixes: tuple[str, ...]) -> Unit:
-    """The unit, or a copy without what refers to names that begin with one of the prefixes.
+    """Return the unit, or a copy without the elements that refer to names with one of the prefixes.
 
-    Bodies and what stands on them stay as they are but for materials: MuJoCo reports what is missing. Actuators stay,
-    in their order, and act on a site that stands in.
+    Bodies and the elements on them stay. Their references to materials with these names are removed; if another name
+    is missing, MuJoCo reports it. Actuators stay, in their order, and act on a placeholder site.
     """
     if not _outward(NameIndex.of(unit.root), prefixes):
         return unit

@@ -12,9 +12,9 @@ from composer.tree.counterpart import counterpart
 
 
 def duplicate(model: Model, memo: dict[int, Any] | None = None) -> Model:
-    """A model of its own with copies of everything attached; it hangs on nothing.
+    """Return a copy of a model with copies of everything attached. The copy is not attached to anything.
 
-    `memo` takes up what became of each root.
+    `memo` receives the copy of each root, as in `copy.deepcopy`.
     """
     twin = Model(model.unit.copied())
     if memo is not None:
@@ -31,7 +31,7 @@ def duplicate(model: Model, memo: dict[int, Any] | None = None) -> Model:
 
 
 def copied(element: Attributed, memo: dict[int, Any]) -> Any:
-    """The element that stands for one in the copy of its model, which is made unless `memo` has it."""
+    """Return the element's counterpart in the copy of its model. The model is copied unless `memo` has the copy."""
     model = element._alive()._model
     twin = copy.deepcopy(view(model, model.unit.root), memo)._model
     frame = model.frame_above(element._node)

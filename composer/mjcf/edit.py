@@ -55,10 +55,10 @@ def check(
     node: Node | None = None,
     frame: Attachment | None = None,
 ) -> Edit:
-    """The edit that gives `node`, or a new element where there is none, these values. Raises `MjcfError`.
+    """Check the values, and return the edit that sets them on `node`, or on a new element if `node` is None.
 
     `frame` is the attachment that a new joint is for. Elements among the values must have been replaced by
-    their targets.
+    their targets. Raises `MjcfError` for an invalid value.
     """
     if node is not None and len(values) == 1:
         ((name, value),) = values.items()
@@ -152,14 +152,14 @@ def write(model: Model, node: Node, edit: Edit) -> None:
 
 @cache
 def is_nameless(kind: ElementType, attribute: Attribute) -> bool:
-    """Whether an attribute has nothing to do with names: it neither is one, nor says what a name refers to."""
+    """Return whether an attribute is neither a name nor determines what a name refers to."""
     if attribute.type == "keyword":
         return all(each.refers_by != attribute.name for each in kind.attributes.values())
     return attribute.is_number or attribute.type == "bool"
 
 
 def create(model: Model, parent: Node, tag: str, edit: Edit, position: int | None) -> Node:
-    """A new element below `parent`, at the end or before the child at `position`."""
+    """Create an element below `parent`, at the end or before the child at `position`, and return it."""
     _take_contents(model, edit)
     _give_names(edit)
     attributes = {name: text for name, text in edit.texts.items() if text is not None}
@@ -175,7 +175,7 @@ def create(model: Model, parent: Node, tag: str, edit: Edit, position: int | Non
 
 
 def _child_at(parent: Node, position: int) -> Node | None:
-    """The child before which a list would insert, or None where it would append; the others are not looked at."""
+    """Return the child before which `list.insert` would insert, or None if it would append."""
     position = max(-sys.maxsize, min(position, sys.maxsize - 1))
     if position >= 0:
         return next(islice(parent.iterchildren("*"), position, None), None)
@@ -190,7 +190,7 @@ def _take_contents(model: Model, edit: Edit) -> None:
 
 
 def _give_names(edit: Edit) -> None:
-    """Name what is referred to and has no name."""
+    """Give names to the referenced elements that have none."""
     for (model, node), name in edit.given.items():
         attribute = naming_attribute(kind_of(node))
         assert attribute is not None
@@ -202,7 +202,7 @@ def _give_names(edit: Edit) -> None:
 def _check_name(
     model: Model, kind: ElementType, edit: Edit, node: Node | None, frame: Attachment | None
 ) -> None:
-    """A name must be free in the whole composition."""
+    """Raise `MjcfError` if the name that an edit sets is already used in the composition."""
     attribute = naming_attribute(kind)
     if attribute is None or attribute.declares is None:
         return
@@ -243,14 +243,14 @@ def _check_name(
 
 
 def _own(edit: Edit, node: Node | None, attribute: str) -> str | None:
-    """The text of an attribute once the edit is carried out."""
+    """Return the text of an attribute after the edit."""
     if attribute in edit.texts or node is None:
         return edit.texts.get(attribute)
     return node.get(attribute)
 
 
 def _skins(model: Model, kind: ElementType, edit: Edit, node: Node) -> Skins:
-    """What skin files are to be where a body is renamed."""
+    """Return the new skin files if the edit renames a body."""
     attribute = naming_attribute(kind)
     if attribute is None or attribute.declares != "body" or attribute.name not in edit.texts:
         return []
@@ -259,7 +259,7 @@ def _skins(model: Model, kind: ElementType, edit: Edit, node: Node) -> Skins:
 
 
 def check_lists(renaming: Renaming[Model]) -> None:
-    """A name with a space in it cannot stand in a list of names. Raises `MjcfError`."""
+    """Raise `MjcfError` if a new name contains a space and would have to stand in a list of names."""
     for reference, new in renaming.unlistable():
         here, user = reference.model, reference.node
         raise failure(

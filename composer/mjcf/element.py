@@ -54,7 +54,7 @@ class Element(NodeView):
 
     @property
     def parent(self) -> Element | None:
-        """The element it stands in; None for a root, whose model may hang on another: see `parent_model`.
+        """The element that contains this one, or None for a root. `parent_model` gives the model it is attached to.
 
         >>> from composer import mjcf
         >>> arm = mjcf.RootElement().worldbody.add('body', name='arm')
@@ -66,7 +66,7 @@ class Element(NodeView):
 
     @property
     def root(self) -> RootElement:
-        """The root of its own model, attached or not.
+        """The root of the model that the element belongs to, whether or not that model is attached to another.
 
         >>> from composer import mjcf
         >>> model = mjcf.RootElement('arm')
@@ -78,12 +78,13 @@ class Element(NodeView):
     # -- adding and removing ---------------------------------------------------------------------------------
 
     def add(self, tag: str, /, **attributes: object) -> Element:
-        """Append a child and give it back.
+        """Append a child and return it.
 
-        Values may be numbers, arrays, text, booleans and Elements; None leaves an attribute out. An Element
-        without a name gets one, `unnamed_joint_0`, as MJCF refers by name. Raises
-        `MjcfError`, with what is there instead, for a tag or attribute that MJCF does not have here, a
-        value of a wrong type or length, and a name that is taken; then nothing has changed.
+        Values may be numbers, arrays, text, booleans and Elements; None leaves an attribute out. MJCF refers to
+        elements by name, so an Element without a name that is used as a value gets one, such as `unnamed_joint_0`.
+
+        Raises `MjcfError` for a tag or attribute that MJCF does not have here (with the ones that exist), for a value
+        of a wrong type or length, and for a name that is already used. After an error the model is unchanged.
 
         >>> from composer import mjcf
         >>> model = mjcf.RootElement()
@@ -93,7 +94,9 @@ class Element(NodeView):
         return self._add(tag, None, attributes)
 
     def insert(self, tag: str, /, position: int, **attributes: object) -> Element:
-        """The same, before the child that stands at `position` now; as with lists, a large one appends.
+        """Insert a child before the child at index `position`, and return it. See `add`.
+
+        As with `list.insert`, a negative index counts from the end, and one that is too large appends.
 
         >>> from composer import mjcf
         >>> world = mjcf.RootElement().worldbody
@@ -127,12 +130,12 @@ class Element(NodeView):
         return cast(Element, view(self._model, made))
 
     def remove(self, cascade: bool = False) -> None:
-        """Take it and all below it out of the model; models attached there are detached.
+        """Remove the element and everything below it from the model, and detach the models attached there.
 
-        What refers to it stays and is reported when the model is written, every referrer by name. With
-        `cascade` it goes too: references to classes and materials are dropped from the elements that have
-        them, any other referrer is removed, in a section as a whole (a tendon goes with a site of its
-        path). A section is emptied.
+        Elements that refer to it stay; when the model is written, an error lists each of them by name. With
+        `cascade` they are removed too: references to classes and materials are dropped from the elements that have
+        them, and any other referring element is removed as a whole (a tendon is removed with a site of its path). A
+        top-level section stays in the model and is emptied. Raises `MjcfError` for the root of a model.
 
         >>> from composer import mjcf
         >>> model = mjcf.RootElement()
@@ -146,12 +149,12 @@ class Element(NodeView):
         remove(self._model, self._node, cascade)
 
     def attach(self, other: RootElement) -> Element:
-        """Hang a model on this site, body, frame or worldbody; gives the attachment frame.
+        """Attach a model to this site, body, frame or worldbody, and return the attachment frame.
 
-        The child keeps its names and can be edited on; here they are seen under its prefix
-        (`gripper/left_pad`). The frame has an offset (`frame.pos`, `frame.quat`, …) and takes joints;
-        without one the child is fixed and no body is added. Raises `MjcfError` where the child is attached
-        already, contains this model, or has the prefix of another child.
+        The child keeps its own names and can still be edited; in this model its names have its prefix
+        (`gripper/left_pad`). The frame has an offset (`frame.pos` in metres, `frame.quat`, …) and accepts joints.
+        Without a joint the child is fixed and no body is added. Raises `MjcfError` if the child is already attached,
+        contains this model, or has the same prefix as another child.
 
         >>> from composer import mjcf
         >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
@@ -166,11 +169,11 @@ class Element(NodeView):
     # -- finding ---------------------------------------------------------------------------------------------
 
     def find(self, tag: str, name: str | None = None) -> Element | None:
-        """The first match below this element in document order, or None.
+        """Return the first match below this element in document order, or None.
 
-        `tag` may be a family: `joint` also finds `freejoint`; `actuator`, `sensor`, `equality`, `tendon`
-        and `key` find all of theirs. `name` is the name in this element's model; of attached models with
-        the prefix (`gripper/left_pad`). Raises `MjcfError` for a tag that MJCF does not have.
+        `tag` may be a family: `joint` also finds `freejoint`; `actuator`, `sensor`, `equality`, `tendon` and `key`
+        find all elements of that kind. `name` is the name in this element's model; for elements of attached models
+        it includes the prefix (`gripper/left_pad`). Raises `MjcfError` for a tag that MJCF does not have.
 
         >>> from composer import mjcf
         >>> model = mjcf.RootElement()
@@ -191,10 +194,10 @@ class Element(NodeView):
     def find_all(
         self, tag: str, immediate_children_only: bool = False, exclude_attachments: bool = False
     ) -> list[Element]:
-        """All matches below this element in document order, attached models where they hang.
+        """Return a list of all matches below this element in document order, each attached model at its host.
 
-        With `exclude_attachments` those of its own model only, attachment frames included. The list is made
-        once: the model may be edited while going through it.
+        With `exclude_attachments`, return only elements of this element's own model, including attachment frames. The
+        model may be edited while iterating over the list. Raises `MjcfError` for a tag that MJCF does not have.
 
         >>> from composer import mjcf
         >>> model = mjcf.RootElement()
@@ -210,9 +213,9 @@ class Element(NodeView):
         return [view(*found) for found in every if not exclude_attachments or found.model is here.model]
 
     def enter_scope(self, prefix: str) -> RootElement | None:
-        """The model that is attached under a prefix, `gripper` or `arm/gripper/`; None where there is none.
+        """Return the model attached under a prefix, such as `gripper` or `arm/gripper/`, or None if there is none.
 
-        In it everything is found by its own name: `root.enter_scope('gripper').find('joint', 'left')`.
+        In that model, elements are found by their own names: `root.enter_scope('gripper').find('joint', 'left')`.
 
         >>> from composer import mjcf
         >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
@@ -225,7 +228,7 @@ class Element(NodeView):
         return None if found is None else cast(RootElement, view(found, found.unit.root))
 
     def all_children(self) -> list[Element]:
-        """The children in their order, those of its own model only.
+        """Return a list of the children in document order, without those of attached models.
 
         >>> from composer import mjcf
         >>> arm = mjcf.RootElement().worldbody.add('body', name='arm')
@@ -274,7 +277,7 @@ class RootElement(RootView, Element):
     keyframe: Element
 
     def __init__(self, model: str | None = None) -> None:
-        """An empty model called `model`; files that are added to it resolve against the working directory."""
+        """Make an empty model named `model`. Paths of files added to it are relative to the working directory."""
         super().__init__(Model(_empty_unit()), etree.Element("mujoco"))
         object.__setattr__(self, "_node", self._model.unit.root)
         self._model.views[self._node] = self
@@ -284,7 +287,7 @@ class RootElement(RootView, Element):
 
     @property
     def parent_model(self) -> RootElement | None:
-        """The root of the model that this one is attached to, or None.
+        """The root of the model that this one is attached to, or None if it is not attached.
 
         >>> from composer import mjcf
         >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
@@ -297,7 +300,7 @@ class RootElement(RootView, Element):
 
     @property
     def root_model(self) -> RootElement:
-        """The root of the whole composition; itself where it is not attached.
+        """The root of the whole composition, which is this root itself if the model is not attached.
 
         >>> from composer import mjcf
         >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
@@ -309,7 +312,7 @@ class RootElement(RootView, Element):
 
     @property
     def attached_models(self) -> list[RootElement]:
-        """The roots of the models attached to this one, in the order in which they were.
+        """The roots of the models attached to this one, in the order in which they were attached.
 
         >>> from composer import mjcf
         >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
@@ -320,7 +323,7 @@ class RootElement(RootView, Element):
         return [_root_of(each.child) for each in self._model.attachments.values()]
 
     def attach(self, other: RootElement) -> Element:
-        """Hang a model in the world of this one; gives the attachment frame. See `Element.attach`.
+        """Attach a model to the worldbody of this one, and return the attachment frame. See `Element.attach`.
 
         >>> from composer import mjcf
         >>> cell, table = mjcf.RootElement('cell'), mjcf.RootElement('table')
@@ -332,14 +335,15 @@ class RootElement(RootView, Element):
         return cast(Element, view(model, frame))
 
     def include_copy(self, other: RootElement, override: bool = False) -> None:
-        """Take a copy of all that another model has into this one, without a prefix; the other stays as it is.
+        """Copy everything in another model into this one, without a prefix. The other model does not change.
 
-        What is attached to the other is copied and attached here; files keep coming from where they are.
-        Raises `MjcfError` with everything that stands against it, and changes nothing, where names are
-        taken or the two have different settings. The same goes for a compiler setting or top default class of
-        one that would give the elements of the other another meaning. With `override` the settings that the
-        other writes count; where elements get another meaning by it, an `MjcfWarning` says so. Keyframes
-        come as they are: their lengths are those of the other alone.
+        Models attached to the other are copied and attached here. Files are still read from their present places.
+        Keyframes are copied unchanged, so their lengths are those of the other model alone.
+
+        Raises `MjcfError` with all conflicts, and changes nothing, if a name is already used, if the two models have
+        different settings, or if a compiler setting or top default class of one would change the meaning of the
+        other's elements. With `override`, the settings written in the other model are used; if they change the
+        meaning of elements, an `MjcfWarning` is issued.
 
         >>> from composer import mjcf
         >>> arm, tool = mjcf.RootElement('arm'), mjcf.RootElement('tool')
@@ -351,10 +355,11 @@ class RootElement(RootView, Element):
         include_copy(self._model, model_of(other, "what is included"), override)
 
     def compile_model(self, *, conflict: Policy = "error") -> Physics:
-        """The model with everything attached to it, compiled by MuJoCo: its physics in the reference configuration.
+        """Compile the model and everything attached to it with MuJoCo, and return its `Physics`.
 
-        Later edits do not reach it. `conflict` is that of `to_xml_string`. Raises `MjcfError` with what is
-        wrong with the model, at the place it comes from, also where it is MuJoCo that refuses it.
+        The physics starts in the reference configuration. Later edits of the model do not affect it. `conflict` is
+        described in `to_xml_string`. Raises `MjcfError` with the faults of the model and where each comes from, also
+        if MuJoCo refuses the model.
 
         >>> from composer import mjcf
         >>> model = mjcf.RootElement('ball')
@@ -365,9 +370,9 @@ class RootElement(RootView, Element):
         return Physics.from_mjcf_model(self, conflict=conflict)
 
     def to_spec(self, *, conflict: Policy = "error") -> Any:
-        """The model with everything attached to it as a `mujoco.MjSpec` of its own, its files in memory.
+        """Return the model and everything attached to it as a new `mujoco.MjSpec`, with its files in memory.
 
-        `conflict` is that of `to_xml_string`. Raises `MjcfError`.
+        `conflict` is described in `to_xml_string`. Raises `MjcfError` if the model has faults or MuJoCo refuses it.
 
         >>> from composer import mjcf
         >>> model = mjcf.RootElement('ball')
@@ -378,11 +383,11 @@ class RootElement(RootView, Element):
         return to_spec(self._model, conflict)
 
     def _repr_html_(self) -> str:
-        """The model as a tree that opens and closes, with its picture where there is OpenGL, for notebooks."""
+        """Return the model for notebooks: a collapsible tree, with a picture if OpenGL is available."""
         return page_with_picture(self._model)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> RootElement:
-        """A copy with copies of everything attached, itself attached to nothing."""
+        """Return a copy with copies of everything attached. The copy itself is not attached to anything."""
         return _root_of(duplicate(self._model, memo))
 
 

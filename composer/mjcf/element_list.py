@@ -31,7 +31,7 @@ class ElementList(Sequence[Element]):
     __slots__ = ("_elements", "tag")
 
     def __init__(self, tag: str, elements: Iterable[Element]) -> None:
-        """For use by this package."""
+        """For internal use. A list of elements is read from an attribute such as `body.geom`."""
         self.tag = tag
         self._elements = tuple(elements)
 
@@ -40,9 +40,9 @@ class ElementList(Sequence[Element]):
     @overload
     def __getitem__(self, index: slice) -> list[Element]: ...
     def __getitem__(self, index: SupportsIndex | str | slice) -> Element | list[Element]:
-        """By number, by the name in the element's own model, or several.
+        """Return an element by its index or by its name in its own model, or a list of elements for a slice.
 
-        Raises `MjcfError`, also a `KeyError`, where nothing has the name.
+        Raises `MjcfKeyError`, which is also a `KeyError`, if no element has the name.
         """
         if isinstance(index, slice):
             return list(self._elements[index])
@@ -58,7 +58,7 @@ class ElementList(Sequence[Element]):
         raise failed(found if names or not self else replace(found, notes=(unnamed,)), MjcfKeyError)
 
     def __contains__(self, item: object) -> bool:
-        """Whether an element, or one of that name, is among them."""
+        """Return whether the list contains an element, or an element with this name."""
         if isinstance(item, str):
             return any(element.name == item for element in self._elements)
         return any(element is item for element in self._elements)
@@ -67,13 +67,13 @@ class ElementList(Sequence[Element]):
         return [element.name for element in self._elements if element.name]
 
     def __delitem__(self, index: SupportsIndex | str | slice) -> None:
-        """Take an element out of the model, or several. See `Element.remove`."""
+        """Remove an element, or several, from the model. See `Element.remove`."""
         found = self[index]
         for element in found if isinstance(found, list) else [found]:
             element.remove()
 
     def __setitem__(self, index: SupportsIndex | str | slice, value: object) -> None:
-        """Not possible: elements are added where they stand."""
+        """Raise `MjcfError`: elements of the list cannot be replaced. Set their attributes, or insert another one."""
         raise failure(
             "wrong-type",
             f"a {self.tag} of a list cannot be set",
@@ -82,7 +82,7 @@ class ElementList(Sequence[Element]):
         )
 
     def clear(self) -> None:
-        """Take them all out of the model."""
+        """Remove all elements of the list from the model."""
         del self[:]
 
     def __len__(self) -> int:

@@ -55,17 +55,17 @@ def failure(
     help: str | None = None,
     kind: type[MjcfError] | None = None,
 ) -> MjcfError:
-    """The exception of one error, to be raised."""
+    """Return an exception for one error."""
     return failed(Diagnostic(code, message, span, notes=tuple(notes), help=help), kind)
 
 
 def failed(diagnostic: Diagnostic, kind: type[MjcfError] | None = None) -> MjcfError:
-    """The exception that carries a diagnostic, to be raised."""
+    """Return the exception that carries a diagnostic. Its class is `kind`, or by default that of the error code."""
     return (kind or _OF_CODES.get(diagnostic.code, MjcfError))([diagnostic])
 
 
 def raise_errors(sink: Sink, otherwise: Callable[[], Span] | None = None) -> None:
-    """Raise all errors that have been found, if any, as one exception; those without a place get another one."""
+    """Raise all errors in the sink, if any, as one exception. Errors without a place get the one of `otherwise`."""
     if sink.has_errors:
         errors = [each for each in sink.sorted() if each.severity == "error"]
         if otherwise is not None:

@@ -28,13 +28,14 @@ def export_with_assets(
     *,
     conflict: Policy = "error",
 ) -> None:
-    """Write the model as `model_filename` and its files below `assets/` into the folder `out_dir`.
+    """Write the model as `model_filename`, and its files below `assets/`, into the folder `out_dir`.
 
-    The files of each model stand in a folder named after it, equal bytes are stored once, and the same
-    model gives the same bytes. Other files in the folder stay. Everything is written beside the folder first and
-    moved there when it is complete, the model last.
-    `conflict` is that of `RootElement.to_xml_string`. Raises `MjcfError`, also for files that are missing
-    or cannot be written.
+    The files of each model are in a folder named after the model. Files with equal bytes are stored once, and the same
+    model always gives the same bytes. Other files in `out_dir` stay. Everything is first written to a temporary place
+    and moved to `out_dir` when it is complete, the model last.
+
+    `conflict` is described in `RootElement.to_xml_string`. Raises `MjcfError` for faults of the model, and for files
+    that are missing or cannot be written.
 
     >>> import tempfile
     >>> from composer import mjcf
@@ -72,11 +73,11 @@ def export_with_assets_as_zip(
     *,
     conflict: Policy = "error",
 ) -> None:
-    """The same as a zip, which MuJoCo opens as it is (`MjSpec.from_zip`, MJZ).
+    """Write the model and its files into a zip file, which MuJoCo can open directly (`MjSpec.from_zip`, MJZ).
 
-    The bytes do not depend on clock, place or system. MuJoCo looks for `model.xml`, or the stem of the zip
-    and `.xml`: `model_filename` is one of these. An older zip is replaced in one step or stays. Raises
-    `MjcfError`.
+    The bytes do not depend on the time, the path or the operating system. MuJoCo looks in the zip for `model.xml` or
+    for the stem of the zip's name with `.xml`, so `model_filename` should be one of these. An existing zip is replaced
+    in one step; if writing fails, it stays. Raises `MjcfError` as `export_with_assets` does.
 
     >>> import tempfile
     >>> from composer import mjcf
@@ -94,7 +95,7 @@ def export_with_assets_as_zip(
 
 
 def _files(model: RootElement, model_filename: str, conflict: Policy) -> dict[str, bytes]:
-    """Everything that is to be written, by path."""
+    """Return the bytes of all files to write, by path."""
     _check_is_model(model)
     if (
         not isinstance(model_filename, str)
@@ -139,7 +140,7 @@ def _write(files: dict[str, bytes], stage: Path) -> None:
 
 
 def _move(files: dict[str, bytes], stage: Path, target: Path) -> None:
-    """Into place, the model last: until then an older model finds all of its files."""
+    """Move the files into place, the model last: until then an older model still finds all of its files."""
     for path in sorted(files, key=lambda path: "/" not in path):
         place = target / path
         place.parent.mkdir(parents=True, exist_ok=True)

@@ -14,7 +14,7 @@ from composer.tree.names import WORLD
 
 
 def first(here: Target, tag: str, name: str | None) -> Target | None:
-    """See `Element.find`: the first match below `here`, or the one of that name."""
+    """Return the first match below `here`, or the one with that name. See `Element.find`."""
     from_root = _is_root(here)
     wanted = _query(here, tag, from_root)
     if name is None:
@@ -31,7 +31,7 @@ def first(here: Target, tag: str, name: str | None) -> Target | None:
 
 
 def at_hand(model: Model, tag: str, name: str) -> Any:
-    """The Element of that name in a model, if it is its own and has been asked for before: the most frequent case."""
+    """Return the Element with that name if it is the model's own and was accessed before, which is the common case."""
     wanted = query(tag, None)
     for namespace in wanted.namespaces:
         names = model.names.declared.get(namespace)
@@ -44,13 +44,13 @@ def at_hand(model: Model, tag: str, name: str) -> Any:
 
 
 def every(here: Target, tag: str, immediate_children_only: bool) -> Iterator[Target]:
-    """See `Element.find_all`."""
+    """Yield all matches below `here`. See `Element.find_all`."""
     wanted = _query(here, tag, _is_root(here))
     return traversal.children(*here, wanted) if immediate_children_only else _matches(here, wanted)
 
 
 def attached(model: Model, prefix: str) -> Model | None:
-    """See `Element.enter_scope`; `prefix` ends in the separator."""
+    """Return the model attached under `prefix`, which ends in the separator, or None. See `Element.enter_scope`."""
     for attachment, rest in model.split(prefix):
         found = attached(attachment.child, rest) if rest else attachment.child
         if found is not None:

@@ -59,7 +59,7 @@ class Flat:
 
 
 def copied(model: Model) -> Unit:
-    """A unit for the linker to use up."""
+    """Return a copy of the model's unit, which the linker may change."""
     unit = model.unit.copied()
     unit.label = label(model)
     if unit.file == UNNAMED:
@@ -68,24 +68,24 @@ def copied(model: Model) -> Unit:
 
 
 def label(model: Model) -> str:
-    """The folder of a model's files."""
+    """Return the name of the folder for a model's files."""
     known = model.unit.label
     return re.sub(r"[^\w.-]+", "_", model.name) if known == UNNAMED or not known else known
 
 
 def flatten(model: Model, conflict: Policy, copy: Callable[[Model], Unit] = copied) -> Flat:
-    """The composition below a model, linked. Raises `MjcfError` with what is wrong with it.
+    """Link a model and everything attached to it into one model. Raises `MjcfError` with the faults found.
 
-    `copy` makes the units that are linked, of every model one.
+    `copy` is called for each model and returns the unit to link.
     """
     _check(model, conflict)
     return linked(model, conflict, copy, check_keys=True)
 
 
 def linked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], *, check_keys: bool) -> Flat:
-    """The same of a model that was checked.
+    """Link a model whose references have been checked. See `flatten`.
 
-    With `check_keys` the keys of a model that nothing hangs on are laid out, too, only to report those that do not fit.
+    With `check_keys`, the keyframes of a model without attachments are laid out too, to report those that do not fit.
     """
     sink = _NamesChecked()
     mounting = Mounting(model, copy)
@@ -115,7 +115,7 @@ def linked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], *, che
 
 
 def _check(model: Model, conflict: Policy) -> None:
-    """What is wrong before anything is linked: the policy, and references to nothing."""
+    """Raise `MjcfError` if `conflict` is not a policy, or if a reference names nothing."""
     if conflict not in get_args(Policy):
         words = ", ".join(f"`{word}`" for word in get_args(Policy))
         raise failure("wrong-keyword", f"`conflict` is one of {words}, got `{conflict}`", call_site())
@@ -125,14 +125,14 @@ def _check(model: Model, conflict: Policy) -> None:
 
 
 def issue_warnings(flat: Flat) -> None:
-    """Issue what was settled as Python warnings, at the line that asked for the output."""
+    """Issue the warnings from linking as `MjcfWarning`s, at the line of the caller's program."""
     for each in flat.warnings:
         place = call_site()
         warnings.warn_explicit(render(each), MjcfWarning, place.file, place.line)
 
 
 def text(model: Model, conflict: Policy) -> str:
-    """See `RootElement.to_xml_string`."""
+    """Return the composition as MJCF text. See `RootElement.to_xml_string`."""
     _check(model, conflict)
     known = relocated_text(model, label(model))
     if known is not None:
@@ -144,7 +144,7 @@ def text(model: Model, conflict: Policy) -> str:
 
 
 def name_files(flat: Flat) -> None:
-    """Write the names that `contents` has into the model; the linker's paths will do where no file name repeats."""
+    """Write the file names of `contents` into the model. If no file name repeats, keep the linker's paths."""
     bases = {use.path[use.path.rfind("/") :].lower() for use in flat.files}
     if len(bases) == len(flat.files):
         return
@@ -154,12 +154,12 @@ def name_files(flat: Flat) -> None:
 
 
 def assets(model: Model) -> dict[str, bytes]:
-    """See `RootElement.assets`."""
+    """Return the bytes of the composition's files by name. See `RootElement.assets`."""
     return contents(flatten(model, "warning"))
 
 
 def contents(flat: Flat) -> dict[str, bytes]:
-    """The bytes of the files of a model by the names that `name_files` gives them. Raises `MjcfError`."""
+    """Return the bytes of a model's files by the names from `name_files`. Raises `MjcfError` for unreadable files."""
     found: dict[str, bytes] = {}
     sink = Sink()
     for use, name in with_unique_names(flat.files):
@@ -170,7 +170,7 @@ def contents(flat: Flat) -> dict[str, bytes]:
 
 
 def bundle_paths(model: Model) -> dict[bytes | Path, str]:
-    """The path of each file in an export, by where its bytes are, or by the bytes. Raises `MjcfError`."""
+    """Return the path of each file in an export, by the file's source path or its bytes. Raises `MjcfError`."""
     flat = flatten(model, "warning")
     sink = Sink()
     collect(flat.unit, flat.files, sink)
@@ -193,9 +193,9 @@ class _NamesChecked(Sink):
 
 
 def _measure(sink: Sink, prefixes: tuple[str, ...], ending: ExitStack) -> Measure:
-    """MuJoCo, in a process of its own that ends with `ending`, asked only for what the tree does not say.
+    """Return a function that measures a unit alone with MuJoCo, for values that the tree does not contain.
 
-    Of each unit alone.
+    MuJoCo runs in a separate process, which starts with the first call and ends with `ending`.
     """
     started: list[Measure] = []
 

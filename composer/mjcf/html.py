@@ -17,7 +17,10 @@ _INSIDE = "margin-left: 1.5em"
 
 
 def page(model: Model, node: Node) -> str:
-    """The element and all below it, attached models where they hang; the first two levels are open."""
+    """Return HTML of an element and everything below it, with attached models at their hosts.
+
+    The first two levels are open.
+    """
     lines: list[str] = []
     left = _tree(model, node, lines, SHOWN, 0)
     if left < 0:
@@ -26,7 +29,10 @@ def page(model: Model, node: Node) -> str:
 
 
 def _tree(model: Model, node: Node, lines: list[str], left: int, depth: int) -> int:
-    """Write a node with all below it while there is room; gives how much room is left."""
+    """Append a node and everything below it to `lines`, up to `left` elements. Return how many are left.
+
+    The result is negative if elements were left out.
+    """
     if left <= 0:
         return left - _count(model, node)
     if depth > _DEEPEST:
@@ -54,7 +60,7 @@ def _tree(model: Model, node: Node, lines: list[str], left: int, depth: int) -> 
 
 
 def _count(model: Model, node: Node) -> int:
-    """A node and all below it, what is attached there included."""
+    """Return the number of elements in a node's subtree, including the models attached there."""
     hanging = (each for each in model.attachments.values() if node in (each.host, *each.host.iterancestors()))
     return sum(1 for _ in node.iter("*")) + sum(
         len(each.frame) + _count(each.child, each.child.unit.root) for each in hanging

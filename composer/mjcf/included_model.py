@@ -14,9 +14,9 @@ from composer.tree.unit import Unit
 
 
 def take_model(model: Model, source: Unit, element: Node) -> None:
-    """Let a `<model>` of `source` that is in `model` now name the same file from there.
+    """Set the file of a `<model>` element that was moved from `source` to `model`, so that it is the same file.
 
-    A file in memory comes with all that is in its folder, as its own files are among it.
+    For a file in memory, everything in its folder is taken over too, because it may refer to files there.
     """
     file = join("", str(element.get("file")))
     known = source.contents.get(file)
@@ -47,7 +47,7 @@ def take_model(model: Model, source: Unit, element: Node) -> None:
 
 
 def _are_free(model: Model, files: dict[str, bytes | Path]) -> bool:
-    """Whether none of these paths is that of another file."""
+    """Return whether none of these paths is used by a different file."""
     directory, known = str(model.unit.directory), dict(model.unit.contents)
     for path, content in files.items():
         there = Path(join(directory, path))

@@ -41,7 +41,7 @@ class _Setting(NamedTuple):
 
 
 def include_copy(model: Model, other: Model, override: bool) -> None:
-    """See `RootElement.include_copy`."""
+    """Copy the contents of `other` into `model`. See `RootElement.include_copy`."""
     source = duplicate(other)
     sink = Sink()
     settled: list[str] = []
@@ -100,7 +100,7 @@ class _Conflict(NamedTuple):
 
 
 def _conflicts(model: Model, source: Model) -> Iterator[_Conflict]:
-    """Values that differ, and such that would give the other's elements or one's own another meaning."""
+    """Yield the settings that differ, and those that would change the meaning of elements of either model."""
     mine = {(each.path, each.attribute): each for each in _settings(model.unit.root)}
     theirs = {(each.path, each.attribute): each for each in _settings(source.unit.root)}
     both_have_elements = _has_elements(model.unit.root) and _has_elements(source.unit.root)
@@ -159,7 +159,7 @@ def _check_names(model: Model, source: Model, other: Model, sink: Sink) -> None:
 
 
 def _settings(root: Node) -> Iterator[_Setting]:
-    """What a model has once, the settings of its top class included."""
+    """Yield the settings that a model has only once, including those of its top class."""
     for section in root.iterchildren(*_SETTINGS):
         for node in section.iter("*"):
             above = [str(each.tag) for each in node.iterancestors() if each is not root]
@@ -180,7 +180,7 @@ def _place_for(model: Model, path: tuple[str, ...]) -> Node:
 
 
 def _move(model: Model, source: Model) -> Iterator[Node]:
-    """Bring everything over that is not a setting; gives the nodes that have come."""
+    """Move everything that is not a setting to `model`, and yield the moved nodes."""
     origins = model.unit.origins
     for section in list(source.unit.root.iterchildren("*")):
         tag = str(section.tag)
@@ -203,7 +203,10 @@ def _move(model: Model, source: Model) -> Iterator[Node]:
 
 
 def _files(source: Model) -> list[tuple[Node, str, Asset]]:
-    """The files of a model, from where it is; what is named after its file keeps that name."""
+    """Return the node, attribute and asset of each file of a model.
+
+    An element that is named after its file gets that name as its `name`, because the file name may change.
+    """
     found = []
     for node, attribute, name in file_attributes(source.unit.root):
         found.append((node, attribute, asset_of(source, str(node.tag), name)))

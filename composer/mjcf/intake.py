@@ -27,7 +27,7 @@ _Row = dict[str, dict[str, frozenset[str]]]
 
 
 def check_tree(unit: Unit, sink: Sink) -> None:
-    """Report what MJCF does not have, and every name that two elements have. No values are looked at."""
+    """Report elements and attributes that MJCF does not have, and names that repeat. Values are not checked."""
     names: list[tuple[object, str | None]] = []
     for section in unit.root.iterchildren("*"):
         tag = str(section.tag)
@@ -85,7 +85,7 @@ def _check_names(unit: Unit, sink: Sink) -> None:
 
 
 def one_of_each_section(unit: Unit) -> None:
-    """Join sections that are written several times; of a setting the last written value counts."""
+    """Merge sections that are written several times. If a setting repeats, the last value wins."""
     first: dict[str, Node] = {}
     for section in list(unit.root.iterchildren("*")):
         tag = str(section.tag)
@@ -103,7 +103,10 @@ def one_of_each_section(unit: Unit) -> None:
 
 
 def _prefer_memory(one: Node, other: Node) -> None:
-    """MuJoCo lets `memory` win over what was in its place once, but refuses both in one element."""
+    """Remove the older size settings where the other element has `memory`.
+
+    MuJoCo lets `memory` override them, but refuses both in one element.
+    """
     for there, here in ((one, other), (other, one)):
         for name in INSTEAD_OF_MEMORY if there.get("memory") else ():
             if name in here.attrib:
@@ -125,7 +128,7 @@ def _join(into: Node, section: Node, kind: ElementType) -> None:
 
 @cache
 def _table(section: str) -> _Row:
-    """For each tag in a section the children it can have, with their attributes."""
+    """Return, for each tag in a section, the children that it can have and their attributes."""
     return {
         tag: {name: frozenset(child.attributes) for name, child in _kind(section, tag).children.items()}
         for tag in (section, *GRAMMAR.within(section))
@@ -134,7 +137,7 @@ def _table(section: str) -> _Row:
 
 @cache
 def _namespaces(section: str) -> dict[str, tuple[str, str]]:
-    """For each tag of a section that has names: the attribute, and the namespace."""
+    """Return, for each tag of a section that declares names, the naming attribute and the namespace."""
     return {
         tag: (attribute, namespace)
         for tag, actions in naming_table(section).items()

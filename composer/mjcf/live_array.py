@@ -33,7 +33,7 @@ class LiveArray(np.ndarray[Any, Any]):
 
     @classmethod
     def of(cls, array: NDArray[Any], element: Owner, attribute: str) -> LiveArray:
-        """The array of an element's attribute; `array` becomes its memory."""
+        """Return a live array for an element's attribute that shares the memory of `array`."""
         live = array.view(cls)
         live._owner = element, attribute
         live.flags.writeable = False
@@ -83,7 +83,7 @@ class LiveArray(np.ndarray[Any, Any]):
         return str(self.view(np.ndarray))
 
     def copy(self, order: Any = "C") -> Any:
-        """A plain array, which can be written to and is nobody's."""
+        """Return a plain, writable array. Changes to it do not reach the element."""
         return np.array(self, order=order)
 
     def __copy__(self) -> Any:

@@ -15,10 +15,10 @@ _SHOWN = 20
 
 
 def check_references(model: Model, sink: Sink) -> None:
-    """One error for each name that is referred to and that nothing has, with everyone who refers to it.
+    """Report each name that is referred to but does not exist, with all elements that refer to it.
 
-    References in default classes do not count as long as nothing takes them. A name that MuJoCo may make
-    itself, as the copies of a `replicate`, is let through.
+    References in default classes are not checked. A name that MuJoCo may generate itself, such as those of the copies
+    of a `replicate`, is accepted.
     """
     for each in model.composition():
         for namespace, uses in each.names.uses.items():

@@ -14,17 +14,17 @@ from composer.tree.kinds import HOLDS_ONE_OF_EACH, ROOT, spoken
 
 
 def always_there(kind: ElementType, child: ElementType) -> bool:
-    """Whether a child is made when it is first asked for: sections, and what a setting has one of."""
+    """Return whether a child is created on first access: a section, or a child that a setting has only once."""
     return kind.tag == ROOT or (child.max_count == 1 and kind.tag in HOLDS_ONE_OF_EACH)
 
 
 def class_name(kind: ElementType) -> str:
-    """The name of the class: `Geom`, `EqualityJoint`."""
+    """Return the name of the class, for example `Geom` or `EqualityJoint`."""
     return "".join(word.capitalize() for word in re.split(r"[/_]", kind.path))
 
 
 def members(kind: ElementType, taken: Iterable[str]) -> dict[str, Any]:
-    """A property for each attribute and each child, but none by a name that is `taken`, and the class docstring."""
+    """Return a property for each attribute and child whose name is not in `taken`, and the class docstring."""
     found: dict[str, Any] = {}
     for tag, child in kind.children.items():
         found[spoken(tag)] = property(_child(tag), _refuse(tag), _refuse(tag), _of_child(kind, child))
@@ -38,7 +38,7 @@ def members(kind: ElementType, taken: Iterable[str]) -> dict[str, Any]:
 
 
 def of_element(kind: ElementType) -> str:
-    """What an element is, with its attributes and children by name."""
+    """Return the class docstring of an element: what it is, and its attributes and children by name."""
     named_first = sorted(kind.attributes.values(), key=lambda each: (not each.declares, each.name != "class"))
     attributes = {spoken(each.name): each for each in named_first}
     lines = [f"`<{kind.tag}>`: {kind.doc}." if kind.doc else f"`<{kind.tag}>`."]
@@ -50,7 +50,7 @@ def of_element(kind: ElementType) -> str:
 
 
 def of_attribute(attribute: Attribute) -> str:
-    """What an attribute means, what it takes, what holds where it is not set, and in which versions it exists.
+    """Return the docstring of an attribute: its meaning, its values, its default, and the versions that have it.
 
     >>> from composer.grammar import GRAMMAR
     >>> print(of_attribute(GRAMMAR.element('geom').attributes['friction']))

@@ -15,7 +15,7 @@ from composer.tree.kinds import spoken
 
 
 def unknown_tag(tag: object, message: str, known: Iterable[str]) -> MjcfError:
-    """That no such element exists here, with those that do."""
+    """Return the error for an element that does not exist here, with the elements that do."""
     names = sorted(known)
     written = tag if isinstance(tag, str) else None
     near = closest(written, names) if written else []
@@ -29,9 +29,9 @@ def unknown_tag(tag: object, message: str, known: Iterable[str]) -> MjcfError:
 
 
 def no_attribute(kind: ElementType, name: str, members: Iterable[str] = ()) -> MjcfError:
-    """That elements of a kind have no such attribute, with what they do have.
+    """Return the error for an attribute that elements of a kind do not have, with the attributes that exist.
 
-    `members` are the names that something may be read by, where it is read: then children count too.
+    When an attribute is read, `members` has the other members of the element; then children are suggested too.
     """
     meant = list(members)
     known = sorted(map(spoken, kind.attributes))

@@ -44,12 +44,12 @@ class Attachment:
 
     @property
     def is_body(self) -> bool:
-        """Whether the frame becomes a body of the output; a weld without a joint adds none."""
+        """Whether the frame becomes a body in the output: it has a joint or is a mocap body."""
         return len(self.frame) > 0 or self.frame.get("mocap") == "true"
 
     @property
     def container(self) -> Node:
-        """The element below which the child stands in the output."""
+        """The element that contains the child in the output."""
         if self.host.tag != "site":
             return self.host
         holder = self.host.getparent()
@@ -57,7 +57,7 @@ class Attachment:
         return holder
 
     def find(self, namespace: str, name: str) -> Node | None:
-        """The frame or one of its joints; `name` is without the prefix."""
+        """Return the frame or one of its joints by its name without the prefix, or None."""
         if namespace == "body":
             return self.frame if not name and self.is_body else None
         if namespace == "joint":
@@ -65,7 +65,7 @@ class Attachment:
         return None
 
     def names(self) -> Iterator[tuple[str, str]]:
-        """Namespace and name of all that the parent knows of what hangs on it."""
+        """Yield the namespace and the name of everything in the child, as the parent names it."""
         child, prefix = self.child, self.child.prefix
         yield "body", prefix
         yield "default", prefix
@@ -101,12 +101,12 @@ class Model:
 
     @property
     def prefix(self) -> str:
-        """What stands before this model's names in the model it is attached to."""
+        """The prefix of this model's names in the model it is attached to, such as `gripper/`."""
         return self.name + SEPARATOR
 
     @property
     def full_prefix(self) -> str:
-        """What stands before this model's names in the output; empty at the top."""
+        """The prefix of this model's names in the output; empty for the top model."""
         return "" if self.hung is None else self.hung.parent.full_prefix + self.prefix
 
     @property
@@ -117,14 +117,14 @@ class Model:
         return model
 
     def ancestors(self) -> Iterator[Model]:
-        """The models this one hangs on, the nearest first."""
+        """Yield the models above this one, the nearest first."""
         model = self
         while model.hung is not None:
             model = model.hung.parent
             yield model
 
     def levels(self) -> Iterator[tuple[Model, str]]:
-        """This model and those it hangs on, each with what stands before this model's names there."""
+        """Yield this model and the models above it, each with the prefix that this model's names have there."""
         model, prefix = self, ""
         yield model, prefix
         while model.hung is not None:
@@ -132,7 +132,7 @@ class Model:
             yield model, prefix
 
     def section(self, tag: str) -> Node:
-        """The node of a top-level section; made where there is none, in MJCF's usual order."""
+        """Return the node of a top-level section. If there is none, create it at its usual place in MJCF."""
         root = self.unit.root
         found = next(root.iterchildren(tag), None)
         if found is None:
@@ -147,7 +147,7 @@ class Model:
         return found
 
     def only_child(self, node: Node, tag: str) -> Node:
-        """The one child of that tag; made where there is none."""
+        """Return the only child with this tag. If there is none, create it."""
         with self.lock:
             found = next(node.iterchildren(tag), None)
             if found is None:
@@ -156,11 +156,11 @@ class Model:
         return found
 
     def attachment_of(self, frame: Node) -> Attachment:
-        """The attachment that a frame belongs to."""
+        """Return the attachment that a frame belongs to."""
         return next(each for each in self.attachments.values() if each.frame is frame)
 
     def frame_above(self, node: Node) -> Node | None:
-        """The attachment frame that a node is or hangs on; None for nodes of the model's own tree."""
+        """Return the attachment frame that a node is or is in, or None for a node of the model's own tree."""
         if not self.attachments:
             return None
         while (parent := node.getparent()) is not None:
@@ -168,17 +168,17 @@ class Model:
         return None if node is self.unit.root else node
 
     def has(self, node: Node) -> bool:
-        """Whether a node is in the tree or in an attachment frame."""
+        """Return whether a node is in the model's tree or in one of its attachment frames."""
         while (parent := node.getparent()) is not None:
             node = parent
         return node is self.unit.root or any(each.frame is node for each in self.attachments.values())
 
     def span(self, node: Node) -> Span:
-        """Where a node came from: a place in a file, or the line that added it."""
+        """Return where a node came from: a place in a file, or the line of the program that added it."""
         return self.unit.origins.span(node, self.unit.file)
 
     def split(self, name: str) -> Iterator[tuple[Attachment, str]]:
-        """The attached models whose prefix a name begins with, each with the rest of the name."""
+        """Yield each attachment whose prefix the name begins with, and the rest of the name."""
         at = name.find(SEPARATOR) if self.attachments else -1
         while at >= 0:
             attachment = self.attachments.get(name[: at + 1])
@@ -187,7 +187,7 @@ class Model:
             at = name.find(SEPARATOR, at + 1)
 
     def lookup(self, namespace: str, name: str) -> Target | None:
-        """What a name means in this model: an element of its own, or by prefix one of what is attached."""
+        """Return the element with this name: one of this model, or by prefix one of an attached model. Else None."""
         node = self.names.find(namespace, name)
         if node is not None:
             return Target(self, node)
@@ -205,12 +205,12 @@ class Model:
         return None
 
     def find_node(self, namespace: str, name: str) -> Node | None:
-        """The element that a name means, of this model or of what is attached."""
+        """Return the node with this name, in this model or an attached one, or None."""
         found = self.lookup(namespace, name)
         return None if found is None else found.node
 
     def known_names(self, namespace: str) -> Iterator[str]:
-        """Every name of a namespace that the model can refer to."""
+        """Yield every name of a namespace that this model can refer to."""
         yield from self.names.declared.get(namespace, ())
         for prefix, attachment in self.attachments.items():
             if namespace == "body" and attachment.is_body:
@@ -220,24 +220,24 @@ class Model:
             yield from (prefix + name for name in attachment.child.known_names(namespace))
 
     def kinds_of(self, name: str) -> Iterator[str]:
-        """The namespaces in which something has a name."""
+        """Yield the namespaces in which the name exists."""
         namespaces = dict.fromkeys(each for model in self.composition() for each in model.names.declared)
         yield from (each for each in namespaces if self.lookup(each, name) is not None)
 
     def may_generate(self, name: str) -> bool:
-        """Whether MuJoCo may make the name itself."""
+        """Return whether MuJoCo may generate the name itself."""
         if may_be_generated(name, self.unit.root):
             return True
         return any(attachment.child.may_generate(rest) for attachment, rest in self.split(name))
 
     def composition(self) -> Iterator[Model]:
-        """The model and all that hang on it, at any depth."""
+        """Yield the model and all models attached to it, at any depth."""
         yield self
         for attachment in self.attachments.values():
             yield from attachment.child.composition()
 
     def names_of(self, node: Node) -> list[tuple[str, str]]:
-        """Namespace and name of everything that goes with a node, what is attached there included."""
+        """Return the namespace and name of everything in a node's subtree, including the models attached there."""
         if not self.attachments:
             return names_in(node)
         inside = dict.fromkeys(node.iter("*"))
@@ -247,7 +247,10 @@ class Model:
         return [*names_in(node), *(name for attachment in hanging for name in attachment.names())]
 
     def lookup_attached(self, namespace: str, name: str) -> Target | None:
-        """The same for a model that hangs: its world is not a body, its top class has the bare prefix."""
+        """Return the element with this name as the parent of an attached model sees it. See `lookup`.
+
+        From the parent, the child's world is not a body, and the name of its top class is empty after the prefix.
+        """
         if namespace == "default" and not name:
             return Target(self, self.section("default"))
         if (namespace, name) in (("body", WORLD), ("default", MAIN)):
@@ -255,7 +258,7 @@ class Model:
         return self.lookup(namespace, name)
 
     def declared(self, node: Node) -> tuple[str, str] | None:
-        """Namespace and name of a node as this model sees it; None where it has no name."""
+        """Return the namespace and name of a node in this model, or None if it has no name."""
         if node.tag == WORLD_SECTION:
             return "body", WORLD
         kind = kind_of(node)
@@ -274,7 +277,7 @@ class Model:
         return None if name is None else (attribute.declares, name)
 
     def seen_from(self, other: Model, node: Node) -> str | None:
-        """The name under which `other`, this model or one it hangs on, knows a node; None without a name."""
+        """Return the name of a node in `other`, which is this model or one above it, or None if it has no name."""
         declared = self.declared(node)
         if declared is None:
             return None
@@ -292,7 +295,7 @@ class Model:
         return name
 
     def prefix_in(self, other: Model) -> str | None:
-        """What stands before this model's names in `other`; None where it does not hang on that."""
+        """Return the prefix of this model's names in `other`, or None if it is not attached below `other`."""
         prefix, model = "", self
         while model is not other:
             if model.hung is None:
@@ -301,9 +304,9 @@ class Model:
         return prefix
 
     def note(self, node: Node) -> None:
-        """Take up the names of a node that has come or changed."""
+        """Add the names of a new or changed node to the index."""
         self.names.note(node, section_of(node), declares=self.frame_above(node) is None)
 
     def forget(self, node: Node) -> None:
-        """Drop the names of a node that goes or changes."""
+        """Remove the names of a node from the index, before the node is removed or changed."""
         self.names.forget(node, section_of(node))

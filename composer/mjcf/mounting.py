@@ -60,7 +60,7 @@ class Mounting:
         return [each.part for each in self.mounted]
 
     def _mount(self, model: Model, unit: Unit, prefix: str, own: _Mounted | None) -> None:
-        """Everything that hangs on a model, each part before what hangs on it."""
+        """Append all models attached to `model`, each before the models attached to it."""
         hosts = [counterpart(each.host, model.unit.root, unit.root) for each in model.attachments.values()]
         for attachment, host in zip(model.attachments.values(), hosts, strict=True):
             copied = self.copy(attachment.child)
@@ -98,7 +98,7 @@ class Mounting:
         return Place(kind, prefix + str(host.get("name")), offset)  # type: ignore[arg-type]
 
     def add_joints(self, linking: Linking) -> None:
-        """Give each part the joints of its frame; the linker must have named the top classes."""
+        """Set the joints of each part from its attachment frame. The linker must have named the top classes before."""
         tops = {each.part.prefix: each.part.top_class for each in self.mounted}
         tops[""] = linking.base_class or MAIN
         in_radians = model_angle(linking) == "radian"
@@ -109,7 +109,7 @@ class Mounting:
             )
 
     def clear_up(self) -> None:
-        """Take back the names and frames that were made for the linker."""
+        """Remove the names and frames that were added for the linker."""
         for node in self.named:
             del node.attrib["name"]
         for frame in self.added:
@@ -120,7 +120,7 @@ class Mounting:
 
 
 def _offset(frame: Node, unit: Unit) -> dict[str, str]:
-    """The pose attributes of a frame, angles as a quaternion: the model may be in another unit."""
+    """Return the pose attributes of a frame. Angles become a quaternion, since the other model's unit may differ."""
     written = {name: str(frame.get(name)) for name in ("pos", *ORIENTATIONS) if frame.get(name)}
     for name in ("euler", "axisangle"):
         if written.pop(name, None):
@@ -131,7 +131,7 @@ def _offset(frame: Node, unit: Unit) -> dict[str, str]:
 
 
 def _combined(outer: Mapping[str, str], inner: Mapping[str, str]) -> dict[str, str]:
-    """One offset inside another; neither has angles."""
+    """Return the combination of an outer and an inner offset, neither of which has angles."""
     if not outer or not inner:
         return {**outer, **inner}
     pose = read_pose(outer, False, "xyz") @ read_pose(inner, False, "xyz")
@@ -146,7 +146,7 @@ def _free_name(names: NameIndex, kind: str, number: int) -> str:
 
 
 def _joint(joint: Node, mounted: _Mounted, top_class: str, to_radians: bool) -> Joint:
-    """A joint of a frame as the flat model has it: it takes the classes of the parent."""
+    """Return a joint of an attachment frame for the flat model. Its default classes are those of the parent."""
     part, unit = mounted.part, mounted.parent_unit
     attributes = {str(name): str(value) for name, value in joint.items()}
     attributes["name"] = part.prefix + attributes.get("name", "")
@@ -179,6 +179,6 @@ def _joint(joint: Node, mounted: _Mounted, top_class: str, to_radians: bool) -> 
 
 
 def childclass_at(host: Node) -> str | None:
-    """The class in force for what is added where a model hangs."""
+    """Return the name of the class in force for elements added at an attachment's host, or None."""
     own = host.get("childclass")
     return str(own) if own and host.tag != "site" else childclass_of(host)

@@ -24,11 +24,11 @@ class NodeView(Attributed):
 
     @property
     def name(self) -> str | None:
-        """The name in its own model, without prefixes; None where it has none.
+        """The name of the element in its own model, without prefixes, or None if it has none.
 
-        A new name must be free in the whole composition, and whatever refers to the element follows. The
-        name of a default class is its class, that of an asset without one the stem of its file, as MuJoCo
-        has it.
+        Setting a new name updates all references to the element. The name must not be used anywhere in the composition.
+        The name of a default class is its `class`. As in MuJoCo, the name of an asset without one is the stem of its
+        file.
 
         >>> from composer import mjcf
         >>> model = mjcf.RootElement()
@@ -47,7 +47,7 @@ class NodeView(Attributed):
 
     @property
     def full_identifier(self) -> str | None:
-        """The name in the output of the whole composition, prefixes included; None where it has none.
+        """The name in the output of the whole composition, including prefixes, or None if it has none.
 
         >>> from composer import mjcf
         >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
@@ -61,7 +61,7 @@ class NodeView(Attributed):
 
     @property
     def origin(self) -> Span:
-        """The place it came from: in a file, or the line of the program that added it.
+        """Where the element came from: a place in a file, or the line of the program that added it.
 
         >>> from composer import mjcf
         >>> lines = ['<mujoco>', '<worldbody><geom name="ball" size="1"/></worldbody>', '</mujoco>']
@@ -71,7 +71,10 @@ class NodeView(Attributed):
         return self._alive()._model.span(self._node)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
-        """Among other things that are copied: the element of the copy of its model."""
+        """Return the element's counterpart in the copy of its model.
+
+        Raises `MjcfError` for an element that is copied alone.
+        """
         if not memo:
             raise failure(
                 "not-supported",
@@ -85,7 +88,7 @@ class NodeView(Attributed):
         return self.__deepcopy__({})
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickled with the whole composition: what is pickled together stays together."""
+        """Pickle the element with its whole composition. Elements pickled together keep sharing one composition."""
         return reduced(self)
 
     def __dir__(self) -> list[str]:
@@ -99,23 +102,23 @@ class NodeView(Attributed):
         return f"<{self.tag}{attributes}>…</{self.tag}>" if len(self._node) else f"<{self.tag}{attributes}/>"
 
     def __str__(self) -> str:
-        """The element and all below it in its own model, as MJCF text; comments say where models are attached."""
+        """Return the element and everything below it in its own model as MJCF text. Comments mark attached models."""
         return text(self._model, self._node)
 
     def _repr_html_(self) -> str:
-        """The element as a tree that opens and closes, for notebooks."""
+        """Return the element as a collapsible tree for notebooks."""
         return page(self._model, self._node)
 
 
 def model_of(root: object, what: str) -> Model:
-    """The model of an argument that has to be a root."""
+    """Return the model of a `RootElement`. Raises `MjcfError` for anything else; `what` names the argument."""
     if not isinstance(root, NodeView) or root._node is not root._model.unit.root:
         raise failure("wrong-type", f"{what} is a `RootElement`, got `{type(root).__name__}`", call_site())
     return root._model
 
 
 def checked(element: object) -> NodeView:
-    """An argument that has to be an element of a model."""
+    """Return the argument if it is an element of a model. Raises `MjcfError` if it is not, or was removed."""
     if not isinstance(element, NodeView):
         raise failure("wrong-type", f"expects an element, got `{type(element).__name__}`", call_site())
     return element._alive()

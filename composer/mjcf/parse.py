@@ -32,16 +32,17 @@ _TEXT = "<xml_string>"
 def from_path(
     path: str | os.PathLike[str], *, escape_separators: bool = False, trust: Folders = ()
 ) -> RootElement:
-    r"""The model of an MJCF file.
+    r"""Read a model from an MJCF file.
 
-    Its files resolve against its own folder and its compiler's, `<include>` is followed, as MuJoCo does.
-    Names with a `/` are names like others; with `escape_separators` they get a `\` in its place, so that
-    a `/` in a name means an attached model and nothing else.
-    The model may read files of its project and in the folders of `trust`, and no others: see docs/sources.md. That is
-    judged where they are read.
-    Raises `MjcfError` for a file that cannot be read, is not well-formed, is not MJCF, has elements or
-    attributes that MJCF does not have, or a name twice, all of them with file and line. Meshes and textures
-    are not read.
+    As in MuJoCo, file names are relative to the model's folder and the folders that its `<compiler>` sets, and
+    `<include>` is followed. A name may contain a `/`. With `escape_separators`, each `/` in a name becomes a `\`, so
+    that a `/` always separates the prefix of an attached model.
+
+    The model may read files of its project and in the folders of `trust`, and no others: see docs/sources.md. This is
+    checked when a file is read. Meshes and textures are not read yet.
+
+    Raises `MjcfError`, with the file and line of each fault, for a file that cannot be read, is not well-formed or is
+    not MJCF, for elements and attributes that MJCF does not have, and for names that repeat.
 
     >>> import tempfile
     >>> file = Path(tempfile.mkdtemp()) / 'ball.xml'
@@ -62,11 +63,11 @@ def from_xml_string(
     escape_separators: bool = False,
     trust: Folders = (),
 ) -> RootElement:
-    """The model of MJCF text.
+    """Read a model from MJCF text.
 
-    `assets` has the bytes of files by the path that the model looks them up by (compiler folder included),
-    or by bare file name; included files may be among them. What does not exist is read from `base_dir`, by
-    default the working directory. `escape_separators` and `trust` are those of `from_path`. Raises `MjcfError` as
+    `assets` has the bytes of files by their path in the model (including the folder that the compiler sets) or by
+    their file name alone; it may contain included files. Files that are not in it are read from `base_dir`, by default
+    the working directory. `escape_separators` and `trust` are described in `from_path`. Raises `MjcfError` as
     `from_path` does.
 
     >>> model = from_xml_string('<mujoco><asset><mesh file="cube.stl"/></asset></mujoco>', assets={'cube.stl': b'...'})
@@ -91,9 +92,10 @@ def from_xml_string(
 def from_file(
     file_object: IO[str] | IO[bytes], *, escape_separators: bool = False, trust: Folders = ()
 ) -> RootElement:
-    """The model of an open file, text or binary; its folder is that of `file_object.name` where there is one.
+    """Read a model from an open file, in text or binary mode.
 
-    `escape_separators` and `trust` are those of `from_path`. Raises `MjcfError` as `from_path` does.
+    If `file_object.name` is a path, file names in the model are relative to its folder, else to the working directory.
+    `escape_separators` and `trust` are described in `from_path`. Raises `MjcfError` as `from_path` does.
 
     >>> import io
     >>> from_file(io.StringIO('<mujoco model="arm"/>')).model
@@ -122,11 +124,11 @@ def from_file(
 
 
 def from_zip(path: str | os.PathLike[str], *, escape_separators: bool = False) -> RootElement:
-    """The model of a zip: a bundle of ours, an MJZ, or any zip with one model that no other in it names.
+    """Read a model from a zip: a bundle of mjcompose, an MJZ, or a zip with one model that no other model in it names.
 
-    Nothing is unpacked to disk. Files come from the zip alone. Raises `MjcfError` as `from_path` does, and
-    for a zip that leads out of itself or is larger than can be meant. `escape_separators` is that of
-    `from_path`.
+    Nothing is unpacked to disk, and files are read only from the zip. `escape_separators` is described in `from_path`.
+    Raises `MjcfError` as `from_path` does, and for a zip with paths outside the zip or with contents above the size
+    limit.
 
     >>> import tempfile
     >>> from composer import mjcf

@@ -112,7 +112,7 @@ class _Composition:
 
 
 def reduced(element: Attributed) -> Reduced:
-    """How an element is pickled: the composition as a whole, anything in it by its place there."""
+    """Return the pickled form of an element: the whole composition, and the position of the element in it."""
     model = element._alive()._model
     if element._node is model.unit.root:
         if model.hung is None:

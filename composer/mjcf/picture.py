@@ -18,7 +18,7 @@ _SIZE = 240, 320
 
 
 def page_with_picture(model: Model) -> str:
-    """The tree of a model, with its picture where there is OpenGL and MuJoCo takes the model."""
+    """Return HTML of a model's tree, with a picture if OpenGL is available and the model compiles."""
     tree, image = page(model, model.unit.root), picture(model)
     if image is None:
         return tree
@@ -30,7 +30,7 @@ def page_with_picture(model: Model) -> str:
 
 
 def picture(model: Model) -> bytes | None:
-    """The whole composition in its reference configuration, as a PNG; None where that cannot be had."""
+    """Return the whole composition in its reference configuration as a PNG, or None if it cannot be rendered."""
     top = model.top
     if not len(top.section(WORLD_SECTION)):
         return None

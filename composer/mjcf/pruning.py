@@ -13,7 +13,7 @@ from composer.tree.unit import Unit
 
 
 def prune(unit: Unit) -> None:
-    """Take the empty ones out of the tree of a model."""
+    """Remove the empty elements from the tree of a model."""
     for node in list(empty(unit)):
         while _is_empty(node) and node is not unit.root:
             parent = node.getparent()
@@ -23,7 +23,7 @@ def prune(unit: Unit) -> None:
 
 
 def empty(unit: Unit) -> Iterator[Node]:
-    """The sections without anything, and, in those that hold one of each, what is below them."""
+    """Yield the empty sections and, in sections that hold one child of each tag, the empty elements below them."""
     for section in unit.root.iterchildren("*"):
         if section.tag in HOLDS_ONE_OF_EACH:
             for node in filter(_is_empty, section.iter("*")):
@@ -38,5 +38,5 @@ def _is_empty(node: Node) -> bool:
 
 
 def _is_meant(unit: Unit, node: Node) -> bool:
-    """Whether a file or a program wrote an element; others were made when they were asked for."""
+    """Return whether an element was written in a file or added by a program. Others were created on access."""
     return cast(int | None, node.sourceline) is not None or node in unit.origins.owners

@@ -15,14 +15,14 @@ from composer.tree.names import WORLD, word
 
 
 def refers(attribute: Attribute) -> bool:
-    """Whether the attribute names elements of the model."""
+    """Return whether the attribute refers to elements of the model by name."""
     if attribute.refers_by is not None:
         return True
     return attribute.is_reference and not (attribute.refers or "").startswith("attached:")
 
 
 def namespace_of(attribute: Attribute, written: Mapping[str, str]) -> str | None:
-    """The namespace that a reference looks into, given all attributes of its element, if that is known."""
+    """Return the namespace of a reference, given all attributes of its element, or None if it is not known."""
     if attribute.refers_by is not None:
         return GRAMMAR.objtypes.get(written.get(attribute.refers_by, ""))
     return attribute.refers
@@ -31,9 +31,9 @@ def namespace_of(attribute: Attribute, written: Mapping[str, str]) -> str | None
 def name_for(
     model: Model, attribute: Attribute, target: Target, namespace: str | None, given: dict[Target, str]
 ) -> str:
-    """What `model` has to write to mean `target`. Raises `BadValue` where it cannot.
+    """Return the name that refers to `target` in `model`. Raises `BadValue` if there can be none.
 
-    A target without a name gets one in `given`, which the caller has to write.
+    A target without a name gets one in `given`, which the caller must write.
     """
     node = target.node
     if not target.model.has(node):
@@ -62,7 +62,7 @@ def name_for(
 
 
 def _free_name(target: Target, namespace: str, given: Mapping[Target, str]) -> str:
-    """A name that nothing has, in the manner of `dm_control`."""
+    """Return an unused name in the style of `dm_control`, such as `unnamed_joint_0`."""
     model = target.model
     number = len(model.names.declared.get(namespace, ()))
     while True:
@@ -73,9 +73,10 @@ def _free_name(target: Target, namespace: str, given: Mapping[Target, str]) -> s
 
 
 def resolved(model: Model, attribute: Attribute, node: Node, text: str) -> list[Target | str]:
-    """The nodes that a reference means, or each several one of a list; the name itself where nothing has it.
+    """Return the nodes that an attribute refers to: one, or one for each name in a list.
 
-    MuJoCo may still make such a name (the copies of a `replicate`); if not, writing the model reports it.
+    A name that does not exist is returned as it is. MuJoCo may still generate it (the copies of a `replicate`); if
+    not, it is reported when the model is written.
     """
     written = {str(key): str(value) for key, value in node.items()}
     namespace = namespace_of(attribute, written)
@@ -84,12 +85,12 @@ def resolved(model: Model, attribute: Attribute, node: Node, text: str) -> list[
 
 
 def described(target: Target) -> str:
-    """An element as messages name it."""
+    """Return the description of an element for messages. See `describe`."""
     return describe(target.model, target.node)
 
 
 def describe(model: Model, node: Node) -> str:
-    """An element as messages name it: its tag, and its name where it has one."""
+    """Return the description of an element for messages: its tag, and its name if it has one."""
     if not model.has(node):
         return f"`<{node.tag}>`" + (f" `{node.get('name')}`" if node.get("name") else "")
     declared = model.declared(node)

@@ -17,10 +17,10 @@ _COMPILER = "<compiler"
 
 
 def relocated_text(model: Model, label: str) -> str | None:
-    """What the linker makes of it as a unit of that label, or None where more than folders changes.
+    """Return the text that the linker would give for the model alone, or None if more than folders would change.
 
-    Only what stands as often in the text as in the tree is replaced there: a comment that looks like an attribute is
-    no reason to be wrong.
+    Text is only replaced if it occurs as often in the text as in the tree, so that a comment that looks like an
+    attribute is not replaced by mistake.
     """
     unit = model.unit
     if model.attachments or unit.contents or not re.fullmatch(r"[\w.-]+", label):
@@ -36,9 +36,9 @@ def relocated_text(model: Model, label: str) -> str | None:
 
 
 def _plain_files(unit: Unit) -> tuple[int, int] | None:
-    """How many files move to the label's folder and how many stay where they are.
+    """Return how many files move to the label's folder, and how many stay.
 
-    None where a path has to be shortened, parted from another or looked into.
+    Return None if a path has to be shortened, if two file names are equal, or if a file has to be read.
     """
     if any(
         next(section.iterchildren("model"), None) is not None for section in unit.root.iterchildren("asset")

@@ -11,7 +11,7 @@ from composer.tree.removal import Removal, is_section
 
 
 def remove(model: Model, node: Node, cascade: bool) -> None:
-    """Take a node out of its model; a top-level section is emptied and stays."""
+    """Remove a node from its model. A top-level section stays and is emptied."""
     if node is model.unit.root:
         raise failure(
             "not-supported",
@@ -27,7 +27,7 @@ def remove(model: Model, node: Node, cascade: bool) -> None:
 
 
 def discard(model: Model, node: Node) -> None:
-    """Forget all that is known of a node and what is below it, which is about to leave the tree."""
+    """Remove a node and everything below it from the model's indexes, before it is removed from the tree."""
     for each in node.iter("*"):
         model.forget(each)
         view = model.views.pop(each, None)
@@ -57,7 +57,7 @@ def _take_out(model: Model, node: Node) -> None:
 
 
 def release(model: Model, prefix: str) -> None:
-    """Undo an attachment; the child is a model of its own again."""
+    """Remove an attachment. The child becomes an independent model again."""
     attachment = model.attachments[prefix]
     discard(model, attachment.frame)
     del model.attachments[prefix]

@@ -15,10 +15,10 @@ class RootView(NodeView):
 
     @property
     def model(self) -> str:
-        """The model's name, and with a `/` the prefix that its names get where it is attached.
+        """The model's name. With a `/` appended, it is the prefix of the model's names when it is attached.
 
-        Where none is written it is the stem of the model's file, else `unnamed_model`. A new name must
-        differ from those of the models attached to the same parent; references from there follow.
+        If no name is written, it is the stem of the model's file, else `unnamed_model`. A new name must differ from
+        those of the other models attached to the same parent. References in the parent are updated.
 
         >>> from composer import mjcf
         >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
@@ -36,7 +36,7 @@ class RootView(NodeView):
 
     @property
     def full_identifier(self) -> str:
-        """The prefix of all its names in the output of the whole composition; empty at the top.
+        """The prefix of the model's names in the output of the whole composition; empty for the top model.
 
         >>> from composer import mjcf
         >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
@@ -47,10 +47,10 @@ class RootView(NodeView):
         return self._model.full_prefix
 
     def detach(self) -> None:
-        """Take this model off the one it is attached to.
+        """Detach this model from the one it is attached to.
 
-        The attachment frame and its joints are gone; whatever in the parent refers to something here is
-        reported when the parent is written. Raises `MjcfError` where it is not attached.
+        The attachment frame and its joints are removed. References from the parent into this model are reported as
+        errors when the parent is written. Raises `MjcfError` if the model is not attached.
 
         >>> from composer import mjcf
         >>> arm, gripper = mjcf.RootElement('arm'), mjcf.RootElement('gripper')
@@ -62,19 +62,26 @@ class RootView(NodeView):
         detach(self._model)
 
     def to_xml_string(self, *, conflict: Policy = "error") -> str:
-        """The model with everything attached to it, as MJCF text; the model itself stays as it is.
+        """Return the model and everything attached to it as MJCF text. The model itself does not change.
 
-        Files are named as in `assets`, so that `mujoco.MjModel.from_xml_string(root.to_xml_string(),
-        root.assets)` compiles it; no file is read. Each attached model means what it means alone: its
-        units, default classes and inertia rules are its own. Raises `MjcfError` with all faults: references
-        to nothing with everyone who refers, names that clash, what MuJoCo cannot have. Only the keys of a
-        model that nothing is attached to are not counted before it is compiled or exported.
+        Files have the names of `assets`, so that `mujoco.MjModel.from_xml_string(root.to_xml_string(), root.assets)`
+        compiles the text. No file is read. Each attached model keeps its meaning: its units, default classes and
+        inertia rules apply to it alone.
 
-        Of `option`, `visual` and `statistic` a model has one. Where an attached model writes a value that
-        this one does not have, `conflict` says what happens: `error`; `warning`, this model's value stands;
-        `merge`, they are combined as MuJoCo's own attach does (what is not written here is taken over; of
-        two the smaller time step and tolerance, the larger number of iterations). The last two issue an
-        `MjcfWarning` for each.
+        Raises `MjcfError` with all faults: references to names that do not exist, with all elements that refer to
+        them, names that clash, and what MuJoCo does not support. If nothing is attached to a model, the lengths of
+        its keyframes are not checked before it is compiled or exported.
+
+        The output has one `option`, one `visual` and one `statistic`. `conflict` determines what happens if an
+        attached model writes a value there that this model does not have:
+
+        - `error`: raise `MjcfError`.
+        - `warning`: keep this model's value.
+        - `merge`: combine the two as MuJoCo's own attach does. A value that this model does not write is taken from
+          the attached model; of two time steps or tolerances the smaller one is used, of two numbers of iterations
+          the larger one.
+
+        The last two issue an `MjcfWarning` for each such value.
 
         >>> from composer import mjcf
         >>> model = mjcf.RootElement('ball')
@@ -91,10 +98,10 @@ class RootView(NodeView):
 
     @property
     def assets(self) -> dict[str, bytes]:
-        """The files of the model and all that is attached to it, by their names in `to_xml_string()`.
+        """The bytes of all files of the model and everything attached to it, by their names in `to_xml_string()`.
 
-        No two end in the same file name, as MuJoCo goes by that alone. Raises `MjcfError` for files that
-        cannot be read.
+        No two names end in the same file name, because MuJoCo looks up files in memory by their file name alone.
+        Raises `MjcfError` for files that cannot be read.
 
         >>> from composer import mjcf
         >>> model = mjcf.RootElement('table')

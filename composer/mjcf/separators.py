@@ -16,9 +16,9 @@ ESCAPED = "\\"
 
 
 def escape_separators(model: Model) -> None:
-    r"""Write `\` for every `/` in the model's own name, in those of its elements, and in all references.
+    r"""Replace every `/` by `\` in the names of the model and its elements, and in all references.
 
-    Raises `MjcfError` where two names would become one.
+    Raises `MjcfError` if two names would become equal.
     """
     sink = Sink()
     declared = {

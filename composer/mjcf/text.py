@@ -12,7 +12,7 @@ from composer.tree.counterpart import counterpart
 
 
 def text(model: Model, node: Node) -> str:
-    """A node and all below it as MJCF, without a final newline; comments say where models are attached."""
+    """Return a node and everything below it as MJCF without a final newline. Comments mark attached models."""
     copied = copy.deepcopy(node)
     for attachment in model.attachments.values():
         if attachment.host is node or node in attachment.host.iterancestors():

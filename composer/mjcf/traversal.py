@@ -11,14 +11,14 @@ from composer.tree.kinds import ROOT, WORLD_SECTION, Query, section_of
 
 
 def from_root(model: Model, query: Query) -> Iterator[Target]:
-    """All matches of a model, section by section; attached models follow in each section."""
+    """Yield all matches in a model, section by section. In each section, attached models come last."""
     for tag in _section_tags(model):
         if tag in query.sections:
             yield from _in_section(model, tag, query)
 
 
 def below(model: Model, node: Node, query: Query) -> Iterator[Target]:
-    """All matches below a node, which is not one itself."""
+    """Yield all matches below a node, without the node itself."""
     frame = model.frame_above(node)
     if frame is not None:
         if node is frame:
@@ -35,7 +35,7 @@ def below(model: Model, node: Node, query: Query) -> Iterator[Target]:
 
 
 def children(model: Model, node: Node, query: Query) -> Iterator[Target]:
-    """All matches among the children of a node; what is attached without a joint counts as children."""
+    """Yield all matches among the children of a node. The top level of a model attached without a body counts too."""
     frame = model.frame_above(node)
     if frame is not None:
         attachment = model.attachment_of(frame)
@@ -55,7 +55,7 @@ def children(model: Model, node: Node, query: Query) -> Iterator[Target]:
 
 
 def is_below(outer: Target, inner: Target) -> bool:
-    """Whether `inner` stands anywhere below `outer`, in the output."""
+    """Return whether `inner` is anywhere below `outer` in the output."""
     model, node = inner
     while model is not outer.model:
         if model.hung is None:
@@ -105,7 +105,7 @@ def _in_section(model: Model, tag: str, query: Query, *, itself: bool = True) ->
 
 
 def _flat(model: Model, node: Node, section: str, query: Query) -> Iterator[Target]:
-    """Matches below a node, without a look at what is attached: one pass of lxml's own."""
+    """Yield the matches below a node, without those in attached models. This takes one pass in lxml."""
     for each in node.iterdescendants(*query.tags) if query.tags else ():
         parent = each.getparent()
         if parent is not None and query.takes(section, str(parent.tag), str(each.tag)):
@@ -140,7 +140,7 @@ class _World:
 
 
 def _frame_content(attachment: Attachment, query: Query) -> Iterator[Target]:
-    """The joints of a frame, then the bodies of the child."""
+    """Yield the matches among the joints of a frame, then those in the worldbody of the child."""
     for joint in attachment.frame.iterchildren(*query.tags) if query.tags else ():
         if _taken(joint, query):
             yield Target(attachment.parent, joint)
@@ -152,7 +152,7 @@ def _taken(joint: Node, query: Query) -> bool:
 
 
 def _section_tags(model: Model) -> list[str]:
-    """The sections that a model or anything attached to it has, its own in their order first."""
+    """Return the tags of the sections in a model and the models attached to it, the model's own first."""
     tags = dict.fromkeys(str(section.tag) for section in model.unit.root.iterchildren("*"))
     for attachment in model.attachments.values():
         tags.update(dict.fromkeys(_section_tags(attachment.child)))

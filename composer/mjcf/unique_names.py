@@ -14,19 +14,19 @@ from composer.tree.write import write
 
 
 def with_unique_names(files: Sequence[FileUse]) -> list[tuple[FileUse, str]]:
-    """A path for each file such that no two end in the same; sub-models name theirs by it."""
+    """Return each file with a path, so that no two paths end in the same file name. Sub-models use these paths too."""
     taken: dict[str, str] = {}
     names = {use.path: _free(use.path, taken) for use in files}
     return [(_rewritten(use, names) if _is_model(use) else use, names[use.path]) for use in files]
 
 
 def is_inner(use: FileUse, files: Iterable[FileUse]) -> bool:
-    """Whether a file is named by a sub-model, not by the model itself."""
+    """Return whether a file is used by a sub-model and not by the model itself."""
     return not use.shared and any(use.path.startswith(_folder(each)) for each in files if _is_model(each))
 
 
 def rename_file(element: Node, attribute: str, file: str) -> None:
-    """Let an element name a file by another path; what is called after its file keeps its name."""
+    """Set the file path of an element. If the element is named after its file, it keeps that name."""
     if attribute == "file" and element.tag in NAMED_AFTER_FILE and not element.get("name"):
         element.set("name", stem(str(element.get("file"))))
     element.set(attribute, file)
@@ -47,12 +47,12 @@ def _is_model(use: FileUse) -> bool:
 
 
 def _folder(model: FileUse) -> str:
-    """Where the files of a sub-model stand."""
+    """Return the folder of a sub-model's files."""
     return f"{model.path.removesuffix('.xml')}/"
 
 
 def _rewritten(model: FileUse, names: Mapping[str, str]) -> FileUse:
-    """A sub-model that names its files, which it does from where it stands, as they are called now."""
+    """Return the sub-model with the new names of its files, which are relative to its own folder."""
     start = f"{posixpath.dirname(model.path)}/"
     changed = {
         path.removeprefix(start): name.removeprefix(start)

@@ -40,10 +40,10 @@ class BadValue(ValueError):
 
 
 def encode(attribute: Attribute, value: object) -> str:
-    """The text of a value; text is taken as MJCF writes it. Raises `BadValue`.
+    """Return the MJCF text of a value. A value that is text must be valid MJCF. Raises `BadValue`.
 
-    Numbers are written so that they read back to the same bits. An array of more than one dimension is
-    taken row by row where the attribute has no fixed length.
+    Numbers are written so that they read back to the same bits. If the attribute has no fixed length, an array of
+    more than one dimension is written row by row.
     """
     quick = plain_text(attribute, value)
     if quick is not None:
@@ -69,10 +69,10 @@ def encode(attribute: Attribute, value: object) -> str:
 
 
 def decode(attribute: Attribute, text: str) -> object:
-    """What an attribute's text means. Raises `BadValue` for what MuJoCo would refuse.
+    """Return the Python value of an attribute's text. Raises `BadValue` for text that MuJoCo would refuse.
 
-    A number is a numpy scalar, several are an array (`float64` or `int64`, shape `(n,)`). Keywords are text,
-    a list of them a list, a boolean is a `bool`.
+    One number is returned as a numpy scalar, several as an array of `float64` or `int64` with the shape `(n,)`. A
+    keyword is returned as text, a list of keywords as a list, and a boolean as a `bool`.
     """
     if attribute.type == "real" and _DECIMALS.fullmatch(text):
         decimals = list(map(float, text.split()))
@@ -93,7 +93,7 @@ def decode(attribute: Attribute, text: str) -> object:
 
 
 def plain_text(attribute: Attribute, value: object) -> str | None:
-    """The text of what is plainly right, finite numbers above all; None for what takes a closer look."""
+    """Return the text of a value that is clearly valid, such as finite numbers, or None if it needs a full check."""
     if attribute.type == "keyword":
         return value if type(value) is str and value in attribute.keywords else None
     if attribute.type == "bool":
@@ -128,7 +128,7 @@ def _check_finite(attribute: Attribute, text: str) -> None:
 
 
 def _flat(attribute: Attribute, value: object) -> object:
-    """Arrays and tuples as lists; rows are joined where any number of items will do."""
+    """Return arrays and tuples as lists. If the attribute takes any number of items, join the rows."""
     open_ended = attribute.is_number and attribute.max_length is None
     shape = getattr(value, "shape", None)
     if shape is not None and len(shape) > 1 and attribute.is_number:

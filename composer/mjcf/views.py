@@ -29,18 +29,18 @@ _CLASSES: list[ViewClasses] = []
 
 
 def register(classes: ViewClasses) -> None:
-    """The classes that are made from now on; called once, when `composer.mjcf` is imported."""
+    """Set the classes of views. It is called once, when `composer.mjcf` is imported."""
     _CLASSES[:] = [classes]
 
 
 def view(model: Model, node: Node) -> Any:
-    """The one Element of a node."""
+    """Return the only Element of a node, and create it on first access."""
     found = model.views.get(node)
     return model.views.setdefault(node, _class_for(model, node)._of(model, node)) if found is None else found
 
 
 def views(model: Model, tag: str, nodes: Iterable[Node]) -> Any:
-    """The Elements of nodes that have one tag, as an `ElementList`."""
+    """Return the Elements of nodes with the same tag as an `ElementList`."""
     return _CLASSES[0].several(tag, (view(model, node) for node in nodes))
 
 
@@ -52,7 +52,7 @@ def _class_for(model: Model, node: Node) -> Any:
 
 @cache
 def class_of(kind: ElementType) -> type[Any]:
-    """The class of the elements of a kind: `Element` with a property for each attribute and child, documented."""
+    """Return the class for elements of a kind: an `Element` with a documented property for each attribute and child."""
     base = _CLASSES[0].element
     inside = {
         **members(kind, taken=dir(base)),

@@ -20,10 +20,11 @@ _FIELDS = {"input": "ctrlspec", "user": "userdata"}
 
 
 def settings(default_sections: Iterable[Node], actuator: Node) -> Mapping[str, str] | None:
-    """Every setting of an actuator by the attributes of `<general>`, as text; None where MuJoCo refuses it.
+    """Return all settings of an actuator as texts by the attributes of `<general>`, or None if MuJoCo refuses it.
 
-    An empty text is what cannot be written: nothing in particular. A crank length counts where there is a crank only:
-    MuJoCo lets classes give it to other actuators, too. What the actuator acts on is not among the settings.
+    An empty text stands for a setting that cannot be written because it has no value. A crank length is included only
+    for a slider-crank, because MuJoCo lets classes set it for other actuators too. What the actuator acts on is not
+    included.
     """
     mujoco = engine()
     root = etree.Element("mujoco")
@@ -55,7 +56,7 @@ def _text(mujoco: Any, attribute: Attribute, value: Any, read: Any) -> str:
 
 
 def _input(mujoco: Any, signature: int, read: Any) -> str:
-    """MuJoCo keeps a bit for each input, or what an orientation is written as."""
+    """Return the text of `input`. MuJoCo keeps one bit for each input, or the form in which an orientation is given."""
     if not signature:
         return ""
     if read.gaintype.name == "mjGAIN_SO3":

@@ -50,7 +50,7 @@ class Binding:
     def __init__(
         self, kind: str, ids: Sequence[int], labels: Sequence[str], one: bool, model: Model, data: Data
     ) -> None:
-        """For use by this package: `Physics.bind` gives one."""
+        """For internal use. To get a binding, call `Physics.bind`."""
         for name, value in (
             ("_kind", kind),
             ("_ids", ids),
@@ -64,12 +64,12 @@ class Binding:
 
     @property
     def element_id(self) -> int | NDArray[np.intp]:
-        """The number of the element in MuJoCo's arrays, of a sequence an array of them."""
+        """The index of the element in MuJoCo's arrays, or for several elements an array of indices."""
         return self._ids[0] if self._one else np.array(self._ids, dtype=np.intp)
 
     @property
     def id(self) -> int | NDArray[np.intp]:
-        """The same by MuJoCo's word."""
+        """The same as `element_id`, by MuJoCo's name for it."""
         return self.element_id
 
     def __getattr__(self, name: str) -> Any:
@@ -100,16 +100,17 @@ class Binding:
             raise self._cannot_take(name, value) from None
 
     def __getitem__(self, key: str | tuple[str, Any]) -> Any:
-        """A field by its name, `binding['xpos']`, or columns of it by number or name: `binding['xpos', 'z']`.
+        """Return a field by its name, `binding['xpos']`, or some of its columns, `binding['xpos', 'z']`.
 
-        Columns are called `x y z`, `qw qx qy qz`, `r g b a` and, of a rotation matrix, `xx xy … zz`.
+        Columns are given by index or by name. The names are `x y z`, `qw qx qy qz`, `r g b a` and, for a rotation
+        matrix, `xx xy … zz`.
         """
         name, at = self._parts(key)
         value = getattr(self, name)
         return value if at is None else value[at]
 
     def __setitem__(self, key: str | tuple[str, Any], value: Any) -> None:
-        """The same, written to MuJoCo."""
+        """Write a field, or some of its columns, to MuJoCo. The keys are those of `binding[key]`."""
         name, at = self._parts(key)
         if at is None:
             setattr(self, name, value)
@@ -123,7 +124,7 @@ class Binding:
             raise self._cannot_take(name, value, has[at]) from None
 
     def _parts(self, key: str | tuple[str, Any]) -> tuple[str, Any]:
-        """The name of a field, and what of it: None for all, else an index."""
+        """Return the name of a field and an index into its columns, which is None for all columns."""
         name, *rest = key if isinstance(key, tuple) else (key,)
         if not isinstance(name, str) or len(rest) > 1:
             raise failure(
@@ -155,7 +156,7 @@ class Binding:
         return name, (..., at)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickled, and copied, with the state: together with its `Physics` it is a view on that one's copy."""
+        """Pickle or copy the binding with its state. If its `Physics` is copied too, it becomes a view on that copy."""
         return _bound, (self._kind, self._ids, self._labels, self._one, self._data)
 
     def __dir__(self) -> list[str]:
@@ -172,7 +173,7 @@ class Binding:
         return view.read() if isinstance(view, Home) else view
 
     def _view(self, name: str, field: Field) -> Array | Home[Any]:
-        """The field, kept from now on: memory of MuJoCo's does not move while the model lives."""
+        """Return a field and cache it: MuJoCo's memory does not move during the life of the model."""
         known: Array | Home[Any] | None = self._homes.get(name, self.__dict__.get(name))
         if known is not None:
             return known
@@ -276,10 +277,10 @@ class EmptyBinding:
 
 @cache
 def binding_of(kind: str, regular: bool) -> type[Binding]:
-    """The class of bindings of a kind, with the kind's fields; MuJoCo is asked what they are.
+    """Return the class of bindings of a kind, with the fields that MuJoCo has for this kind.
 
-    `regular` says whether the rows stand at regular distances: the one is made for fields that are views,
-    the other for fields that are read again each time.
+    With `regular`, the rows are evenly spaced and the fields are views. Otherwise the fields are read again on each
+    access.
     """
     field_of = _FieldView if regular else _scattered_field
     members: dict[str, Any] = {name: field_of(name, field) for name, field in fields(kind).items()}
@@ -304,7 +305,7 @@ class _FieldView:
 
 
 def _scattered_field(name: str, field: Field) -> property:
-    """A field as a property, which Python reads faster than other descriptors."""
+    """Return a property for a field. Python reads properties faster than other descriptors."""
 
     def read(binding: Binding) -> Any:
         try:
@@ -316,7 +317,7 @@ def _scattered_field(name: str, field: Field) -> property:
 
 
 def _shortest(kind: str) -> list[str]:
-    """Every field once, by the shortest of its names."""
+    """Return each field once, by the shortest of its names."""
     names: dict[Field, str] = {}
     for name, field in fields(kind).items():
         names[field] = min(name, names.get(field, name), key=len)
@@ -324,7 +325,7 @@ def _shortest(kind: str) -> list[str]:
 
 
 def as_slice(index: Sequence[int] | NDArray[np.intp]) -> slice | None:
-    """The slice that takes the same rows, if they stand at regular distances."""
+    """Return the slice that selects the same rows, or None if the rows are not evenly spaced."""
     rows = np.asarray(index, dtype=np.intp)
     if not rows.size:
         return slice(0, 0)

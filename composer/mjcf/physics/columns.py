@@ -17,12 +17,12 @@ _NAMES = (
 
 
 def names(array: str, width: int) -> tuple[str, ...]:
-    """The names of the columns of an array of MuJoCo's; none where they are called nothing."""
+    """Return the names of the columns of a MuJoCo array, or an empty tuple if they have no names."""
     return next((found for ends, found in _NAMES if ends.search(array) and len(found) == width), ())
 
 
 def numbered(columns: Any, known: Sequence[str]) -> Any:
-    """The index that an index with names stands for. Raises KeyError with the name that is not known.
+    """Return an index with the column names replaced by numbers. Raises KeyError with the first unknown name.
 
     >>> numbered(['x', 'z'], names('geom_pos', 3)), numbered(slice(0, 2), ())
     ([0, 2], slice(0, 2, None))

@@ -61,7 +61,7 @@ class _Copies:
 
 
 def compile_model(model: Model, conflict: Policy) -> tuple[MjModel, Snapshot]:
-    """The compiled model of a composition. Raises `MjcfError` for what the linker or MuJoCo finds wrong."""
+    """Compile a composition. Raises `MjcfError` for faults that the linker or MuJoCo finds."""
     copies = _Copies()
     flat = flatten(model, conflict, copies)
     name_files(flat)
@@ -72,13 +72,13 @@ def compile_model(model: Model, conflict: Policy) -> tuple[MjModel, Snapshot]:
 
 
 def snapshot(model: Model, roster: NameTable) -> Snapshot:
-    """What the elements of a composition are in a model that was compiled from something else: by their names."""
+    """Find the elements of a composition by their names in a model that was compiled from something else."""
     copies = _Copies()
     return _snapshot(model, copies, flatten(model, "warning", copies), roster)
 
 
 def compile_text(text: bytes, assets: Mapping[str, bytes], flat: Flat | None = None) -> MjModel:
-    """MuJoCo's model of MJCF text; what it refuses is reported at the element of `flat`, if the text is of one."""
+    """Compile MJCF text with MuJoCo. If the text comes from `flat`, report MuJoCo's errors at its elements."""
     mujoco = engine()
     try:
         return mujoco.MjModel.from_xml_string(text.decode(), dict(assets))
@@ -87,7 +87,7 @@ def compile_text(text: bytes, assets: Mapping[str, bytes], flat: Flat | None = N
 
 
 def engine() -> MjModel:
-    """The module `mujoco`. Raises `MjcfError` where it is not installed."""
+    """Return the module `mujoco`. Raises `MjcfError` if it is not installed."""
     try:
         import mujoco
     except ImportError as error:
@@ -98,7 +98,7 @@ def engine() -> MjModel:
 
 
 def refused(error: Exception, text: bytes = b"", flat: Flat | None = None) -> MjcfError:
-    """What MuJoCo says against a model, at the element that it says it of."""
+    """Return the error for a MuJoCo error about a model, at the element that the error is about."""
     fault = parse(str(error))
     element = None
     if flat is not None and fault.line is not None:
@@ -132,7 +132,7 @@ def _snapshot(model: Model, copies: _Copies, flat: Flat, roster: NameTable) -> S
 
 
 def _frames(model: Model) -> Iterator[Target]:
-    """The attachment frames that are bodies, and the joints in them; others have no counterpart."""
+    """Yield the attachment frames that are bodies, and their joints. Other frames have no counterpart in MuJoCo."""
     for attachment in attachments_below(model):
         if attachment.is_body:
             yield Target(attachment.parent, attachment.frame)

@@ -34,7 +34,7 @@ class Field:
 
 @cache
 def fields(kind: str) -> Mapping[str, Field]:
-    """The fields of a kind by MuJoCo's full names and by those without the kind (`geom_xpos` and `xpos`)."""
+    """Return the fields of a kind by MuJoCo's full names and by the names without the kind (`geom_xpos` and `xpos`)."""
     own_size = next(field.size for field in _arrays() if field.array == KINDS[kind].addresses)
     sizes = {own_size, *RUNS.get(kind, ())}
     found = {field.array: field for field in _arrays() if field.size in sizes}
@@ -50,7 +50,7 @@ def fields(kind: str) -> Mapping[str, Field]:
 
 @cache
 def _arrays() -> tuple[Field, ...]:
-    """Every array of numbers of both structs that stays where it is for the life of the struct."""
+    """Return every array of numbers in both structs whose memory does not move during the life of the struct."""
     return (*_of_struct("mjModel"), *_of_struct("mjData"))
 
 
@@ -67,5 +67,5 @@ def _of_struct(name: str) -> Iterator[Field]:
 
 
 def _is_text(pointer: Any) -> bool:
-    """Python sees text as bytes, which is not a view."""
+    """Return whether a pointer is to text, which Python returns as bytes and not as a view."""
     return getattr(getattr(pointer, "inner_type", None), "name", None) == "char"

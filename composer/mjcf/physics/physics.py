@@ -63,7 +63,7 @@ class Physics:
     )
 
     def __init__(self, model: Any, data: Any = None, *, snapshot: Snapshot | None = None) -> None:
-        """Physics of an `MjModel`, and an `MjData` of it where there is one; they are used as they are."""
+        """Make physics of an `MjModel`, and of its `MjData` if one is given. Neither is copied."""
         for what, value, kind in (("model", model, "MjModel"), ("data", data, "MjData")):
             if not isinstance(value, getattr(engine(), kind)) and not (value is None and what == "data"):
                 raise failure(
@@ -81,19 +81,20 @@ class Physics:
 
     @classmethod
     def from_mjcf_model(cls, root: RootView, *, conflict: Policy = "error") -> Physics:
-        """Compile a model with all that is attached to it; the same as `root.compile_model()`.
+        """Compile a model and everything attached to it. This is the same as `root.compile_model()`.
 
-        `conflict` is that of `RootElement.to_xml_string`. Raises `MjcfError` with what is wrong with the
-        model, at the place it comes from, also where it is MuJoCo that refuses it.
+        `conflict` is described in `RootElement.to_xml_string`. Raises `MjcfError` with the faults of the model and
+        where each comes from, also if MuJoCo refuses the model.
         """
         compiled, taken = compile_model(model_of(root, "what is compiled"), conflict)
         return cls(compiled, snapshot=taken)
 
     @classmethod
     def from_xml_string(cls, xml_string: str, assets: Mapping[str, bytes] | None = None) -> Physics:
-        """Compile MJCF text as MuJoCo reads it; `assets` has the bytes of files by name.
+        """Compile MJCF text as MuJoCo reads it. `assets` has the bytes of files by name.
 
-        Elements of any tree are bound by their names, those without one by their place. Raises `MjcfError`.
+        `bind` accepts elements of any tree: it finds them by their names, or by their places if they have none.
+        Raises `MjcfError` if MuJoCo refuses the text.
         """
         if not isinstance(xml_string, str):
             raise failure(
@@ -110,9 +111,9 @@ class Physics:
 
     @classmethod
     def from_path(cls, path: str | os.PathLike[str], *, trust: Folders = ()) -> Physics:
-        """Compile an MJCF file as MuJoCo reads it, or load a compiled one (`.mjb`). Raises `MjcfError`.
+        """Compile an MJCF file as MuJoCo reads it, or load a compiled one (`.mjb`).
 
-        The model may name files of its project and in the folders of `trust`, and no others.
+        The model may read files of its project and in the folders of `trust`, and no others. Raises `MjcfError`.
         """
         file = as_path("path", path)
         if not file.is_file():
@@ -139,7 +140,7 @@ class Physics:
 
     @property
     def time(self) -> float:
-        """The time of the simulation in seconds; may be set."""
+        """The simulation time in seconds. It can be set."""
         return float(self._data.time)
 
     @time.setter
@@ -148,7 +149,7 @@ class Physics:
 
     @property
     def timestep(self) -> float:
-        """The length of a step in seconds; may be set."""
+        """The time step in seconds. It can be set."""
         return float(self._model.opt.timestep)
 
     @timestep.setter
@@ -159,10 +160,10 @@ class Physics:
         self._model.opt.timestep = number
 
     def step(self, n: int = 1) -> None:
-        """Advance the simulation by n steps, as `mj_step` does.
+        """Advance the simulation by `n` steps, as `mj_step` does.
 
-        Positions and velocities are then those at the new time, what is computed from them (`xpos`,
-        `sensordata`) those of the last step's beginning, until `forward()`.
+        Afterwards, positions and velocities are those at the new time. Quantities computed from them (`xpos`,
+        `sensordata`) are those at the beginning of the last step, until `forward()` is called.
         """
         try:
             if n >= 0:
@@ -173,11 +174,11 @@ class Physics:
         raise failure("out-of-range", f"`n` is a number of steps, got `{n}`", call_site())
 
     def forward(self) -> None:
-        """Compute everything that follows from the state and the controls, without a step in time."""
+        """Compute all quantities that depend on the state and the controls, without advancing the time."""
         engine().mj_forward(self._model, self._data)
 
     def reset(self, keyframe: int | str | NodeView | None = None) -> None:
-        """Back to the reference configuration, or to a keyframe by number, name or element; then `forward()`."""
+        """Reset to the reference configuration, or to a keyframe by index, name or element. Then call `forward()`."""
         if keyframe is None:
             engine().mj_resetData(self._model, self._data)
         else:
@@ -185,7 +186,7 @@ class Physics:
         self.forward()
 
     def copy(self) -> Physics:
-        """Physics of its own in the same state: neither the state nor the model is shared."""
+        """Return an independent copy in the same state. Neither the state nor the compiled model is shared."""
         twin = self._copied({})
         twin._of_tree = self._of_tree
         return twin
@@ -194,12 +195,12 @@ class Physics:
         return self.copy()
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Physics:
-        """A copy; bindings and trees that are copied together with it are those of the copy."""
+        """Return a copy. Bindings and trees that are copied together with it belong to the copy."""
         memo[id(self)] = twin = self._copied(memo)
         return twin
 
     def _copied(self, memo: dict[int, Any]) -> Physics:
-        """A copy that takes the elements of other trees by their names."""
+        """Return a copy that finds the elements of other trees by their names."""
         data = copy.deepcopy(self._data, memo)
         memo[id(self._model)] = data.model
         twin = Physics(data.model, data)
@@ -207,16 +208,16 @@ class Physics:
         return twin
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickled with its state, and without the tree: elements of any tree are then bound by name."""
+        """Pickle the physics with its state but without the tree. Elements of any tree are then bound by name."""
         return _restored, (self._data,)
 
     def render(
         self, height: int = 240, width: int = 320, camera: int | str | NodeView = -1
     ) -> NDArray[np.uint8]:
-        """A picture of the state as it was at the last `forward()` or `step()`: `(height, width, 3)`, RGB.
+        """Render the state at the last `forward()` or `step()` as an RGB image of the shape `(height, width, 3)`.
 
-        `camera` is a camera's number, name or element; -1 is the free camera. Raises `MjcfError` where
-        OpenGL is missing; without a display `MUJOCO_GL=egl` must be set before MuJoCo is imported.
+        `height` and `width` are in pixels. `camera` is the index, name or element of a camera; -1 is the free camera.
+        Raises `MjcfError` if OpenGL is not available. Without a display, set `MUJOCO_GL=egl` before MuJoCo is imported.
         """
         free = isinstance(camera, int | np.integer) and camera == -1
         number = -1 if free else self._row("camera", camera)
@@ -224,16 +225,16 @@ class Physics:
 
     # Any: what the fields of a binding are is known when the program runs.
     def bind(self, elements: NodeView | Iterable[NodeView] | None) -> Any:
-        """A view on what the compiled model has for an element, or for several of one kind: a `Binding`.
+        """Return a `Binding`: a view on the values in MuJoCo of an element, or of several elements of one kind.
 
             physics.bind(hinge).qpos = 0.5
             physics.bind(model.find_all('actuator')).ctrl = [0, 1, 0]
             physics.bind(site).xpos
 
-        An element that exists is found even where it has no name. Raises `MjcfError` for what is not an object
-        of a compiled model, was removed, came after it was compiled, or is one of many that MuJoCo makes
-        (`replicate`), and for None, which `find` gives where there is nothing. What is bound to a sequence
-        is of one kind.
+        An element does not need a name. All elements of a sequence must be of the same kind. Raises `MjcfError` for an
+        element that has no object in a compiled model, that was removed or was added after compiling, or of which
+        MuJoCo makes several copies (`replicate`). It also raises `MjcfError` for None, which `find` returns if nothing
+        matches.
         """
         if isinstance(elements, NodeView):
             elements._alive()
@@ -284,7 +285,7 @@ class Physics:
         return kind
 
     def _found(self, element: NodeView, kind: str) -> int:
-        """The row of an element in the arrays of its kind."""
+        """Return the row of an element in the arrays of its kind."""
         node = element._node
         taken = self._snapshot_with(element)
         row = None if taken is None else taken.rows.get(node)
@@ -339,7 +340,7 @@ class Physics:
         return failure("unknown-name", message, call_site(), notes=notes, help=help)
 
     def _row(self, kind: str, given: int | str | NodeView) -> int:
-        """The number of a keyframe or a camera that a caller means."""
+        """Return the index of a keyframe or a camera, given its index, name or element."""
         if isinstance(given, NodeView):
             if self._kind(given._alive()) != kind:
                 raise failure("wrong-type", f"expects a {kind}, got {given._described()}", call_site())
@@ -362,7 +363,7 @@ class Physics:
 
 
 def _seconds(what: str, value: object) -> float:
-    """A time that is to be set."""
+    """Return a time in seconds that the caller sets. Raises `MjcfError` for an invalid one."""
     try:
         number = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
@@ -377,7 +378,7 @@ def _restored(data: Any) -> Physics:
 
 
 def _check_files(path: Path, trust: tuple[Path, ...]) -> None:
-    """Raise `MjcfError` if a model names files that it may not read; what else is wrong MuJoCo says."""
+    """Raise `MjcfError` if a model refers to files that it may not read. MuJoCo reports all other faults."""
     found = Sink()
     unit = parse_file(path, aside := Sink(), door=own_door(path, trust))
     if unit is not None:

@@ -31,7 +31,10 @@ def _own(of: str) -> Release:
 
 
 def _of_inertia(model: Model, array: str, rows: NDArray[np.intp]) -> None:
-    """The inertia of bodies leaves their frame, and what stood where it was stays there."""
+    """Clear the marks of bodies whose inertia poses are written, and of the geoms and sites that share these frames.
+
+    These geoms and sites keep their poses. Raises `MjcfError` for a simple body.
+    """
     simple = (model.body_simple[rows] != 0) & (model.body_dofnum[rows] > 0)
     if simple.any():
         raise _is_simple(model, array, int(rows[simple][0]))
@@ -44,7 +47,10 @@ def _of_inertia(model: Model, array: str, rows: NDArray[np.intp]) -> None:
 
 
 def _is_simple(model: Model, array: str, row: int) -> Exception:
-    """A simple body has a diagonal in the mass matrix and room for no more; 4.0 refuses `mj_setConst` after it."""
+    """Return the error that the inertia pose of a simple body cannot be changed.
+
+    Its part of the mass matrix has room for the diagonal only. MuJoCo 4.0 refuses `mj_setConst` after such a change.
+    """
     name = model.body(row).name
     return failure(
         "not-supported",
@@ -80,7 +86,7 @@ class Posed(np.ndarray[Any, np.dtype[Any]]):
         return posed
 
     def __array_wrap__(self, array: Any, context: Any = None, return_scalar: bool = False) -> Any:
-        """What is computed from poses is plain numpy."""
+        """Return results computed from poses as plain numpy arrays."""
         return array.view(np.ndarray) if array.ndim else array[()]
 
     def __repr__(self) -> str:

@@ -23,7 +23,7 @@ class Rendering:
         self._size = (0, 0)
 
     def picture(self, model: Any, data: Any, height: int, width: int, camera: int) -> NDArray[np.uint8]:
-        """RGB, `(height, width, 3)`."""
+        """Render an RGB image of the shape `(height, width, 3)`."""
         for what, number in (("height", height), ("width", width)):
             if not isinstance(number, int | np.integer) or number < 1:
                 raise failure("out-of-range", f"`{what}` is a number of pixels, got `{number}`", call_site())
@@ -41,7 +41,7 @@ class Rendering:
 
 
 def _renderer(model: Any, height: int, width: int) -> Any:
-    """MuJoCo's renderer; the model's limits to the size of pictures are those of its author's window."""
+    """Return MuJoCo's renderer. It is not bound by the model's image size, which is that of its author's window."""
     limits = model.vis.global_
     kept = limits.offwidth, limits.offheight
     limits.offwidth, limits.offheight = max(kept[0], width), max(kept[1], height)

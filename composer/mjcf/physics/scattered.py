@@ -27,7 +27,7 @@ class Scattered(np.ndarray[Any, np.dtype[Any]]):
         self._write_back(key)
 
     def _write_back(self, key: Any = ...) -> None:
-        """Only what was written: the other numbers are those of the time of reading."""
+        """Write back only the numbers that were assigned, since the others may have changed after they were read."""
         rows: Any = self
         while getattr(rows, "home", None) is None:
             rows = rows.base
@@ -45,7 +45,7 @@ class Scattered(np.ndarray[Any, np.dtype[Any]]):
 
 
 def places(of: NDArray[Any], view: NDArray[Any]) -> NDArray[np.intp]:
-    """Where in `of`, which lies in one piece, the items of a view of it stand: numbers in the view's shape."""
+    """Return the flat indices in `of` of the items of a view of it, in the shape of the view. `of` is contiguous."""
     found = np.array((view.ctypes.data - of.ctypes.data) // of.itemsize, dtype=np.intp)
     for length, stride in zip(view.shape, view.strides, strict=True):
         found = found[..., None] + np.arange(length) * (stride // of.itemsize)
@@ -74,7 +74,7 @@ class Home(Generic[_Number]):
         return cls(array.view(Scattered), index, array.ndim == 1, before)
 
     def read(self) -> Scattered:
-        """The rows as they are now."""
+        """Return the current values of the rows."""
         # Indexing is fast for numbers, `take` for rows of several.
         rows: Any = self.source[self.index] if self.flat else self.source.take(self.index, 0)
         rows.home = self

@@ -17,12 +17,12 @@ from composer.mjcf.physics.compile import engine, refused
 
 
 def from_spec(spec: Any) -> RootElement:
-    """The model of a `mujoco.MjSpec`, as MuJoCo writes it out; files in its `assets` come along.
+    """Return the model of a `mujoco.MjSpec`, from the XML that MuJoCo writes for it and the files in its `assets`.
 
-    MuJoCo compiles it for that. Raises `MjcfError` where it cannot. Elements have no origin but that text.
-    Numbers are those of the spec, to the last bit. MuJoCo before 3.16 writes six digits of each, and so does a later
-    one where models with different compiler settings are attached to each other. An `MjcfWarning` says so, and also
-    where the spec has a NaN, which MuJoCo does not write.
+    MuJoCo compiles a copy of the spec first. Raises `MjcfError` if it cannot. The origins of elements are lines of the
+    XML. Numbers are exactly those of the spec. MuJoCo before 3.16 writes only six digits of each, and so does a later
+    version if models with different compiler settings are attached to each other. An `MjcfWarning` is issued in these
+    cases, and also if the spec has a NaN, which MuJoCo does not write.
 
     >>> import mujoco
     >>> spec = mujoco.MjSpec()
@@ -54,7 +54,7 @@ def from_spec(spec: Any) -> RootElement:
 
 
 def _not_numbers(compiled: Any) -> list[str]:
-    """The arrays of elements that have a NaN. MuJoCo 4.0 leaves out what is written as NaN: it means not written."""
+    """Return the arrays of elements that contain a NaN. To MuJoCo 4.0, NaN means not set, so it does not write it."""
     return sorted(
         name
         for kind in KINDS
@@ -64,7 +64,7 @@ def _not_numbers(compiled: Any) -> list[str]:
 
 
 def _text(compiled: Any) -> str:
-    """What MuJoCo writes of a spec: as it was given where it can, else what it has compiled, in six digits."""
+    """Return the XML that MuJoCo writes for a spec: with all digits if possible, else compiled, with six digits."""
     compiler, why = compiled.compiler, "this MuJoCo cannot write more: 3.16 can"
     if hasattr(compiler, "savecompiled"):
         compiler.savecompiled, compiler.savecanonical = False, True

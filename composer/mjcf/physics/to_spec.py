@@ -12,7 +12,7 @@ from composer.tree.write import to_text, write
 
 
 def to_spec(model: Model, conflict: Policy) -> Any:
-    """See `RootElement.to_spec`."""
+    """Return the composition as a `mujoco.MjSpec`. See `RootElement.to_spec`."""
     mujoco = engine()
     flat = flatten(model, conflict)
     name_files(flat)
