@@ -1,4 +1,4 @@
-"""The table of all draws of one model, for those who draw at run time: what is drawn, where it goes, and its values."""
+"""The table of all draws of a model, for drawing at run time: the fields, their addresses and their values."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _FORMAT = 1
 
 
 class DrawTable:
-    """The table of a model that `session` keeps. What cannot be drawn at run time is reported."""
+    """The table of draws for the model that `session` keeps. Draws that are impossible at run time are reported."""
 
     def __init__(
         self, plan: Plan, tabled: Sequence[Tabled], session: engine.Session, context: Context
@@ -43,7 +43,7 @@ class DrawTable:
         self.left: list[str] = []
 
     def fill(self) -> bool:
-        """Look up where all numbers are; whether they all are somewhere."""
+        """Look up the address of every number, and return whether each has one."""
         before = self.context.sink.error_count
         numeric = [each for each in self.tabled if self._is_numeric(each)]
         answer = engine.call(self.session, resolve, [WHOLE], [_question(each) for each in numeric])
@@ -63,7 +63,7 @@ class DrawTable:
         return self.context.sink.error_count == before
 
     def compare(self) -> None:
-        """Put sample 1 into the nominal model and hold it against the one that was built, which the session keeps."""
+        """Put sample 1 into the nominal model and compare that with the built sample, which the session keeps."""
         row = [values[0] for values in self.values.values()]
         question = {"columns": list(self.columns.values()), "row": row}
         answer = engine.call(self.session, compare, [WHOLE, SAMPLE], question)
@@ -90,7 +90,7 @@ class DrawTable:
             )
 
     def added(self, bundle: Bundle) -> Bundle:
-        """The bundle with the table in it."""
+        """Return the bundle with the table in it."""
         wanted = self.plan.randomize
         assert wanted is not None
         data = {
@@ -160,7 +160,7 @@ def _question(each: Tabled) -> dict[str, Any]:
 
 
 def _bounds(each: Tabled, component: int) -> tuple[float | None, float | None]:
-    """The least and the greatest number that may be drawn, in the unit of the table; None where there is none."""
+    """Return the least and the greatest number that may be drawn, in the table's unit; None for no bound."""
     drawing = each.field.drawing
     if drawing.kind == CHOICE:
         numbers = drawing.extremes(component) or tuple(map(float, each.numbers[component]))  # type: ignore[arg-type]
@@ -176,7 +176,7 @@ def _bounds(each: Tabled, component: int) -> tuple[float | None, float | None]:
 
 
 def _field(field: DrawField) -> dict[str, Any]:
-    """What the recipe says of a field, its numbers as they are written."""
+    """Return what the recipe says about a field, with the numbers as written."""
     drawing = field.drawing
     return {
         "select": str(field.select),
