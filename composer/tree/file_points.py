@@ -6,11 +6,11 @@ import os
 
 from lxml.etree import _Element as Node
 
+from composer.numerics.points import most_points, points_in
 from composer.reading.memory import Memory
 from composer.reading.refused import Refused
 from composer.reading.regular import read_regular
 from composer.tree.files import join, written_path
-from composer.tree.points import most_points, points_in
 from composer.tree.unit import Unit
 
 

@@ -16,7 +16,7 @@ from composer.diagnostics.diagnostic import Note
 from composer.document.node import locate
 from composer.expr.angle import UNITS, Angle
 from composer.grammar.degrees import is_in_degrees
-from composer.mujoco_errors.message import CRASHES
+from composer.mujoco_errors.message import CRASHES, crash_help
 from composer.plan.drawn import Tabled
 from composer.plan.plan import Plan
 from composer.recipe.distribution import CHOICE
@@ -142,7 +142,9 @@ class DrawTable:
 
     def crashed(self, answer: engine.Called) -> None:
         code = CRASHES.get(answer.crash or "", "mujoco-crash")
-        self.context.sink.error(code, f"the table of draws: {answer.error or answer.crash}")
+        span = locate(self.plan.document, ("randomize", "samples"))
+        message = f"the table of draws: {answer.error or answer.crash}"
+        self.context.sink.error(code, message, span, help=crash_help(code))
 
 
 def _question(each: Tabled) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import mujoco
 import pytest
-from tree.test_points import OBJ, OPEN
+from numerics.test_points import OBJ, OPEN
 
 from composer.context import Context
 from composer.diagnostics import Sink

@@ -254,3 +254,23 @@ def test_behind_an_actuator_with_several_outputs(tmp_path: Path) -> None:
     assert found is not None, [each.message for each in context.sink.diagnostics]
     (column,) = json.loads(found.bundle.files["randomize.json"])["columns"]
     assert [(each["array"], each["index"]) for each in column["targets"]] == [("actuator_gear", [3, 0])]
+
+
+def test_what_mujoco_has_no_time_for_has_a_place(tmp_path: Path) -> None:
+    from composer import engine
+    from composer.verify.draw_table import DrawTable
+
+    (tmp_path / "m.xml").write_text(MODEL)
+    (tmp_path / "r.yaml").write_text(
+        "recipe: 1\nbase: ./m.xml\nrandomize:\n  seed: 1\n  samples: 3\n"
+        "  fields: {d: {select: {joint: hinge}, attr: damping, uniform: [0.1, 1]}}\n"
+    )
+    context = Context(folder=tmp_path)
+    built = build(Request(Path("r.yaml"), verified=False), context)
+    assert built is not None
+    with engine.Session() as session:
+        table = DrawTable(built.plan, (), session, context)
+        table.crashed(engine.Called(False, error="MuJoCo did not finish within 2 s", crash="timeout"))
+    (error,) = context.sink.errors
+    assert (error.code, error.span and error.span.line) == ("mujoco-timeout", 5)
+    assert error.help is not None and "--timeout" in error.help

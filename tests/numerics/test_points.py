@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from composer.tree.points import points_in
+from composer.numerics.points import points_in
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "<f4")
 SIDES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
@@ -53,7 +53,7 @@ def test_polygons_count_as_their_triangles(tmp_path: Path) -> None:
 
 def test_a_file_that_is_looked_at_piece_by_piece(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = points_in(OBJ.encode() * 50, "obj")
-    monkeypatch.setattr("composer.tree.points._PIECE", 100)
+    monkeypatch.setattr("composer.numerics.points._PIECE", 100)
     assert points_in(OBJ.encode() * 50, "obj") == whole == 200
 
 
