@@ -17,7 +17,7 @@ from composer.tree.unit import Unit
 
 
 def attached_size(unit: Unit) -> Callable[[Node], int]:
-    """A function that says how many elements an `<attach>` of the unit brings; 0 for what cannot be read."""
+    """Return a function for the number of elements that an `<attach>` of the unit adds, 0 for an unreadable model."""
     return _sizes_in(unit, {}, 0)
 
 
