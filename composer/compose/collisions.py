@@ -74,7 +74,7 @@ def _exclude_touching(
 def _bodies(
     step: SetCollisions, index: int, plan: Plan, linking: Linking, making: ElementBuilder
 ) -> list[Node]:
-    """The bodies with geoms that can collide on one side."""
+    """Return the bodies on one side that have geoms that can collide."""
     places = {place.part: place for place in plan.walk() if place.part}
     everything = [
         body for world in linking.base.root.iterchildren("worldbody") for body in (world, *world.iter("body"))
@@ -105,14 +105,14 @@ def _bodies(
 
 
 def _is_of(name: str, place: Place) -> bool:
-    """Whether a body is of a part; the world is the base's."""
+    """Return whether a body belongs to a part. The world belongs to the base."""
     if name == "world":
         return not place.prefix
     return bool(name) and name.startswith(place.prefix) and not name.startswith(tuple(place.others))
 
 
 def _collides(geom: Node, linking: Linking) -> bool:
-    """Whether a geom can touch anything: one that is only seen cannot."""
+    """Return whether a geom can collide with anything, which a purely visual one cannot."""
     classes = linking.base.classes
     # The `contype` of one geom and the `conaffinity` of the other are enough for a contact.
     values = [classes.effective(geom, childclass_of(geom), name) for name in _COLLIDING]
@@ -162,7 +162,7 @@ def _append(
     linking: Linking, making: ElementBuilder, step: SetCollisions, tag: str, keys: tuple[str, str],
     pairs: Sequence[tuple[str, ...]],
 ) -> None:  # fmt: skip
-    """Write what is not written yet."""
+    """Write the exclude or pair if it is not written yet."""
     # Which of the two is named first does not matter, and MuJoCo 4.0 counts the same pair twice.
     known = {
         frozenset((each.get(keys[0]), each.get(keys[1])))
