@@ -17,7 +17,7 @@ _SHOWN = 20
 
 
 def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> list[Left]:
-    """Remove nodes, and return all that was removed. Without `cascade`, a reference to one is an error, and all stay."""
+    """Remove nodes, and return all that was removed. Without `cascade`, a reference is an error, and all stay."""
     removal = Removal.of((editing, node) for node in nodes)
     if not cascade and removal.references:
         _still_needed(removal, editing, at)
