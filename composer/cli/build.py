@@ -28,10 +28,10 @@ from composer.cli.writing import build_one, finish
 @click.command()
 @click.argument("recipe", type=click.Path(path_type=Path))
 @output_option(
-    "DIR/, FILE.zip, FILE.mjz, FILE.xml (text alone, '-' for standard output), FILE.mjb or FILE.usdz (also .usd, .usda,"
-    " .usdc). {name} is the name of the model, {hash} two digits of a hash of it, for"
-    " very many models, and {mujoco} in that of an MJB the version of MuJoCo, the only one that"
-    " reads it. Default: build/{name}.zip."
+    "Where to write the model: DIR/, FILE.zip, FILE.mjz, FILE.xml (text without assets; '-' is standard output),"
+    " FILE.mjb or FILE.usdz (also .usd, .usda, .usdc). {name} is replaced by the name of the model, {hash} by two"
+    " digits of a hash of it, for very many models. In the name of an MJB, {mujoco} is replaced by the version of"
+    " MuJoCo; no other version can read the file. Default: build/{name}.zip."
 )
 @choice_options
 @cells_options
@@ -39,20 +39,26 @@ from composer.cli.writing import build_one, finish
 @click.option(
     "--samples",
     metavar="FILE",
-    help="The table of what was drawn, *.csv or *.parquet; with --all: samples.csv beside the models.",
+    help="Write drawn values to this table, *.csv or *.parquet. Default with --all: samples.csv next to the models.",
 )
 @click.option("--worlds", "table", type=click.Path(path_type=Path), metavar="FILE",
-              help="Build every cell and sample, as one model and a table of the numbers in which they differ, *.npz or"
+              help="Build every cell and sample as one model and this table of the numbers that differ, *.npz or"
               " *.parquet.")  # fmt: skip
 @click.option(
-    "--parquet", is_flag=True, help="With --all: models.parquet and samples.parquet beside the CSV files."
+    "--parquet",
+    is_flag=True,
+    help="With --all: also write models.parquet and samples.parquet, next to the CSV files.",
 )
-@click.option("--shared-assets", is_flag=True, help="Keep the assets of all cells in one folder: with"
-              " -o 'DIR/{name}/' that is DIR/assets/.")  # fmt: skip
+@click.option("--shared-assets", is_flag=True, help="Write the assets of all cells to one folder:"
+              " DIR/assets/ for -o 'DIR/{name}/'.")  # fmt: skip
 @click.option("--no-verify", is_flag=True, help="Do not compile the result in MuJoCo.")
-@click.option("--dedup", is_flag=True, help="Keep identical meshes, textures, materials and height fields of"
-              " several parts once; the manifest says which name stands for which.")  # fmt: skip
-@click.option("--picture", is_flag=True, help="Put a picture beside it, NAME.png; the manifest names it.")
+@click.option("--dedup", is_flag=True, help="Merge identical meshes, textures, materials and height fields of"
+              " several parts; the manifest lists the merged names.")  # fmt: skip
+@click.option(
+    "--picture",
+    is_flag=True,
+    help="Also write a picture, NAME.png, next to the model and list it in the manifest.",
+)
 @target_option
 @click.option("--licenses", is_flag=True, help="Print the licence of every part.")
 @timeout_option

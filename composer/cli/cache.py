@@ -24,16 +24,16 @@ _FIX = "run `mjcompose cache verify --fix`, which removes it; it is fetched agai
 
 @click.group()
 def command() -> None:
-    """Look after the store of what was fetched and built.
+    """Inspect and clean the store of fetched sources and built models.
 
-    MJCOMPOSE_CACHE names its folder, MJCOMPOSE_CACHE_SIZE its bound.
+    The environment variable MJCOMPOSE_CACHE sets its folder, MJCOMPOSE_CACHE_SIZE its maximum size.
     """
 
 
 @command.command()
 @format_options(("text", "json"))
 def info(form: str) -> None:
-    """Print where the store is, its size, and what is in it."""
+    """Print the location, the size and the contents of the store."""
     from composer.sources.blobs import blobs_in
 
     store, _ = _store()
@@ -75,14 +75,16 @@ def info(form: str) -> None:
 
 @command.command()
 @click.option(
-    "--size", metavar="SIZE", help="Keep at most this much, as 500M or 2G; default: the store's bound."
+    "--size",
+    metavar="SIZE",
+    help="Keep at most this much, such as 500M or 2G. Default: the store's maximum size.",
 )
-@click.option("--all", "everything", is_flag=True, help="Remove all of it.")
+@click.option("--all", "everything", is_flag=True, help="Remove everything.")
 @reporting_options
 def prune(size: str | None, everything: bool, form: str) -> None:
-    """Remove what was used longest ago, and what killed processes left.
+    """Remove least recently used entries, and files of killed processes.
 
-    Without options, what was used in the last hour stays: a build may be reading it.
+    Without options, entries used in the last hour stay, because a build may be reading them.
     """
     from composer.limits import parse_size
     from composer.scratch import sweep_temporary
@@ -106,12 +108,14 @@ def prune(size: str | None, everything: bool, form: str) -> None:
 
 
 @command.command()
-@click.option("--fix", is_flag=True, help="Remove what is damaged: it is fetched again when it is needed.")
+@click.option(
+    "--fix", is_flag=True, help="Remove damaged files. They are fetched again when they are needed."
+)
 @reporting_options
 def verify(fix: bool, form: str) -> None:
-    """Hash every file in the store again, and report what is damaged.
+    """Hash every file in the store again, and report damaged files.
 
-    Damaged files of built models are removed: they are built again when they are needed.
+    Damaged files of built models are always removed. They are built again when they are needed.
     """
     from composer.diagnostics.diagnostic import Note
     from composer.sources.blobs import blobs_in

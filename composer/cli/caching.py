@@ -15,15 +15,17 @@ if TYPE_CHECKING:
 
 def caching_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add `--no-cache` and `--why`; the command gets them as `no_cache` and `why`."""
-    command = click.option("--why", is_flag=True, help="Say why a model was built, or was not.")(command)
+    command = click.option(
+        "--why", is_flag=True, help="Print why a model was built, or why it was taken from the cache."
+    )(command)
     return no_cache_option(command)
 
 
 def no_cache_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add `--no-cache`; the command gets it as `no_cache`."""
-    return click.option("--no-cache", is_flag=True, help="Ignore the cache, and do not store the result.")(
-        command
-    )
+    return click.option(
+        "--no-cache", is_flag=True, help="Do not read models from the build cache or store them in it."
+    )(command)
 
 
 @contextlib.contextmanager

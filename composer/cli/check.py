@@ -48,7 +48,9 @@ if TYPE_CHECKING:
 @choice_options
 @cells_options
 @jobs_options
-@click.option("--no-verify", is_flag=True, help="Do not compile the models in MuJoCo, nor run their checks.")
+@click.option(
+    "--no-verify", is_flag=True, help="Do not compile the models in MuJoCo, and do not run their checks."
+)
 @timeout_option
 @junit_option
 @no_cache_option
@@ -71,10 +73,10 @@ def command(
     no_cache: bool,
     form: str,
 ) -> None:
-    """Say whether each of RECIPES is right: read, planned, composed, compiled in MuJoCo, and its checks hold.
+    """Check each of RECIPES: read, plan and compose it, compile it in MuJoCo, and run its checks.
 
-    Without --all, --pick or --sample the model of the default values is checked. Nothing is written but what --junit
-    asks for.
+    Without --all, --pick or --sample, the model with the default values is checked. Nothing is written except the
+    file of --junit.
     """
     from composer.cache.builder import Maker
     from composer.cache.cache_key import BuildOptions

@@ -98,11 +98,12 @@ def choice_options(command: Callable[..., Any]) -> Callable[..., Any]:
         return command(*args, choices=Choices(sets, set_files, variants), **rest)
 
     for option in reversed((
-        click.option("--set", "sets", multiple=True, metavar="NAME=VALUE", help="The value of a parameter.",
+        click.option("--set", "sets", multiple=True, metavar="NAME=VALUE", help="Set the value of a parameter.",
                      shell_complete=completing.parameters),
         click.option("--set-file", "set_files", multiple=True, type=click.Path(path_type=Path), metavar="FILE",
-                     help="A YAML file with values of parameters and variants by name."),
-        click.option("--variant", "variants", multiple=True, metavar="AXIS=VALUE", help="The value of a variant.",
+                     help="Read the values of parameters and variants from this YAML file."),
+        click.option("--variant", "variants", multiple=True, metavar="AXIS=VALUE",
+                     help="Select the value of a variant.",
                      shell_complete=completing.variants),
     )):  # fmt: skip
         choosing = option(choosing)

@@ -14,5 +14,5 @@ _LINES = {
 @click.command()
 @click.argument("shell", type=click.Choice(tuple(_LINES)))
 def command(shell: str) -> None:
-    """Print the line for the start file of SHELL that makes it complete commands, options, cells and names."""
+    """Print the line that enables completion of commands, options, cells and names; put it in SHELL's start file."""
     click.echo(_LINES[shell])

@@ -49,15 +49,17 @@ def _no_all(_context: click.Context, _option: click.Parameter, wanted: bool) -> 
 @choice_options
 @cell_options
 @click.option("--only", multiple=True, type=click.Choice(_KINDS), metavar="KIND",
-              help="Compare this kind of element, or `option`, `visual`, `statistic`, `count`, `address`.")  # fmt: skip
+              help="Compare only this kind of element, or `option`, `visual`, `statistic`, `count`,"
+              " `address`.")  # fmt: skip
 @click.option("--tolerance", type=Amount(min=0), default=0.0, show_default=True,
-              help="Numbers that differ by a smaller share than this count as the same.")  # fmt: skip
-@click.option("--computed", is_flag=True, help="List also numbers that MuJoCo computes from others.")
+              help="Treat numbers as equal if their relative difference is smaller than this.")  # fmt: skip
+@click.option("--computed", is_flag=True, help="Also list numbers that MuJoCo computes from others.")
 @click.option("--all", is_flag=True, hidden=True, expose_value=False, is_eager=True, callback=_no_all)
 @click.option("--renders", type=click.Path(path_type=Path, file_okay=False), metavar="DIR",
-              help="Put pictures of both here: of the whole, and of every camera that both have.")  # fmt: skip
+              help="Write pictures of both models here: of the whole model, and from each camera that"
+              " both have.")  # fmt: skip
 @click.option("--html", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
-              help="Write a page that shows both, what differs in colour.")  # fmt: skip
+              help="Write an HTML page that shows both models, with the differences in colour.")  # fmt: skip
 @timeout_option
 @format_options(_FORMATS)
 @quiet_option
@@ -74,10 +76,10 @@ def command(
     html: Path | None,
     form: str,
 ) -> None:
-    """Report what changes from model A to model B, by the line that is the reason.
+    """Report the differences between model A and model B, grouped by the line that causes them.
 
-    A and B are recipes, MJCF files or bundles (folder, .zip, .mjz), here or in a git revision: `main:arm.yaml`.
-    Exit codes: 0 the same, 1 different, 2 one of them cannot be read or built.
+    A and B are recipes, MJCF files or bundles (folder, .zip, .mjz). They may be in a git revision: `main:arm.yaml`.
+    Exit codes: 0 no difference, 1 differences, 2 a model cannot be read or built.
     """
     from composer.context import Context
     from composer.diff.data import as_data

@@ -34,7 +34,10 @@ class Finding:
 @click.command()
 @format_options(("text", "json"))
 def command(form: str) -> None:
-    """Say what this installation is and can do. The exit code is 1 if something is missing that every build needs."""
+    """Check this installation, and show what it can do.
+
+    The exit code is 1 if something that every build needs is missing.
+    """
     findings = [*_installed(), *_mujoco(), _git(), _store(), *_extras()]
     if form == "json":
         click.echo(json.dumps([asdict(each) for each in findings], indent=2))

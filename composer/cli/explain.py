@@ -36,7 +36,7 @@ from composer.cli.reporting import (
 )
 @click.argument("query", required=False, shell_complete=completing.elements)
 @click.argument("attribute", required=False, shell_complete=completing.attributes)
-@click.option("--codes", is_flag=True, help="List the codes of all faults.")
+@click.option("--codes", is_flag=True, help="List all error codes.")
 @choice_options
 @cell_options
 @fetching_options
@@ -52,18 +52,18 @@ def command(
     sample: int | None,
     form: str,
 ) -> None:
-    """Report where a thing in MODEL, a recipe or an MJCF file, came from, and what changed it on the way.
+    """Show where an element or attribute of MODEL, a recipe or an MJCF file, came from and what changed it.
 
-    With a CODE such as `bare-angle` and nothing else: print what the fault is and how to fix it.
+    With only an error CODE such as `bare-angle`, print what the error means and how to fix it.
 
     \b
-    QUERY says which thing:
-      'geom gripper/pad'            a kind and a name; the name alone where that is enough
-      'geom gripper/pad friction'   one attribute: its value and every default class that may give it
-      'geom gripper/**'             all that the glob fits; a kind alone means all of it
-      'geom#3'                      without a name: by its number in MuJoCo
+    QUERY selects the element or attribute:
+      'geom gripper/pad'            a kind and a name; the name alone if it is unique
+      'geom gripper/pad friction'   one attribute: its value and every default class that may set it
+      'geom gripper/**'             all elements that match the glob; a kind alone selects all of that kind
+      'geom#3'                      an element without a name, by its index in MuJoCo
       'option timestep'             a setting
-      'gripper.xml:12'              what became of the element on that line
+      'gripper.xml:12'              the element on that line
     """  # noqa: D301  (a backspace, by which click keeps the lines)
     if codes or model is None or query is None:
         _explain_code(model, codes, form)

@@ -19,8 +19,8 @@ def fetching_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add `--locked`, `--offline`, and `--frozen` for both. They are not arguments of the command: see `fetching`."""
     for flag, said, *asked in (
         ("--frozen", "The same as --locked --offline.", _LOCKED, _OFFLINE),
-        ("--offline", "Fetch nothing: take what is locked, or was fetched last, from the store.", _OFFLINE),
-        ("--locked", "Fail if the lock is missing or stale, instead of going on without it.", _LOCKED),
+        ("--offline", "Fetch nothing. Use the locked or last fetched sources in the store.", _OFFLINE),
+        ("--locked", "Fail if the lock file is missing or outdated.", _LOCKED),
     ):
         command = click.option(flag, is_flag=True, expose_value=False, help=said, callback=_noting(asked))(
             command

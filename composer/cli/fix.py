@@ -33,19 +33,19 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("recipe", type=click.Path(path_type=Path))
 @click.option("--write/--diff", "write", default=None,
-              help="Write the changes without asking; or only show them.")  # fmt: skip
+              help="Write the changes without asking, or only show them.")  # fmt: skip
 @click.option("-y", "--yes", is_flag=True, help="The same as --write.")
 @choice_options
 @fetching_options
 @limit_option
 @reporting_options
 def command(recipe: Path, write: bool | None, yes: bool, choices: Choices, form: str) -> None:
-    """Fix in RECIPE what messages say exactly how to write: misspelled names and keys, quotes, units, numbers.
+    """Apply the exact fixes of error messages to RECIPE: misspelled names and keys, quotes, units, numbers.
 
-    The changes are shown first. On a terminal the command asks before it writes; elsewhere it writes only with --write.
-    Comments and layout are kept. What needs a decision is reported as `check` does.
+    The changes are shown first. On a terminal, the command asks before it writes; elsewhere it writes only with
+    --write. Comments and layout are kept. Errors that need a decision are reported as by `check`.
 
-    Exit codes: 0 nothing is wrong any more, 1 something is left to write or to decide, 2 wrong usage.
+    Exit codes: 0 no errors are left, 1 fixes are not written or errors need a decision, 2 wrong usage.
     """
     from composer.context import Context
     from composer.fixing.fixed import fix

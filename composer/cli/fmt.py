@@ -26,13 +26,13 @@ STDIN = "-"
 @click.argument("recipes", nargs=-1, required=True)
 @reporting_options
 @click.option(
-    "--check", is_flag=True, help="Write nothing; print what would change and exit with 1 if anything would."
+    "--check", is_flag=True, help="Write nothing. Print the changes, and exit with 1 if there are any."
 )
 def command(recipes: tuple[str, ...], check: bool, form: str) -> None:
-    """Put each of RECIPES into its canonical layout; `-` is standard input, formatted to standard output.
+    """Format each of RECIPES in the canonical layout. `-` formats standard input to standard output.
 
-    Comments, blank lines, anchors and the choice between lines and brackets are kept. The values are read again
-    and compared before anything is written.
+    Comments, blank lines, anchors and the choice between block and bracket style are kept. Before a file is written,
+    its values are read again and compared.
     """
     from composer.context import Context
     from composer.formatting.format import format_recipe

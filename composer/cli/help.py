@@ -11,7 +11,7 @@ from composer.cli import completing
 @click.argument("names", metavar="[COMMAND]...", nargs=-1, shell_complete=completing.commands)
 @click.pass_context
 def command(ctx: click.Context, names: tuple[str, ...]) -> None:
-    """Print what COMMAND does and its options; without one, which commands there are."""
+    """Print the help of COMMAND, or the list of commands."""
     about = ctx.find_root()
     for name in names:
         group = about.command

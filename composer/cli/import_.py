@@ -26,22 +26,23 @@ _SHOWN = 20
 @click.argument("parts", type=click.Path(path_type=Path), nargs=-1)
 @click.option("--among", "folders", multiple=True, metavar="FOLDER",
               type=click.Path(path_type=Path, exists=True, file_okay=False),
-              help="Look for parts in this folder, too, where no PARTS are named.")  # fmt: skip
+              help="If no PARTS are given, also search for them in this folder.")  # fmt: skip
 @output_option("Where the recipe goes; default: MERGED with .yaml, here.")
 @timeout_option
 @reporting_options
 def command(
     merged: Path, parts: tuple[Path, ...], folders: tuple[Path, ...], out: str | None, form: str
 ) -> None:
-    """Propose the recipe that makes the model MERGED of the models PARTS; build it, and say what still differs.
+    """Propose a recipe that builds the model MERGED from the models PARTS, build it, and report the differences.
 
-    Without PARTS they are looked for in the folders of --among, in Menagerie as far as it is on this machine, and in
-    installed packages; if there are none, the recipe starts from MERGED as it is.
+    Without PARTS, they are searched for in the folders of --among, in the Menagerie models on this machine, and in
+    installed packages. If none are found, the recipe starts from MERGED itself.
 
-    Of a URDF or a template for xacro, write the recipe that starts from it, and print what of it is read and what not.
+    From a URDF or a xacro template, write a recipe that starts from it, and print what of it is read and what is not.
 
-    Parts are found by the names of their bodies, with a prefix or without. What a recipe cannot say is a comment.
-    Exit codes: 0 the recipe builds the same model, 1 something differs or cannot be read or built, 2 wrong usage.
+    Parts are recognized by the names of their bodies, with or without a prefix. What a recipe cannot express is written
+    as a comment. Exit codes: 0 the recipe builds the same model, 1 something differs or cannot be read or built, 2
+    wrong usage.
     """
     from composer.bundle.output_error import OutputError
     from composer.bundle.staging import staged_file

@@ -22,7 +22,7 @@ MODEL = "model"
 
 def junit_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add the option; the command gets the file as `junit`."""
-    return click.option("--junit", metavar="FILE", help="Write the result of each check as JUnit's XML ('-' is"
+    return click.option("--junit", metavar="FILE", help="Write the result of each check as JUnit XML ('-' is"
                         " standard output).")(command)  # fmt: skip
 
 

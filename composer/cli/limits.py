@@ -19,7 +19,7 @@ def limit_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add `--limit NAME=VALUE`, which is no argument of the command: see `composer.limits.in_force`."""
     return click.option("--limit", multiple=True, metavar="NAME=VALUE", expose_value=False, callback=_limits,
                         shell_complete=completing.limits,
-                        help="Raise or lower a limit, as in expansion=50000.")(command)  # fmt: skip
+                        help="Change a limit, for example expansion=50000.")(command)  # fmt: skip
 
 
 def timeout_option(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -27,7 +27,8 @@ def timeout_option(command: Callable[..., Any]) -> Callable[..., Any]:
     return limit_option(
         click.option("--timeout", type=Amount(min=0, min_open=True), default=None, expose_value=False,
                      callback=_time, metavar="SECONDS",
-                     help="How long MuJoCo may take for each model; the same as --limit time=SECONDS.  [default: 300]")(
+                     help="The most time that MuJoCo may take for a model; the same as --limit time=SECONDS."
+                          "  [default: 300]")(
             command)
     )  # fmt: skip
 

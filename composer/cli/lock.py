@@ -24,9 +24,9 @@ def command(
     choices: Choices,
     form: str,
 ) -> None:
-    """Lock the sources of RECIPE: commits, hashes and licences go to a file beside it, ARM.lock for ARM.yaml.
+    """Lock the sources of RECIPE: write their commits, hashes and licences to a file next to it.
 
-    What is locked already stays as it is; new sources are added, files of your own are hashed again, and what is
-    no longer used is taken out.
+    The lock of ARM.yaml is ARM.lock. Sources that are already locked keep their entries. New sources are added, your
+    own files are hashed again, and sources that are no longer used are removed.
     """
     write_lock(recipe, None, form, choices)

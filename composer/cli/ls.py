@@ -17,16 +17,15 @@ from composer.expr.value import Value, shown
 
 @click.command()
 @click.argument("folder", type=click.Path())
-@click.option("--where", metavar="EXPRESSION", help="Only models of which this is true, such as `payload > 2 and"
-              " nv == 15`: an expression of the columns of models.csv.")  # fmt: skip
+@click.option("--where", metavar="EXPRESSION", help="List only the models for which this is true: an expression of the"
+              " columns of models.csv, such as `payload > 2 and nv == 15`.")  # fmt: skip
 @quiet_option
 @format_options(("text", "json"))
 def command(folder: str, where: str | None, form: str) -> None:
-    """List the models in FOLDER, which has the index that `build --all` writes, or in an index by itself.
+    """List the models that `build --all` wrote to FOLDER.
 
-    FOLDER may be an address.
-
-    A line for each: its path, and what the matrix sets and was drawn for it. JSON has all columns of the index.
+    FOLDER is a folder with the index of the models, or the file of an index; either may be a URL. Each line has the
+    path of a model, and its values from the matrix and from draws. JSON has all columns of the index.
     """
     from composer.bundle.listing import ListingError, rows
     from composer.bundle.where import Condition

@@ -8,14 +8,14 @@ _EXTRA = ("pygls", "lsprotocol", "cattrs", "attrs", "attr")
 
 
 @click.command()
-@click.option("--stdio", is_flag=True, help="Talk over standard input and output, which it always does: many editors"
-              " say it.")  # fmt: skip
+@click.option("--stdio", is_flag=True, help="Use standard input and output. This is always the case; the option exists"
+              " because many editors pass it.")  # fmt: skip
 def command(stdio: bool) -> None:
-    """Serve an editor: faults, completion and more, while a recipe is being written.
+    """Run the language server, which gives an editor errors, completion and more while you write a recipe.
 
-    An editor starts it and talks the Language Server Protocol to it, over standard input and output; docs/editors.md
-    has the settings for each. It completes the names inside the models, shows where each came from and what it is, goes
-    to its line, renames parts, and says what `check` would say. Nothing is fetched and nothing is written.
+    An editor starts it and uses the Language Server Protocol over standard input and output. docs/editors.md has the
+    settings for each editor. The server completes names in the models, shows what each is and where it came from, jumps
+    to its line, renames parts, and reports the same errors as `check`. It fetches nothing and writes nothing.
 
     It needs the extra `lsp`: pip install "mjcompose[lsp]".
     """

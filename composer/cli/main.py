@@ -18,28 +18,28 @@ from composer.version import __version__
 
 _VERBS = {
     "build": "Build the model of a recipe: one MJCF file and its assets.",
-    "check": "Check a recipe, its model and what must hold of it. Write nothing.",
-    "fix": "Apply the changes that messages spell out.",
+    "check": "Check recipes, their models and the checks in them. Write nothing.",
+    "fix": "Apply the exact fixes that error messages suggest.",
     "verify": "Compare a bundle with its manifest, and its parts with their sources.",
-    "plan": "Print in words what a build will do.",
-    "ls": "List the models that `build --all` wrote, all or those that match an expression.",
+    "plan": "Print the steps of a build.",
+    "ls": "List the models that `build --all` wrote, or those that match an expression.",
     "tree": "Show the parts, bodies and joints of a model, and what a part may be attached to.",
-    "explain": "Show where an element or attribute came from and what changed it, or what an error's code means.",
+    "explain": "Show where an element or attribute came from and what changed it, or explain an error code.",
     "lock": "Pin every source of a recipe in a lock file.",
-    "update": "Pin sources again, as they are now.",
-    "cache": "Show, prune or verify the store of what was fetched and built.",
+    "update": "Pin the current state of sources in the lock file.",
+    "cache": "Inspect, prune or verify the store of fetched sources and built models.",
     "diff": "Show what differs between two models, in physics terms.",
     "view": "Show a model in the browser, or write it as a page.",
     "render": "Make a picture or a film of a model.",
     "new": "Write a commented starter recipe that builds.",
-    "fmt": "Format recipes: one canonical layout, comments kept.",
-    "import": "Propose the recipe that makes a merged model of its parts.",
+    "fmt": "Format recipes in the canonical layout, and keep comments.",
+    "import": "Propose a recipe that builds a merged model from its parts.",
     "migrate": "Rewrite a model for another version of MuJoCo.",
-    "doctor": "Show what this installation is and can do.",
-    "lsp": "Run a language server for editors: completion, errors, where things come from.",
+    "doctor": "Check this installation, and show what it can do.",
+    "lsp": "Run the language server for editors, with completion, errors and origins.",
     "schema": "Print the JSON Schema of recipes, for editors.",
-    "completion": "Print the line that makes a shell complete commands, options and names.",
-    "help": "Print what a command does and its options.",
+    "completion": "Print the line that enables completion in a shell.",
+    "help": "Print the help of a command.",
     "version": "Print the version.",
 }
 
@@ -215,6 +215,6 @@ def _bug(error: Exception) -> str:
 def main() -> None:
     """Compose MuJoCo models from recipes.
 
-    Exit codes: 0 all is well, 1 something is wrong in the files, 2 the command itself is wrong or names a file that
-    does not exist.
+    Exit codes: 0 success, 1 there are errors in the files, 2 the command is wrong or names a file that does not
+    exist.
     """

@@ -24,13 +24,13 @@ def cells_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add `--all`, `--pick` and `--sample`; the command gets them as `every`, `picks` and `only_samples`."""
     for option in reversed((
         click.option("--all", "every", is_flag=True,
-                     help="Every cell of the recipe's matrix, and every sample."),
+                     help="Select every cell of the recipe's matrix, and every sample."),
         click.option("--pick", "picks", multiple=True, metavar="CELL", shell_complete=completing.cells,
-                     help="This cell of the matrix, or this sample; AXIS=VALUE[,AXIS=VALUE...] means all cells with"
-                          " these values."),
+                     help="Select this cell of the matrix or this sample, or with AXIS=VALUE[,AXIS=VALUE...] all cells"
+                          " that have these values."),
         click.option("--sample", "only_samples", multiple=True, type=click.IntRange(min=0), metavar="NUMBER",
                      shell_complete=completing.samples,
-                     help="Only this sample, of all cells or of those that are picked; 0 is the model without draws."),
+                     help="Select only this sample, of all cells or of those of --pick. 0 is the model without draws."),
     )):  # fmt: skip
         command = option(command)
     return command
@@ -39,19 +39,20 @@ def cells_options(command: Callable[..., Any]) -> Callable[..., Any]:
 def jobs_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add `--jobs`, `--cluster` and `--shard`; the command gets them as `jobs`, `cluster` and `shard`."""
     sharded = click.option("--shard", callback=_shard, metavar="I/N",
-                           help="Only the I-th of N parts of the cells, 1/N to N/N: for the jobs of a cluster or a CI"
-                           " system, whose results may stand in one folder.")(command)  # fmt: skip
-    sharded = click.option("--cluster", metavar="ADDRESS|FILE|local", help="Have the workers of a Dask cluster do it:"
-                           " tls://HOST:PORT, the file of its scheduler, or `local` for one that is started here. Needs"
-                           " the extra `cluster`.")(sharded)  # fmt: skip
+                           help="Process only the I-th of N parts of the cells, from 1/N to N/N, to divide them among"
+                           " the jobs of a cluster or CI system. All parts can be written to one folder."
+                           )(command)  # fmt: skip
+    sharded = click.option("--cluster", metavar="ADDRESS|FILE|local", help="Use the workers of a Dask cluster:"
+                           " tls://HOST:PORT, its scheduler file, or `local` to start one on this machine. Needs the"
+                           " extra `cluster`.")(sharded)  # fmt: skip
     return jobs_option(sharded)
 
 
 def jobs_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add `--jobs`; the command gets it as `jobs`."""
     return click.option("--jobs", "-j", type=click.IntRange(min=1), metavar="NUMBER", envvar="MJCOMPOSE_JOBS",
-                        help="How many processes do the work. Default: MJCOMPOSE_JOBS, or one for each core if there"
-                        " are enough cells.")(command)  # fmt: skip
+                        help="The number of processes. Default: MJCOMPOSE_JOBS, or one for each core if there are"
+                        " enough cells.")(command)  # fmt: skip
 
 
 def _shard(ctx: click.Context, option: click.Parameter, text: str | None) -> Shard | None:
@@ -82,14 +83,14 @@ def _is_written(option: str) -> bool:
 def pick_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add `--pick` for a command about one model; the command gets `pick`."""
     return click.option("--pick", metavar="CELL", shell_complete=completing.cells,
-                        help="This cell of the matrix or this sample; or AXIS=VALUE[,...].")(command)  # fmt: skip
+                        help="Select this cell of the matrix, this sample, or AXIS=VALUE[,...].")(command)  # fmt: skip
 
 
 def cell_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add `--pick` and `--sample` for a command about one model; the command gets `pick` and `sample`."""
     numbered = click.option("--sample", type=click.IntRange(min=0), metavar="NUMBER",
                      shell_complete=completing.samples,
-                            help="This sample of what the recipe draws; 0, the default, has no draws.")  # fmt: skip
+                            help="Select this sample of the recipe's draws. 0, the default, has no draws.")  # fmt: skip
     return pick_option(numbered(command))
 
 

@@ -40,17 +40,18 @@ _SHOWN = 5
 @click.command()
 @click.argument("model", shell_complete=completing.files)
 @click.option("--from", "before", metavar="VERSION",
-              help="The MuJoCo that MODEL is written for: 3.0 to 4.0.")  # fmt: skip
+              help="The MuJoCo version that MODEL is written for, 3.0 to 4.0.")  # fmt: skip
 @click.option("--mujoco", "after", metavar="VERSION",
-              help="The MuJoCo to write for, also an older one.  [default: the one that is installed]")  # fmt: skip
-@output_option("Where the result goes: a new FILE.xml beside MODEL, or a new folder with all files.")
-@click.option("--in-place", is_flag=True, help="Write the changes into MODEL and what it includes.")
+              help="The MuJoCo version to write for, which may be older.  [default: the installed one]")  # fmt: skip
+@output_option("Where to write the result: a new FILE.xml next to MODEL, or a new folder with all files.")
+@click.option("--in-place", is_flag=True, help="Write the changes to MODEL and the files it includes.")
 @click.option("--adopt", multiple=True, metavar="CHANGE",
-              help="Take what is new instead of writing what was meant, as in --adopt native-ccd.")  # fmt: skip
+              help="Adopt a changed default instead of writing out the old one, as in --adopt native-ccd.")  # fmt: skip
 @click.option("--with-python", "pythons", multiple=True, metavar="PATH", type=click.Path(path_type=Path),
-              help="A Python that has the other MuJoCo, for a proof that the model is the same.")  # fmt: skip
+              help="A Python with the other MuJoCo, to prove that the model stays the same.")  # fmt: skip
 @click.option("--prove", is_flag=True,
-              help="Prove it; install the other MuJoCo into an environment of its own where it lacks.")  # fmt: skip
+              help="Prove that the model stays the same. Install the other MuJoCo into a separate"
+              " environment if needed.")  # fmt: skip
 @fetching_options
 @timeout_option
 @strict_option
@@ -66,12 +67,12 @@ def command(
     prove: bool,
     form: str,
 ) -> None:
-    """Write MODEL, an MJCF file for one version of MuJoCo, for another one.
+    """Rewrite MODEL, an MJCF file for one version of MuJoCo, for another version.
 
-    Without -o and --in-place the changes are shown, and nothing is written. What a model says keeps its meaning:
-    renamed attributes are renamed, and defaults that became others are written out. What cannot be kept is reported.
+    Without -o and --in-place, the changes are only shown. The model keeps its meaning: attributes get their new names,
+    and defaults that changed are written out. What cannot be kept is reported.
 
-    Exit codes: 0 all is well, 1 something is left to write, cannot be kept or differs, 2 wrong usage.
+    Exit codes: 0 success, 1 changes are not written, something cannot be kept, or the model differs, 2 wrong usage.
     """
     from composer.context import Context
     from composer.migrate.changes import TABLE

@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 @click.option(
     "--project",
     is_flag=True,
-    help="Write a repository to the folder PATH: recipe, lock, parts, CI and README. What is there is kept.",
+    help="Write a repository to the folder PATH: recipe, lock, parts, CI and README. Existing files are kept.",
 )
 @reporting_options
 def command(path: Path | None, project: bool, form: str) -> None:
-    """Write a commented starter recipe to PATH (default: model.yaml). It builds as it stands."""
+    """Write a commented starter recipe to PATH (default: model.yaml). It builds without changes."""
     from composer.bundle.output_error import OutputError, unwritable
     from composer.context import Context
 

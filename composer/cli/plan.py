@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 @click.option(
     "--expanded", is_flag=True, help="Print the concrete recipe, with the file and line of every value."
 )
-@click.option("--licenses", is_flag=True, help="Print the licence of every part, and nothing else.")
+@click.option("--licenses", is_flag=True, help="Print only the licence of every part.")
 @fetching_options
 @limit_option
 @reporting_options
@@ -46,7 +46,7 @@ def command(
     licenses: bool,
     form: str,
 ) -> None:
-    """Print what a build of RECIPE will do, step by step, and the cells of its matrix."""
+    """Print the steps of a build of RECIPE, and the cells of its matrix."""
     from composer.cache.cells import cells_of
     from composer.context import Context
     from composer.plan.describe import describe

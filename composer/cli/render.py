@@ -55,17 +55,20 @@ def _colour(
 @click.argument("target")
 @output_option("FILE.png, FILE.gif or FILE.mp4. Default: build/NAME.png.")
 @click.option(
-    "--key", metavar="KEY", help="The keyframe. Default: the first one.", shell_complete=completing.keys
+    "--key",
+    metavar="KEY",
+    help="The keyframe to show. Default: the first one.",
+    shell_complete=completing.keys,
 )
-@click.option("--camera", metavar="CAMERA", help="A camera of the model. Default: one that sees all of it.",
+@click.option("--camera", metavar="CAMERA", help="A camera of the model. Default: a camera that shows the whole model.",
               shell_complete=completing.cameras)  # fmt: skip
-@click.option("--size", callback=_size, metavar="WIDTHxHEIGHT", help="In pixels. Default: 960x720, and 320x240"
-              " for each picture of a contact sheet.")  # fmt: skip
+@click.option("--size", callback=_size, metavar="WIDTHxHEIGHT", help="The size in pixels. Default: 960x720, or"
+              " 320x240 for each picture of a contact sheet.")  # fmt: skip
 @click.option("--background", callback=_colour, metavar="COLOUR", help="#RRGGBB, white, black, grey or transparent."
-              " Default: the model's sky, and grey without one.")  # fmt: skip
-@click.option("--turntable", is_flag=True, help="A film: the camera goes around the model once.")
+              " Default: the model's sky, or grey if it has none.")  # fmt: skip
+@click.option("--turntable", is_flag=True, help="Make a film in which the camera goes around the model once.")
 @click.option("--play", type=Amount(min=0, min_open=True, max=_LONGEST_FILM), metavar="SECONDS",
-              help="A film: this many seconds of physics.")  # fmt: skip
+              help="Make a film of this many seconds of simulation.")  # fmt: skip
 @choice_options
 @cells_options
 @jobs_option
@@ -88,9 +91,9 @@ def command(
     jobs: int | None,
     form: str,
 ) -> None:
-    """Make a picture of TARGET: a recipe, an MJCF or URDF file, or a bundle.
+    """Render a picture of TARGET: a recipe, an MJCF or URDF file, or a bundle.
 
-    With --all, --pick or --sample it is a contact sheet of these cells of the matrix and samples, each with its name
+    With --all, --pick or --sample, make a contact sheet of these cells of the matrix and samples, each with its name
     below it.
     """
     from composer.context import Context

@@ -50,12 +50,14 @@ def format_options(formats: Iterable[str]) -> Callable[[Callable[..., Any]], Cal
 
 def quiet_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add `--quiet`, which is not an argument of the command: `say` and `progress` use it."""
-    return _noted("-q", _QUIET, "Print only what is wrong.", "--quiet")(command)
+    return _noted("-q", _QUIET, "Print only errors and warnings.", "--quiet")(command)
 
 
 def strict_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add `--strict`, which is not an argument of the command: see `is_strict`."""
-    return _noted("--strict", _STRICT, "Warnings are errors, but for those that the recipe allows.")(command)
+    return _noted("--strict", _STRICT, "Treat warnings as errors, except those that the recipe allows.")(
+        command
+    )
 
 
 def is_strict() -> bool:
@@ -64,7 +66,7 @@ def is_strict() -> bool:
 
 def verbose_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add `--verbose`, which is not an argument of the command: `say_details` uses it."""
-    help = "Say also how long each stage took, and which files were read."
+    help = "Also print how long each stage took, and which files were read."
     return _noted("-v", _VERBOSE, help, "--verbose")(command)
 
 

@@ -8,7 +8,7 @@ import click
 @click.command()
 @click.argument("what", type=click.Choice(["recipe", "manifest", "reference"]), default="recipe")
 def command(what: str) -> None:
-    """Print the JSON Schema of recipes (or of manifests) for editors and other tools, or all keys as a page."""
+    """Print the JSON Schema of recipes or manifests for editors and other tools, or the reference page of all keys."""
     if what == "manifest":
         from composer.bundle.manifest import schema as manifest_schema
 

@@ -10,7 +10,7 @@ target_option = click.option(
     "--target",
     type=click.Choice(NAMES),
     callback=lambda context, option, value: None if value == MUJOCO else value,
-    help="The program that the model is written for; default: mujoco. What it cannot express is reported.",
+    help="The program to write the model for. What it does not support is reported. Default: mujoco.",
 )
 
 _MORE = {"isaac": ("usd",)}

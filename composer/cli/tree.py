@@ -18,7 +18,9 @@ from composer.cli.reporting import USAGE, clear_progress, exit_code, report, rep
 
 @click.command()
 @click.argument("model", shell_complete=completing.files)
-@click.option("--places", is_flag=True, help="List what a part may be attached to, as a recipe writes it.")
+@click.option(
+    "--places", is_flag=True, help="List the places where a part can be attached, as written in a recipe."
+)
 @click.option("--depth", type=click.IntRange(min=1), metavar="N", help="Show only N levels of bodies.")
 @choice_options
 @cell_options
@@ -36,7 +38,7 @@ def command(
 ) -> None:
     """Show the parts, bodies and joints of MODEL: a recipe, a bundle, a model file, or a reference to one.
 
-    Poses are those of the reference configuration, joint ranges in degrees and metres; JSON has metres and radians.
+    Poses are in the reference configuration. Joint ranges are in degrees and metres, in JSON in radians and metres.
     """
     from composer.context import Context
     from composer.outline.data import as_data

@@ -24,8 +24,8 @@ def command(
     choices: Choices,
     form: str,
 ) -> None:
-    """Lock the sources of RECIPE as they are now: branches where they have moved to, archives as they are served.
+    """Lock the current state of the sources of RECIPE: the newest commits of branches, and archives as served now.
 
-    NAME is a part's prefix, `base`, or a source as the lock names it; without one all sources are updated.
+    NAME is the prefix of a part, `base`, or a source as named in the lock. Without NAME, all sources are updated.
     """
     write_lock(recipe, names, form, choices)

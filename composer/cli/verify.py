@@ -27,15 +27,15 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("bundles", metavar="BUNDLE...", type=click.Path(path_type=Path), nargs=-1, required=True)
 @click.option("--recipe", type=click.Path(path_type=Path),
-              help="The recipe it was built from: where the sources of its parts are looked for.")  # fmt: skip
+              help="The recipe that the bundle was built from, to find the sources of its parts.")  # fmt: skip
 @timeout_option
 @strict_option
 @reporting_options
 def command(bundles: tuple[Path, ...], recipe: Path | None, form: str) -> None:
-    """Verify each BUNDLE, a folder, .zip or .mjz.
+    """Verify each BUNDLE: a folder, .zip or .mjz.
 
-    Its files have the hashes of the manifest, MuJoCo compiles it, the order of joints, actuators, sensors and
-    keyframes is that of the manifest, and every part is what its source is alone.
+    A bundle is valid if its files have the hashes in the manifest, MuJoCo compiles it, the order of joints, actuators,
+    sensors and keyframes is that of the manifest, and every part is the same as its source alone.
     """
     from composer.context import Context
     from composer.engine import Session

@@ -9,5 +9,5 @@ from composer.version import __version__
 
 @click.command()
 def command() -> None:
-    """Print the version; `mjcompose doctor` prints those of all that it needs."""
+    """Print the version. `mjcompose doctor` prints the versions of all dependencies."""
     click.echo(f"mjcompose, version {__version__}")

@@ -30,18 +30,27 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("target")
 @click.option("--html", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
-              help="Write one page that needs no server and no network, and end.")  # fmt: skip
+              help="Write a page that needs no server and no network, and exit.")  # fmt: skip
 @click.option(
-    "--physics", is_flag=True, help="With --html: put MuJoCo into the page, 3.5 MB, so that it can be played."
+    "--physics",
+    is_flag=True,
+    help="With --html: include MuJoCo (3.5 MB) in the page, so that it can run the simulation.",
 )
 @click.option("--key", metavar="KEY", help="The keyframe at the start. Default: the first one.",
               shell_complete=completing.keys)  # fmt: skip
-@click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="Where to listen. Others may"
-              " then look too, if they know the token.")  # fmt: skip
-@click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="PORT", help="Default: a free one.")
+@click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="The address to listen on. With"
+              " another one, people who know the token can view the model too.")  # fmt: skip
+@click.option(
+    "--port",
+    type=click.IntRange(0, 65535),
+    default=0,
+    metavar="PORT",
+    help="The port to listen on. Default: a free one.",
+)
 @click.option("--no-open", is_flag=True, help="Do not open a browser.")
-@click.option("--editor", metavar="ADDRESS", help="What a link to a line opens, with {file}, {line} and {column}."
-              " Default: MJCOMPOSE_EDITOR of the environment, or vscode://file{file}:{line}:{column}.")  # fmt: skip
+@click.option("--editor", metavar="ADDRESS", help="The link that opens a line in your editor, with {file},"
+              " {line} and {column}. Default: the environment variable MJCOMPOSE_EDITOR, or"
+              " vscode://file{file}:{line}:{column}.")  # fmt: skip
 @choice_options
 @cell_options
 @timeout_option
@@ -63,7 +72,7 @@ def command(
 ) -> None:
     """Show TARGET in the browser: a recipe, an MJCF or URDF file, or a bundle.
 
-    Every file that it is made of is watched: the page shows what you save, and faults above the last good model.
+    All files of the model are watched. When you save one, the page updates; errors appear above the last valid model.
     """
     from composer.context import Context
     from composer.diff.operand import as_recipe, read_operand

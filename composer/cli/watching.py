@@ -30,7 +30,7 @@ def watch_option(command: Callable[..., None]) -> Callable[..., None]:
         else:
             command(**given)
 
-    help = "Run again whenever a file that was read changes, until interrupted."
+    help = "Run again whenever a file that was read changes. Stop with Ctrl-C."
     return click.option("--watch", is_flag=True, help=help)(watched)
 
 

@@ -62,7 +62,7 @@ class ActuatorModel:
 
     @property
     def form(self) -> str:
-        """What its gain is for: `position`, `velocity`, `force`, or `other`; of a pid `position+velocity` and so on."""
+        """What its gain is for: `position`, `velocity`, `force` or `other`, for a pid such as `position+velocity`."""
         if self.gain == "pid":
             return "+".join(INPUTS[each] for each in self.inputs)
         if not self.is_affine or (self.bias == "affine" and self.biasprm[0] != 0):
@@ -78,12 +78,12 @@ class ActuatorModel:
 
     @property
     def control(self) -> str:
-        """What its control means: the same, or the rate of it where the activation is its integral."""
+        """What its control sets: the quantity of `form`, or its rate if the activation integrates the control."""
         return f"rate of {self.form}" if self.dynamics == "integrator" else self.form
 
 
 def laws_of(linking: Linking, sink: Sink, found: list[Node]) -> dict[Node, ActuatorModel] | None:
-    """What each actuator does, from MuJoCo; None where the model as it is cannot be compiled, which is reported."""
+    """Return MuJoCo's law of each actuator, or None after a reported error if the model cannot be compiled."""
     if linking.measure is None:
         sink.error("mujoco-missing", "only MuJoCo knows what these actuators do")
         return None

@@ -44,7 +44,7 @@ def add(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
 
 
 def _check_mass(step: AddElement, node: Node, linking: Linking, making: ElementBuilder) -> None:
-    """Report of a geom that adds no mass where it would have, had the rules of its model not to be written out."""
+    """Report a geom that adds no mass, but would if the inertia rules of its model were not written out."""
     body: Node | None = node.getparent()
     while body is not None and body.tag in ("frame", "replicate"):
         body = body.getparent()

@@ -24,7 +24,7 @@ from composer.tree.unit import Unit
 
 
 def adopted_settings(plan: Plan, context: Context, library: Library) -> tuple[Adopted, ...]:
-    """What all parts that write it agree on; of a model that is at fault there is nothing to say here.
+    """Return the settings that all parts agree on, among the parts that write them. A faulty model gives none.
 
     Sources that the library has are not read again.
     """
@@ -37,7 +37,7 @@ def adopted_settings(plan: Plan, context: Context, library: Library) -> tuple[Ad
 
 
 def _settings(plan: Plan, composer: Composer, stands: bool) -> Unit:
-    """A unit that has no more than the settings of a plan's model."""
+    """Return a unit with only the settings of a plan's model."""
     base, *parts = [_of(each, plan, composer) for each in wanted(plan, stands)]
     found, _ = common_settings(
         asked := opinions(base),

@@ -29,7 +29,7 @@ _MATES = ("site", "body", "frame")
 
 
 def part_of(step: AttachPart, unit: Unit, making: ElementBuilder) -> Part:
-    """The part without its joints, which need the unit of angle that the parts agree on."""
+    """Return the part without its joints, which need the unit of angle that the parts agree on."""
     place = _place(step, making)
     if any(step.copy):
         offset = read_pose(place.offset, False, "xyz") @ copy_pose(step, making)
@@ -41,7 +41,7 @@ def part_of(step: AttachPart, unit: Unit, making: ElementBuilder) -> Part:
 
 
 def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBuilder) -> None:
-    """What stands between the place and the part: nothing, a weld, a mocap body or joints."""
+    """Add the connection between the place and the part: nothing, a weld, a mocap body or joints."""
     joint = step.attachment.joint
     if joint is None:
         return
@@ -74,7 +74,7 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBu
 
 
 def _places(joint: Element, making: ElementBuilder) -> dict[str, Span]:
-    """Where the recipe writes the attributes of a joint."""
+    """Return where the recipe writes the attributes of a joint."""
     return {name: making.span(joint, name) for name in joint.attributes}
 
 
@@ -130,7 +130,7 @@ def _place(step: AttachPart, making: ElementBuilder) -> Place:
 
 
 def _mated(place: Place, step: AttachPart, unit: Unit, making: ElementBuilder) -> Place:
-    """The place moved so that the part's site, body or frame `mate`, not its origin, comes to lie on it."""
+    """Return the place moved so that the part's site, body or frame `mate` lies on it instead of the part's origin."""
     name = step.attachment.mate
     named = [
         element
@@ -163,7 +163,7 @@ def _mated(place: Place, step: AttachPart, unit: Unit, making: ElementBuilder) -
 def _computed(
     place: Place, pose: Pose, key: Literal["mate", "replicate"], step: AttachPart, making: ElementBuilder
 ) -> Place:
-    """The place with an offset that a key of the part gives."""
+    """Return the place with the offset of a key of the part."""
     offset = _written(pose)
     span = locate(making.document, (*step.at, key), key=True)
     if not pose.is_finite:
@@ -173,7 +173,7 @@ def _computed(
 
 
 def _written(pose: Pose) -> dict[str, str]:
-    """A pose as the attributes of a frame."""
+    """Return a pose as the attributes of a frame."""
     turned = {} if pose.quat == IDENTITY_QUAT else {"quat": _text(pose.quat)}
     return {"pos": _text(pose.pos), **turned}
 

@@ -33,7 +33,7 @@ def check_class_angles(linking: Linking, making: ElementBuilder) -> None:
 
 
 def _taking(giver: Node, name: str, linking: Linking) -> Iterator[Node]:
-    """The joints of bodies that have an attribute from the element of a class."""
+    """Yield the joints of bodies that take an attribute from the element of a class."""
     classes = linking.base.classes
     for worldbody in linking.base.root.iterchildren("worldbody"):
         for joint in worldbody.iter("joint"):

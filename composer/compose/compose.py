@@ -137,7 +137,7 @@ class Composer:
         self.parts: dict[Node, str] = {}
 
     def compose(self, plan: Plan) -> Composed | None:
-        """The model of a plan, or None where there were errors, those of earlier stages included."""
+        """Return the model of a plan, or None if there were errors, including those of earlier stages."""
         self.expect(plan)
         self.notes_parts = self.notes_parts or plan.selects_parts
         composed = self._compose(plan, True)
@@ -151,11 +151,11 @@ class Composer:
         return replace(composed, members=members, shapes=shapes, excluded=excluded)
 
     def unit_of(self, plan: Plan, wanted: PartRequest) -> Unit | None:
-        """The base or a part of a plan by itself, cut down to what is wanted of it; None where it is at fault."""
+        """Return the base or a part of a plan alone, reduced to the requested subtree, or None if it has faults."""
         return self.guarded(plan, wanted.stands, partial(Composer._unit, plan=plan, wanted=wanted))
 
     def look(self, plan: Plan) -> None:
-        """Take the subtrees of a plan, and compose no more than they are taken of."""
+        """Take the subtrees of a plan, and compose only the sources that they come from."""
         self.expect(plan)
         self._look(plan, True)
 
@@ -167,17 +167,17 @@ class Composer:
                 self._look(each.model, each.stands)
 
     def expect(self, plan: Plan, stands: bool = True) -> None:
-        """Note which sources the plan needs, and how often."""
+        """Record which sources the plan needs, and how often."""
         for place in plan.walk(stands):
             if isinstance(place.model, Source):
                 self.loader.expect(place.model, place.stands)
 
     def _compose(self, plan: Plan, stands: bool) -> Composed | None:
-        """The model of a plan; `stands` says that it is fixed in the world of what is made in the end."""
+        """Return the model of a plan. With `stands`, it is fixed in the world of the final model."""
         return self.guarded(plan, stands, partial(Composer._composed, plan=plan, stands=stands))
 
     def guarded(self, plan: Plan, stands: bool, work: Callable[[Composer], Result | None]) -> Result | None:
-        """What the work gives; None where it stumbles over a source that says what MJCF does not have."""
+        """Return the result of the work, or None if it fails because of a source that is not valid MJCF."""
         try:
             return work(self)
         except STUMBLES:
@@ -196,7 +196,7 @@ class Composer:
     def _try_put_right(
         self, plan: Plan, stands: bool, work: Callable[[Composer], Result | None], library: Library
     ) -> None:
-        """Do the work aside with the faults of the sources put right: what it raises then is a bug, to be seen."""
+        """Repeat the work with the faults of the sources corrected. An exception that still occurs is a bug."""
         for unit in library.values():
             put_right(unit)
         again = Composer(
@@ -221,7 +221,7 @@ class Composer:
         return None
 
     def _units(self, plan: Plan, stands: bool) -> list[Unit | None] | None:
-        """The base and the parts; None where they have too many elements together, which is reported where it shows."""
+        """Return the base and the parts, or None after a reported error if they have too many elements together."""
         units: list[Unit | None] = []
         elements, text, limits = 0, 0, in_force()
         for each in wanted(plan, stands):
@@ -243,7 +243,7 @@ class Composer:
         return units
 
     def _without_lost(self, plan: Plan, units: list[Unit | None]) -> Plan:
-        """The plan of the parts that there are, in which more faults can be found."""
+        """Return the plan with only the parts that could be read, in which more faults can be found."""
         kept = [step for step, unit in zip(plan.parts, units, strict=True) if unit is not None]
         self.context.sink.suppress_about(
             called(step, plan.separator) for step in plan.parts if step not in kept
@@ -251,7 +251,7 @@ class Composer:
         return replace(plan, parts=tuple(kept))
 
     def _joined(self, plan: Plan, base: Unit, units: list[Unit], stands: bool) -> Composed | None:
-        """The parts hung on the base, and the recipe's own elements in it."""
+        """Attach the parts to the base, add the recipe's own elements, and return the result."""
         before = self.context.sink.error_count
         base.root.set("model", plan.name)
         if plan.base.keyframes == "none" and BASE not in plan.asked:
@@ -334,7 +334,7 @@ class Composer:
         return self.workshop
 
     def _note_parts(self, plan: Plan, units: list[Unit]) -> None:
-        """From which part each element comes, before they are one model; a nested recipe has noted its own."""
+        """Record the part of each element before the units are joined. A nested recipe has already recorded its own."""
         for step, unit in zip(plan.parts, units, strict=True):
             name = called(step, plan.separator)
             for node in unit.root.iter("*"):
@@ -342,7 +342,7 @@ class Composer:
                 self.parts[node] = f"{name}/{inner}" if inner else name
 
     def _anew(self, plan: Plan, stands: bool) -> Iterator[tuple[Key, Unit]]:
-        """The sources of a plan as their files have them."""
+        """Yield the sources of a plan as they are in their files."""
         for place in plan.walk(stands):
             if isinstance(place.model, Source) and place.model.format == "mjcf":
                 path = place.model.path
@@ -351,7 +351,7 @@ class Composer:
                     yield key_of(place.model, place.stands), unit
 
     def _unit(self, plan: Plan, wanted: PartRequest) -> Unit | None:
-        """The base or a part of a plan, cut down to what is wanted of it."""
+        """Return the base or a part of a plan, reduced to the requested subtree, or None if it has faults."""
         if wanted.model is None:
             return _empty(plan)
         unit = self._whole(wanted, locate(plan.document, (*wanted.at, "model")))
@@ -396,7 +396,7 @@ class Composer:
 
 
 def _top_tags(plan: Plan) -> Iterator[str]:
-    """The tags for which the recipe sets the top class."""
+    """Yield the tags for which the recipe sets the top class."""
     for step in plan.steps:
         if isinstance(step, SetDefault) and step.name == MAIN:
             yield from (child.tag for child in step.element.children)
@@ -416,7 +416,7 @@ def _request(plan: Plan) -> Request:
 
 
 def _adds_mass(plan: Plan) -> bool:
-    """Whether the recipe adds bodies, geoms or assets, and leaves the rules for the whole model to the base."""
+    """Return whether the recipe adds bodies, geoms or assets, and leaves the rules for the whole model to the base."""
     if any(isinstance(step, SetSingleton) and step.section == "compiler" for step in plan.steps):
         return False
     return any(

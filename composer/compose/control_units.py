@@ -59,7 +59,7 @@ class ControlUnits:
         return self.known[actuator]
 
     def is_position(self, actuator: Node) -> bool:
-        """Whether its control is the position of what it moves."""
+        """Return whether an actuator's control is the position of what it moves."""
         control = None if actuator.tag in _UNLIKE else self._control(actuator)
         if control is None and actuator.tag not in _UNLIKE and not self.in_doubt:
             control = self._laws[actuator].control if actuator in self._laws else "other"
@@ -83,12 +83,15 @@ class ControlUnits:
 
     @cached_property
     def _laws(self) -> Mapping[Node, ActuatorModel]:
-        """What MuJoCo makes of all actuators that may be servos: it is asked once."""
+        """The laws of all actuators that may be servos. MuJoCo computes them once."""
         found = [each for each in self.linking.base.root.iterfind("actuator/*") if each.tag not in _UNLIKE]
         return laws_of(self.linking, self.sink, found) or {}
 
     def _control(self, actuator: Node) -> str | None:
-        """What its control is, as far as the tree says it: all actuators share what classes set, in MuJoCo too."""
+        """Return the quantity of an actuator's control as far as the tree tells it.
+
+        As in MuJoCo, all actuator tags share the settings of classes.
+        """
         tag, found = str(actuator.tag), self._class(actuator)
         given = {each for each in GRAMMAR.section("actuator").children if found.sets(each)}
         if tag == "intvelocity":

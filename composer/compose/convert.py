@@ -42,7 +42,7 @@ _UNSAID = ("actrange", "actearly", "actdim")
 
 
 def convert(editing: Editing, found: list[Node], written: Mapping[str, Any], at: Path) -> None:
-    """Make each an actuator of the kind `to`, with the attributes that are given."""
+    """Convert each actuator to the kind `to`, with the given attributes."""
     to = str(written["to"])
     laws = laws_of(editing.linking, editing.sink, found)
     if laws is None:
@@ -70,7 +70,7 @@ def convert(editing: Editing, found: list[Node], written: Mapping[str, Any], at:
 def _given(
     editing: Editing, node: Node, index: int, to: str, written: Mapping[str, Any], at: Path
 ) -> dict[str, str]:
-    """The attributes that the entry gives, as text."""
+    """Return the attributes of the entry as text."""
     kind = GRAMMAR.element(f"actuator/{to}")
     values = Values(editing, node, index, at)
     found: dict[str, str] = {}
@@ -108,7 +108,7 @@ def _text(attribute: Attribute, value: Any) -> str:
 def _converted(
     editing: Editing, node: Node, to: str, law: ActuatorModel, given: Mapping[str, str], at: Path
 ) -> list[str]:
-    """Change one actuator; gives what is lost, in words."""
+    """Convert one actuator. Return in words what is lost."""
     old, kind = str(node.tag), GRAMMAR.element(f"actuator/{to}")
     made, lost = ({}, []) if old == to else _written_for(editing, node, to, law, given, at)
     before = after = law.control
@@ -160,7 +160,7 @@ def _converted(
 
 
 def _lost_in_keys(editing: Editing, node: Node) -> Iterator[str]:
-    """What keys say of a control, or of its activation, that means another thing from now on."""
+    """Yield in words the keyframe values of a control or activation whose meaning changes."""
     found = [key for part in part_keys(editing.linking).values() for key in part.keys]
     for vector in ("ctrl", "act"):
         names = {
@@ -175,14 +175,17 @@ def _lost_in_keys(editing: Editing, node: Node) -> Iterator[str]:
 
 
 def _keeps_activation(to: str, written: Mapping[str, str]) -> bool:
-    """Whether the new kind has an activation, which an `actrange` can limit."""
+    """Return whether the new kind has an activation, which an `actrange` can limit."""
     # MuJoCo 4.0 refuses the range of what does not exist: "actrange specified but dyntype is 'none'".
     with_activation = {"position": ("timeconst",), "pid": ("ki", "slewmax")}.get(to, ())
     return to == "general" or any(any(numbers.read(written.get(name, "0"))) for name in with_activation)
 
 
 def _refuse_actrange(editing: Editing, node: Node, to: str, at: Path) -> None:
-    """MuJoCo refuses an `actrange` without an activation, and nothing on the actuator undoes that of its class."""
+    """Report an `actrange` from a class for an actuator without an activation.
+
+    MuJoCo refuses it, and nothing on the actuator can undo the one of its class.
+    """
     kind = GRAMMAR.element("actuator/general")
     found = levels(node, kind, kind.attributes["actrange"], editing.classes)
     level = next((each for each in found if each.kind == "class" and each.text), None)
@@ -195,7 +198,7 @@ def _refuse_actrange(editing: Editing, node: Node, to: str, at: Path) -> None:
 
 
 def _replaced(written: Mapping[str, str]) -> Iterator[str]:
-    """Attributes that cannot stand beside what is written."""
+    """Yield the attributes that are not allowed together with those that are written."""
     for name, others in _INSTEAD.items():
         if name in written:
             yield from (other for other in others if other not in written)
@@ -204,7 +207,7 @@ def _replaced(written: Mapping[str, str]) -> Iterator[str]:
 def _written_for(
     editing: Editing, node: Node, to: str, law: ActuatorModel, given: Mapping[str, str], at: Path
 ) -> tuple[dict[str, str], list[str]]:
-    """The attributes by which the new kind does what the law says, and what of it cannot be said."""
+    """Return the attributes that give the new kind the same law, and in words what it cannot express."""
     if to == "general":
         return _general(editing, law), []
     lost = _lost_with(to, law)
@@ -227,7 +230,7 @@ def _written_for(
 
 
 def _lost_with(to: str, law: ActuatorModel) -> list[str]:
-    """The dynamics and the integral part that the new kind cannot have."""
+    """Return in words the dynamics and the integral term that the new kind cannot have."""
     lost = []
     is_pid = law.gain == "pid"
     # A pid has its dynamics by itself; `timeconst` of a position actuator is `filterexact`.
@@ -242,7 +245,7 @@ def _lost_with(to: str, law: ActuatorModel) -> list[str]:
 
 
 def _lost_by_motor(law: ActuatorModel) -> list[str]:
-    """The law, or a gain, of which a motor, whose force is its control, has nothing."""
+    """Return in words the parts of the law that a motor, whose force is its control, does not have."""
     if law.form != "force" or law.kp or law.kv:
         return [_of_law(law)]
     if law.gainprm[0] != 1 and law.gain != "pid":
@@ -253,7 +256,7 @@ def _lost_by_motor(law: ActuatorModel) -> list[str]:
 def _position(
     editing: Editing, node: Node, to: str, law: ActuatorModel, given: Mapping[str, str], at: Path
 ) -> dict[str, str]:
-    """The attributes of a `position` or a `pid`, but for those that are given."""
+    """Return the attributes of a `position` or a `pid`, without those that are given."""
     is_pid = law.gain == "pid"
     made: dict[str, str] = {}
     if "kp" not in given:
@@ -278,7 +281,7 @@ def _position(
 
 
 def _integral(editing: Editing, law: ActuatorModel) -> dict[str, str]:
-    """What a pid has besides its gains; zeros where classes may give something else."""
+    """Return the attributes of a pid other than its gains. They include zeros if classes may set other values."""
     imax = law.dynprm[0] if law.dynamics == "pid" else 0.0
     found = {"ki": law.gainprm[0], "imax": imax, "slewmax": law.slewmax}
     whole = _in_classes(editing)
@@ -286,7 +289,7 @@ def _integral(editing: Editing, law: ActuatorModel) -> dict[str, str]:
 
 
 def _in_classes(editing: Editing) -> bool:
-    """Whether a class may give something to an actuator: all of them share what classes set."""
+    """Return whether a class may set attributes of an actuator. All actuator tags share these settings."""
     # In MuJoCo 4.0 `<default><position kp="50"/></default>` gives a `<general joint="j"/>` a gain of 50, so that what
     # is not written need not be zero.
     tags = tuple(GRAMMAR.section("actuator").children)
@@ -294,7 +297,7 @@ def _in_classes(editing: Editing) -> bool:
 
 
 def _general(editing: Editing, law: ActuatorModel) -> dict[str, str]:
-    """All of the law; every number where classes may give some, else without the zeros at the end."""
+    """Return all attributes of the law, with all numbers if classes may set some, else without trailing zeros."""
     whole = _in_classes(editing)
     made = {"gaintype": law.gain, "biastype": law.bias, "dyntype": law.dynamics}
     for name in _PARAMETERS:
@@ -314,7 +317,7 @@ def _general(editing: Editing, law: ActuatorModel) -> dict[str, str]:
 def _limits(
     editing: Editing, node: Node, to: str, law: ActuatorModel, keeps: bool, written: Mapping[str, str]
 ) -> dict[str, str] | None:
-    """What limits the control from now on; None where the old limits are for another thing and have to go.
+    """Return the limits of the new control, or None if the old limits are for another quantity and must be removed.
 
     `written` are the attributes of the new kind, those that the entry gives included.
     """
@@ -348,7 +351,7 @@ def _limits(
 
 
 def _unlimited(editing: Editing, node: Node, to: str, limited: str | None) -> dict[str, str]:
-    """What keeps an actuator without limits of its control from getting some: ranges that its old kind did not read."""
+    """Return attributes that keep an actuator's control unlimited if the new kind would read a range."""
     found: dict[str, str] = {}
     inherits = editing.effective(node, "inheritrange")
     if to in ("position", "pid") and inherits and any(numbers.read(inherits)):
@@ -375,7 +378,7 @@ def _in_words(control: str, otherwise: str) -> str:
 
 
 def _of_law(law: ActuatorModel) -> str:
-    """The gains in words."""
+    """Return the gains in words."""
     if law.form == "position" or law.gain == "pid":
         return f"its gains, kp {law.kp:g} and kv {law.kv:g}"
     if law.form == "velocity":

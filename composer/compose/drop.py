@@ -17,7 +17,7 @@ _SETTINGS = ("option", "size", "visual", "statistic")
 
 
 def drop(entries: Iterable[Drop], editing: Editing, at: Path) -> list[Left]:
-    """Take out what the entries mean; gives all that has gone, in their order."""
+    """Remove the elements that the entries select. Return all removed elements in the order of the entries."""
     gone: list[Left] = []
     for entry in entries:
         path = (*at, entry.index)

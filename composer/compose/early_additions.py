@@ -31,7 +31,7 @@ class EarlyAdditions:
         self.places = self.plan.added_places
 
     def make(self, kind: str, name: str) -> bool:
-        """Make a place; False where no entry does, or what it is added to does not hang in the model yet."""
+        """Make a place. Return False if no entry adds it, or if what it is added to is not in the model yet."""
         steps = makers(self.places, kind, name)
         waiting = [step for step in steps if step not in self.done]
         if not waiting or not self._stands(waiting[0]):
@@ -45,11 +45,11 @@ class EarlyAdditions:
         return True
 
     def names(self) -> list[Place]:
-        """The kind and the name of each place that is not made yet."""
+        """Return the kind and the name of each place that is not made yet."""
         return [key for key, place in self.places.items() if place.step not in self.done]
 
     def stands_on(self, kind: str, name: str) -> tuple[str, Span] | None:
-        """What a place is added to, and where its name is written; None where no entry adds it."""
+        """Return what a place is added to and where its name is written, or None if no entry adds it."""
         steps = makers(self.places, kind, name)
         return (steps[0].to, self.places[kind, name].span) if steps else None
 

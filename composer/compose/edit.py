@@ -68,9 +68,9 @@ if TYPE_CHECKING:
 
 
 def edit(step: EditElements, editing: Editing) -> EditOutcome | None:
-    """Do to every element that is selected what the entry says; what is wrong is reported, once an entry.
+    """Apply an entry to every element that it selects. Report at most one error per entry.
 
-    Gives what it did; None where something was wrong.
+    Return what was changed, or None after an error.
     """
     entry = step.edit
     found = counted(
@@ -92,7 +92,7 @@ def edit(step: EditElements, editing: Editing) -> EditOutcome | None:
 
 
 def is_of_keys(step: EditElements | DrawValues) -> bool:
-    """Whether it is about keys, which waits until they are laid out."""
+    """Return whether a step is about keys, and therefore waits until they are laid out."""
     select = step.edit.select if isinstance(step, EditElements) else step.field.select
     return select is not None and "keyframe/key" in paths_of(select.tag)
 
@@ -231,7 +231,7 @@ class Change:
                 self._reckon(values, attribute, subscript, item, path)
 
     def _below(self, node: Node, index: int, tag: str, written: Mapping[str, Any], at: Path) -> None:
-        """What stands in the element of that tag, which is made if need be: of a class, or of a section."""
+        """Edit the child with this tag of a class or section, and create it if needed."""
         child_kind = kind_of(node).children.get(tag)
         if child_kind is None:
             self._fault(unknown_attribute(tag, str(node.tag), (kind_of(node),), at), node)
@@ -279,7 +279,7 @@ class Change:
     def _check_units(
         self, joint: Node, kind: ElementType, wanted: str, written: Mapping[str, Any], at: Path
     ) -> None:
-        """A number of a joint that would be metres and was an angle, or the other way round, is to be written anew."""
+        """Report numbers of a joint that change between metres and angles, and must be written again."""
         editing = self.editing
         now = joint_type(joint, editing.classes)
         for attribute in kind.attributes.values():
@@ -298,7 +298,7 @@ class Change:
             )
 
     def _without_ends(self, node: Node, name: str, at: Path) -> None:
-        """`fromto` says where an element is, whatever else is written."""
+        """Report an attribute that has no effect because `fromto` determines the element's pose."""
         # MuJoCo 4.0 passes over an `euler` beside `fromto` without a word, and refuses a `pos`.
         ends = self.editing.effective(node, "fromto")
         if ends and "nan" not in ends.lower():
@@ -315,7 +315,7 @@ class Change:
     def _reckon(
         self, values: Values, attribute: Attribute, subscript: int | None, written: Any, at: Path
     ) -> None:
-        """Numbers that depend on the present ones: one of several, a multiple, a sum."""
+        """Compute numbers from the present ones: one of several, a multiple or a sum."""
         editing, node = self.editing, values.node
         text = editing.effective(node, attribute.name)
         if not attribute.is_number or not text or not text.split():
@@ -364,7 +364,7 @@ class Change:
         assign(editing, node, {attribute.name: to_text(attribute, result)})
 
     def _without_defaults(self, node: Node, attribute: Attribute, have: list[float]) -> list[float]:
-        """The numbers up to the last that is not MuJoCo's own default anyway: an older MuJoCo may know fewer."""
+        """Return the numbers without trailing MuJoCo defaults, since an older MuJoCo may accept fewer numbers."""
         steps = levels(node, kind_of(node), attribute, self.editing.classes)
         said = max((step.taken.stop for step in steps if step.kind != "mujoco"), default=0)
         default = attribute.default if isinstance(attribute.default, tuple) else ()
@@ -374,7 +374,7 @@ class Change:
         return have
 
     def _number(self, item: Any, attribute: Attribute, is_angle: bool, at: Path, node: Node) -> float:
-        """The number that is written, an angle in the model's unit unless it is a factor."""
+        """Return the written number. An angle is in the model's unit, unless it is a factor."""
         making = self.editing.making
         given = Angle.read(item) if isinstance(item, str) else item
         if isinstance(given, bool) or not isinstance(given, int | float | Angle):
@@ -422,7 +422,7 @@ class Change:
         self.masses.change(node, self.verb, float(given), now, at)
 
     def _fault(self, fault: Fault, node: Node) -> None:
-        """Report what is wrong with one element, and leave the entry: the others would only say the same."""
+        """Report a fault of one element and stop the entry, since the other elements would have the same fault."""
         editing = self.editing
         notes = fault.all_notes()
         if fault.code != "bare-angle":
@@ -440,7 +440,7 @@ class Change:
 
 
 def _take_files(editing: Editing) -> None:
-    """A file that an edit names is relative to the recipe."""
+    """Resolve the files that edits name relative to the recipe."""
     making, linking = editing.making, editing.linking
     for node, attribute, name in making.files:
         folder, door, span = (
@@ -459,7 +459,7 @@ def _take_files(editing: Editing) -> None:
 def _take_own_file(
     editing: Editing, node: Node, attribute: str, file: FilePath, door: Door, span: Span
 ) -> None:
-    """Into the part, whose own door it need not pass: it is the recipe that names it."""
+    """Add a file to the part. The part's own access rules do not apply, because the recipe names the file."""
     try:
         door.admit(file)
     except Refused as refused:
@@ -471,7 +471,7 @@ def _take_own_file(
 
 
 def _check_references(editing: Editing, node: Node, attribute: Attribute, at: Path) -> None:
-    """A name that is set must exist."""
+    """Report a reference to a name that does not exist."""
     if attribute.refers == "default" and node.get(attribute.name) == MAIN:
         with changing(editing, node):
             refer_to_top_class(editing.linking, node, attribute.name)

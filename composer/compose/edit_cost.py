@@ -38,7 +38,7 @@ class EditCost:
     ended: bool = False
 
     def allows(self, cost: float, sink: Sink, span: Span) -> bool:
-        """Count a cost; False where it is more than the limit allows, with an error the first time."""
+        """Add a cost. Return False if the limit is exceeded, which is reported the first time."""
         self.spent += cost
         most = in_force().edits
         if self.spent > most and not self.ended:
@@ -50,7 +50,7 @@ class EditCost:
 
 
 def of_selecting(selector: Selector, root: Node) -> float:
-    """The cost of finding what a selector means."""
+    """Return the cost of finding the elements of a selector."""
     each = list(selector.all())
     looks = 0 if selector.is_one_name else len(each) * written(root)
     return _PROCESS * sum(map(_processes, each)) + looks / _LOOKS
@@ -63,7 +63,7 @@ def _processes(selector: Selector) -> int:
 
 
 def of_condition(where: Mapping[str, object] | str | None) -> float:
-    """The cost of trying a condition on one element."""
+    """Return the cost of evaluating a condition on one element."""
     return len(where) / _CHARACTERS if isinstance(where, str) else len(where or ())
 
 
@@ -77,5 +77,5 @@ def of_values(value: Any) -> int:
 
 
 def of_draws(samples: int, tabled: bool) -> float:
-    """The cost of looking at the draws of all samples for one element, and of making a table of them."""
+    """Return the cost of checking the draws of all samples for one element, and of tabulating them."""
     return 1 + samples / (_DRAWS_OF_A_TABLE if tabled else _DRAWS)

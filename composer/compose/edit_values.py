@@ -51,7 +51,7 @@ class Values:
         return {**self.editing.scope, **own}
 
     def of(self, written: Any, at: Path, value: Value | None = None) -> Any:
-        """What is written, with the values of its expressions; raises `Unusable`."""
+        """Return the written value with its expressions evaluated. Raises `Unusable`."""
         if isinstance(written, list | tuple):
             items = value if isinstance(value, tuple) else None
             return [
@@ -69,7 +69,7 @@ class Values:
     def evaluated(
         self, text: str, at: Path, scope: Mapping[str, Value], *, needs_value: bool = False
     ) -> Value:
-        """The value of a text with `${…}`; names that the scope lacks are attributes of the element."""
+        """Return the value of a text with `${…}`. Names that are not in the scope are attributes of the element."""
         try:
             return Template.parse(text).value(scope)
         except ExpressionError as error:
@@ -121,7 +121,7 @@ class Values:
     # -- the present values -------------------------------------------------------------------------------------
 
     def now(self, attribute: Attribute, index: int | None = None) -> Value | None:
-        """The value in effect, angles in the recipe's unit, in radians where it has none; None where there is none."""
+        """Return the effective value or None. Angles are in the recipe's unit, or in radians if it has none."""
         text = self.editing.effective(self.node, attribute.name)
         if text is None or (attribute.is_number and not text.split()):
             return None
@@ -138,7 +138,7 @@ class Values:
         return tuple(values)
 
     def turned_out(self, attribute: Attribute, values: list[float]) -> list[float]:
-        """Numbers of the model with its angles in the recipe's unit."""
+        """Return numbers of the model with their angles in the recipe's unit."""
         making = self.editing.making
         wanted = making.readings.at(self.at).angle or "radian"
         if wanted == making.model_angle:
@@ -148,7 +148,7 @@ class Values:
         return [each * factor if n in turning else each for n, each in enumerate(values)]
 
     def angles(self, attribute: Attribute, count: int) -> Iterable[int]:
-        """Which of the numbers of an attribute of this element are angles."""
+        """Return which of the numbers of an attribute of this element are angles."""
         if attribute.angle in ("orientation-euler", "replicate"):
             return range(count)
         if attribute.angle == "orientation-axisangle":
@@ -159,7 +159,7 @@ class Values:
 
 
 def attributes_scope(values: Values) -> dict[str, Value]:
-    """Every attribute of the element with the value in effect, for `where`."""
+    """Return every attribute of the element with its effective value, for `where`."""
     found: dict[str, Value] = {}
     for name, attribute in kind_of(values.node).attributes.items():
         if name.isidentifier() and (now := values.now(attribute)) is not None:

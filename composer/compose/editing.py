@@ -68,41 +68,41 @@ class Editing:
 
     @cached_property
     def names(self) -> NameIndex:
-        """The names of the model and who refers to them; the linking's names are these from now on."""
+        """The index of the model's names and references. From the first access on, the linking uses it too."""
         index = NameIndex.of(self.root)
         self.linking.names.declared = index.declared
         return index
 
     def levels(self) -> Iterator[tuple[Editing, str]]:
-        """The model alone: it is attached to nothing."""
+        """Yield only the model itself, which is not attached to anything."""
         yield self, ""
 
     def find_node(self, namespace: str, name: str) -> Node | None:
-        """The element of a name."""
+        """Return the element with this name, or None."""
         return self.names.find(namespace, name)
 
     def known_names(self, namespace: str) -> list[str]:
-        """The names of a namespace."""
+        """Return the names in a namespace."""
         return list(self.names.declared.get(namespace, ()))
 
     def kinds_of(self, name: str) -> list[str]:
-        """The namespaces in which something has a name."""
+        """Return the namespaces in which the name exists."""
         return self.linking.kinds_of(name)
 
     def may_generate(self, name: str) -> bool:
-        """Whether MuJoCo may make the name itself."""
+        """Return whether MuJoCo may generate the name itself."""
         return self.linking.may_generate(name)
 
     def names_of(self, node: Node) -> list[tuple[str, str]]:
-        """Namespace and name of everything that goes with an element."""
+        """Return the namespace and name of everything in an element's subtree."""
         return names_in(node)
 
     def forget(self, node: Node) -> None:
-        """Drop the names of a node that is about to change."""
+        """Remove the names of a node from the index before the node changes."""
         self.names.forget(node, section_of(node))
 
     def note(self, node: Node) -> None:
-        """Take up its names again, and what else follows from a change."""
+        """Add the names of a changed node to the index, and record the other effects of the change."""
         self.names.note(node, section_of(node))
         if section_of(node) == "default":
             self.linking.base.forget_classes()
@@ -110,7 +110,7 @@ class Editing:
             self.reshaped(node)
 
     def reshaped(self, node: Node) -> None:
-        """That a node may have another number of values in a key than before; a class may reach any."""
+        """Record that a node may have another number of values in a key than before. A class may affect any node."""
         changed = self.linking.keys.reshaped
         changed.add(node)
         if section_of(node) == "default":
@@ -120,11 +120,11 @@ class Editing:
                 )
 
     def effective(self, node: Node, name: str) -> str | None:
-        """The text of an attribute in effect: written, given by a class, or MuJoCo's default."""
+        """Return the effective text of an attribute: the written one, that of a class, or MuJoCo's default."""
         return text_in_effect(node, kind_of(node), name, self.classes)
 
     def called(self, node: Node) -> str:
-        """An element as messages name it."""
+        """Return the description of an element for messages."""
         if node.tag == "worldbody":
             return f"`{WORLD}`"
         name = name_of(node)
@@ -132,20 +132,20 @@ class Editing:
         return f"{tag} `{name}`" if name else f"a {tag} without a name"
 
     def subjects(self, node: Node) -> tuple[str, ...]:
-        """The names that an error about an element is about."""
+        """Return the names that an error about an element concerns."""
         name = name_of(node)
         return (name,) if name else ()
 
     def span(self, path: Path, key: bool = False) -> Span:
-        """A place in the recipe."""
+        """Return a place in the recipe."""
         return locate(self.making.document, path, key=key)
 
     def span_of(self, node: Node, attribute: str | None = None) -> Span:
-        """Where an element of the model is written."""
+        """Return where an element of the model is written."""
         return self.linking.span(self.linking.base, node, attribute)
 
     def write(self, node: Node, places: Mapping[str, Path]) -> None:
-        """Note where the new values of attributes stand in the recipe."""
+        """Record where the new values of attributes are in the recipe."""
         before = self.making.origins.owner(node, self.making.base_file)
 
         def place(attribute: str | None) -> Span:
@@ -160,7 +160,7 @@ class Editing:
 
 
 def is_angular(attribute: Attribute, joint: str) -> bool:
-    """Whether the values of a joint's attribute are angles."""
+    """Return whether the values of a joint's attribute are angles."""
     return attribute.angle == "joint" and (
         joint == "hinge" or (joint == "ball" and attribute.name in ("range", "springyield"))
     )

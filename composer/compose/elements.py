@@ -67,7 +67,7 @@ class ElementBuilder:
     intervals: dict[tuple[Node, str], Span] = field(default_factory=dict)
 
     def span(self, element: Element, attribute: str | None = None) -> Span:
-        """Where an element is written: its key, or the value of an attribute if it has that one there."""
+        """Return where an element is written: its key, or the value of the attribute if it is written there."""
         for name in _written_as(element, attribute):
             path = (*element.at, name)
             if find(self.document, path) is not None:
@@ -76,17 +76,17 @@ class ElementBuilder:
         return locate(self.document, element.at, key=not is_value)
 
     def reading_of(self, element: Element, attribute: str) -> Reading:
-        """How an attribute of an element is read; in a fragment, as the fragment is."""
+        """Return how an attribute of an element is read. In a fragment, it is read as the fragment is."""
         path = (*element.at, attribute)
         written = self.readings.others and find(self.document, path) is not None
         return self.readings.at(path if written else (*element.at, "xml"))
 
     def turned(self, value: object, reading: Reading, radians: Callable[[float], float]) -> float:
-        """An angle in the model's unit; `radians` turns one in degrees as MuJoCo does there."""
+        """Return an angle in the model's unit. `radians` converts degrees as MuJoCo does for this attribute."""
         return _in(value, reading, self.model_angle, radians)
 
     def span_of(self, node: Node, attribute: str | None = None) -> Span:
-        """The same of a node; what stands in a fragment is looked up in its text."""
+        """Return where a node, or the value of its attribute, is written. A fragment is searched for its place."""
         return self._span_of(node, self.made[node], self.fragments.get(node), attribute)
 
     def _span_of(self, node: Node, element: Element, start: int | None, attribute: str | None) -> Span:
@@ -107,22 +107,22 @@ class ElementBuilder:
         return locate(self.document, (*element.at, "xml"))
 
     def folder_of(self, node: Node, attribute: str) -> Path:
-        """The folder of the recipe that writes the value of an attribute; files are relative to that."""
+        """Return the folder of the recipe that writes the value of an attribute. Files are relative to it."""
         return (self.folder / self.span_of(node, attribute).file).parent
 
     def door_of(self, node: Node, attribute: str) -> Door:
-        """What may be named by the recipe that writes the value of an attribute."""
+        """Return what the recipe that writes the value of an attribute may read."""
         return self.door_of_text(self.folder_of(node, attribute))
 
     def written(self, node: Node) -> Collection[str]:
-        """The attributes of a node that the recipe wrote."""
+        """Return the attributes of a node that the recipe wrote."""
         if node in self.fragments:
             return [str(name) for name in node.keys()]  # noqa: SIM118 (an element is not a mapping)
         made = self.made.get(node)
         return made.attributes if made is not None else ()
 
     def place(self, node: Node) -> None:
-        """Note where a new node and all below it come from."""
+        """Record where a new node and everything below it come from."""
         for inner in node.iter("*"):
             if inner in self.made:
                 # An edit puts another element in `made`: this is where the node comes from all the same.
@@ -130,20 +130,20 @@ class ElementBuilder:
                 self.origins.own(inner, partial(self._span_of, inner, element, start))
 
     def register(self, node: Node, section: str) -> None:
-        """The same, and that the names of the node and all below it are to be checked."""
+        """Record a new node as `place` does, and have the names in it and below it checked later."""
         self.place(node)
         self.registered.append((node, section))
 
 
 def _written_as(element: Element, attribute: str | None) -> tuple[str, ...]:
-    """Under which keys the recipe may have an attribute: `_set_euler` writes an `euler` as a `quat`."""
+    """Return the keys under which the recipe may have an attribute: `_set_euler` writes an `euler` as a `quat`."""
     if attribute is None:
         return ()
     return (attribute, "euler") if attribute == "quat" and "euler" in element.attributes else (attribute,)
 
 
 def make(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
-    """The node of a recipe element and its children."""
+    """Return the node of a recipe element with its children."""
     if element.xml is not None:
         return _parsed(element, kind, making)
     node = etree.Element(element.tag)
@@ -161,7 +161,7 @@ def make(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
 
 
 def update(node: Node, element: Element, kind: ElementType, making: ElementBuilder) -> None:
-    """Write a recipe element's attributes over those of a node that exists; children the same way."""
+    """Overwrite the attributes of an existing node, and of its children, with those of a recipe element."""
     before = making.origins.owner(node, making.base_file)
 
     def place(attribute: str | None) -> Span:
@@ -230,7 +230,7 @@ def _set_euler(node: Node, element: Element, name: str, value: object, making: E
 
 
 def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> None:
-    """Write ranges and references of joints, now that the type of each is known from its class."""
+    """Write the ranges and references of joints after the classes, and so the joint types, are known."""
     for node, element, name in making.pending:
         value = element.attributes[name]
         values = value if isinstance(value, tuple) else (value,)
@@ -262,7 +262,7 @@ def _item_span(making: ElementBuilder, node: Node, element: Element, name: str, 
 
 
 def joint_attributes(element: Element, making: ElementBuilder) -> dict[str, str]:
-    """The attributes of a joint between a place and a part; outside all classes unless it names one."""
+    """Return the attributes of a joint between a place and a part. It has no class unless it names one."""
     kind = GRAMMAR.element("body").children["joint"]
     node = etree.Element("joint", {"class": MAIN})
     making.made[node] = element
@@ -276,12 +276,12 @@ def joint_attributes(element: Element, making: ElementBuilder) -> dict[str, str]
 def in_radians(
     value: object, reading: Reading, radians: Callable[[float], float] = numbers.orientation_radians
 ) -> float:
-    """An angle in radians; `radians` turns one in degrees as MuJoCo does there."""
+    """Return an angle in radians. `radians` converts degrees as MuJoCo does for this attribute."""
     return _in(value, reading, "radian", radians)
 
 
 def _in(value: object, reading: Reading, unit: str, radians: Callable[[float], float]) -> float:
-    """An angle in `unit`; a bare one is in the recipe's unit."""
+    """Return an angle in `unit`. An angle without a unit is in the recipe's unit."""
     if isinstance(value, Angle):
         number, written = value.value, "degree" if value.unit == "deg" else "radian"
     else:
@@ -292,7 +292,7 @@ def _in(value: object, reading: Reading, unit: str, radians: Callable[[float], f
 
 
 def _plain(value: object, unit: str) -> object:
-    """`90deg` on a number that is not a pose: the angle in the unit that MJCF wants there."""
+    """Return an angle such as `90deg` in the unit that MJCF uses for a number that is not a pose."""
     if isinstance(value, tuple):
         return tuple(_plain(item, unit) for item in value)
     if isinstance(value, Angle):
@@ -303,12 +303,12 @@ def _plain(value: object, unit: str) -> object:
 
 
 def plain(value: Single) -> float:
-    """A number of a pose, where an angle with its unit counts in radians."""
+    """Return a number of a pose. An angle with a unit is converted to radians."""
     return float(_plain(value, "radian"))  # type: ignore[arg-type]
 
 
 def _parsed(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
-    """A fragment of MJCF: its angles are in the recipe's unit, like everything in the recipe."""
+    """Return the node of an MJCF fragment, whose angles are in the recipe's unit."""
     # A recipe may be somebody else's: its text opens no file and no address.
     parser = etree.XMLParser(remove_blank_text=True, resolve_entities=False, no_network=True)
     node = etree.fromstring(element.xml or "", parser)
@@ -322,7 +322,7 @@ def _parsed(element: Element, kind: ElementType, making: ElementBuilder) -> Node
 def _read_fragment(
     node: Node, element: Element, kind: ElementType, making: ElementBuilder, line: int
 ) -> None:
-    """The fragment's numbers go the way of the recipe's own; its other attributes stay as they are written."""
+    """Read the numbers of a fragment as those of the recipe. Its other attributes stay as they are written."""
     values: dict[str, Value] = {}
     intervals: list[str] = []
     for key, text in node.items():

@@ -60,7 +60,7 @@ def _excludes_touching(plan: Plan) -> bool:
 
 
 def _touching(plan: Plan, composed: Composed | None) -> tuple[tuple[str, str], ...]:
-    """The names of the two bodies of each pair that the plan keeps from colliding because they touch."""
+    """Return the body names of each pair that the plan excludes from collision because the bodies touch."""
     if composed is None or not _excludes_touching(plan):
         return ()
     spans = {

@@ -69,7 +69,7 @@ def _write(
     vector: str, values: list[float | None], unlike: dict[str, str], step: WriteKeyframe, key: Node,
     layout: Layout, linking: Linking, making: ElementBuilder,
 ) -> None:  # fmt: skip
-    """Put the values of the actuators that hold into the row of a key."""
+    """Write the values of the holding actuators into the row of a key."""
     record = linking.base.origins.keys.get(key)
     row = numbers_of(record, key, vector) or [
         Number("0", KeySource("zero", vector), at) for at in range(len(values))
@@ -102,7 +102,7 @@ def _write(
 
 
 def _addresses(layout: Layout, vector: str) -> Iterator[tuple[Any, int, int, int]]:
-    """Every actuator with where its numbers begin in a vector, how many they are, and where its controls begin."""
+    """Yield every actuator with the start and count of its numbers in a vector, and the start of its controls."""
     at = control = 0
     for actuator, slot in layout.actuators.items():
         width = slot.widths[vector == "act"]

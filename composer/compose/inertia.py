@@ -29,7 +29,7 @@ _ROWS = dict(zip(BODIES, (1, 3, 4, 3), strict=True))
 def inertia(
     editing: Editing, masses: Masses, found: Collection[Node], written: Mapping[str, Any], at: Path
 ) -> None:
-    """Give each body an `<inertial>` that MuJoCo has computed of its geoms."""
+    """Write onto each body an `<inertial>` that MuJoCo computes from its geoms."""
     wanted = {body: _geoms(editing, body, written, at) for body in found}
     masses.settle(*_RULES)
     survey, there = _measured(editing, wanted, float(written[DENSITY]), at)
@@ -48,7 +48,7 @@ def inertia(
 
 
 def _write(editing: Editing, body: Node, values: Mapping[str, Sequence[float]], at: Path) -> None:
-    """Into the `<inertial>` that counts, or a new one. It comes of the whole entry: nothing in it is the value."""
+    """Write the values into the effective `<inertial>`, or a new one. Their place is the whole entry."""
     entry = at[:-1]
     inertials = own(body, "inertial")
     kept = inertials[-1] if inertials else None
@@ -64,7 +64,7 @@ def _write(editing: Editing, body: Node, values: Mapping[str, Sequence[float]], 
 
 
 def _geoms(editing: Editing, body: Node, written: Mapping[str, Any], at: Path) -> list[Node]:
-    """The geoms of a body that count; those of several groups are most often the same shape several times."""
+    """Return the geoms of a body to use. Geoms in several groups are usually copies of the same shape."""
     geoms = own(body, "geom")
     if written[FROM] == "mesh":
         geoms = [geom for geom in geoms if editing.effective(geom, "type") == "mesh"]

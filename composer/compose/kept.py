@@ -16,7 +16,7 @@ KEPT = "finished"
 
 
 def compiled(linking: Linking, context: Context, session: engine.Session) -> bool:
-    """Compile the model and keep it in the session as `KEPT`; False where MuJoCo refuses it, which is reported."""
+    """Compile the model and keep it in the session as `KEPT`. Return False if MuJoCo refuses it, which is reported."""
     unit = linking.flat()
     text = write(unit.root)
     with folder_of(unit) as folder:

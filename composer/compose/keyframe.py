@@ -47,7 +47,7 @@ _MEANT = {
 
 
 def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> None:
-    """Look up what the keys of the recipe name; the linker lays them out with the keys of the parts."""
+    """Resolve the names in the keys of the recipe. The linker lays them out with the keys of the parts."""
     if not plan.keyframes:
         return
     layout = final_layout(linking)
@@ -79,7 +79,7 @@ def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> Non
 
 
 def _joints(layout: Layout) -> dict[str, _Holder]:
-    """The joints by name; one without a name that is its body's only one goes by the name of the body."""
+    """Return the joints by name. A joint without a name that is its body's only one has the name of the body."""
     named = {_name(joint) for joint in layout.joints}
     found: dict[str, _Holder] = {}
     for joint, slot in layout.joints.items():
@@ -96,7 +96,7 @@ def _joints(layout: Layout) -> dict[str, _Holder]:
 
 
 def _taken(key: Key, span: Span) -> Key:
-    """The key, with a note on each of its numbers that the `from` entry at `span` passes them on."""
+    """Return the key with each number marked as passed on by the `from` entry at `span`."""
     values = {
         vector: {holder: taken(row, span) for holder, row in columns.items()}
         for vector, columns in key.values.items()
@@ -147,7 +147,7 @@ class _Writing:
         return key
 
     def _hold(self) -> None:
-        """Make room for the controls that hold the pose: what they are is known when the key is laid out."""
+        """Reserve the controls that hold the pose. Their values are known when the key is laid out."""
         controls = self.step.key.controls
         if controls.hold is not None:
             for actuator, slot in self.actuators.items():
@@ -168,7 +168,7 @@ class _Writing:
         self.values.setdefault("ctrl", {})[actuator] = [Number("0", source, at) for at in range(width)]
 
     def _of_joint(self, joint: str) -> _Holder | None:
-        """The actuator that is meant by its joint: the only one, or the only servo for positions."""
+        """Return the actuator that a joint name selects: the only one of the joint, or its only position servo."""
         found = [
             (node, slot)
             for node, slot in self.actuators.items()
@@ -217,7 +217,7 @@ class _Writing:
         return locate(self.making.document, (*self.step.key.at, *path), key=key)
 
     def _sources(self) -> list[Key]:
-        """The keys that `from` names, those of parts after those of what the parts are in."""
+        """Return the keys that `from` names. Keys of a part come after those of what contains it."""
         known = part_keys(self.linking)
         found: list[tuple[int, Key]] = []
         for part, name in self.step.key.sources.items():
@@ -259,7 +259,7 @@ class _Writing:
             self._place(vector, name, known, entry, path)
 
     def _place(self, vector: str, name: str, known: _Holder, entry: Entry, path: tuple[str, ...]) -> None:
-        """Write the numbers of an entry, which stands at a path below its vector."""
+        """Write the numbers of an entry. `path` is the place of the entry below its vector."""
         node, slot = known
         if slot is not None:
             width = slot.widths[vector in ("qvel", "act")]
@@ -279,7 +279,7 @@ class _Writing:
     def _meant(
         self, vector: str, name: str, node: Node, slot: Slot | None, width: int
     ) -> Sequence[str | None]:
-        """In words, what each number of an entry is if it has the unit of an angle."""
+        """Return in words what each number of an entry is if it is an angle, else None."""
         if slot is not None and slot.kind == "hinge":
             return [f"`{vector}` of the hinge `{name}` is an angle"]
         if vector not in ("ctrl", "act"):
@@ -372,7 +372,7 @@ def _count(actuators: int) -> str:
 
 
 def _naming(actuators: Sequence[Node], name: str) -> str:
-    """How to give names to those actuators, or to those of them that act on what has the name."""
+    """Return advice on naming those actuators, or those of them that act on the element with the name."""
     ends = [
         (each, str(attribute))
         for each in actuators

@@ -48,7 +48,7 @@ class Loader:
         self.uses[key_of(model, stands)] += 1
 
     def unit(self, model: Source, span: Span | None, stands: bool) -> Unit | None:
-        """The unit of a source, None where it has faults; `stands` says that it is fixed in the world."""
+        """Return the unit of a source, or None if it has faults. With `stands`, it is fixed in the world."""
         key = key_of(model, stands)
         if key not in self.parsed:
             refused = (
@@ -89,5 +89,5 @@ class Loader:
 
 
 def key_of(model: Source, stands: bool) -> Key:
-    """What sources that read the same have in common; of MJCF it does not matter where it stands."""
+    """Return a key that is equal for sources that read the same. For MJCF, `stands` does not matter."""
     return model.path, model.packages, model.urdf, stands or model.format != "urdf"

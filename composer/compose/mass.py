@@ -32,7 +32,7 @@ class Masses:
         self.editing, self.bodies = editing, bodies
 
     def of(self, body: Node, at: Path) -> float:
-        """The mass of a body alone, as MuJoCo has it, in kg."""
+        """Return the mass that MuJoCo computes for a body without its children, in kg."""
         inertial = self._inertial(body)
         if inertial is not None:
             return numbers.read(str(inertial.get("mass") or "0"))[0]
@@ -57,7 +57,7 @@ class Masses:
         return mass[0]
 
     def change(self, body: Node, verb: str, given: float, now: float | None, at: Path) -> None:
-        """Multiply the inertia of a body by the factor that the verb and the number mean."""
+        """Multiply the mass and inertia of a body by the factor that follows from the verb and the number."""
         factor = given
         if verb != "scale":
             assert now is not None
@@ -78,7 +78,7 @@ class Masses:
 
     @cached_property
     def _survey(self) -> tuple[Survey | None, str]:
-        """What MuJoCo makes of the model, and why masses are not to be had of it, if so."""
+        """Return what MuJoCo computes for the model, or None and the reason why it gives no masses."""
         editing = self.editing
         unit = editing.linking.flat()
         aside = Sink()
@@ -108,7 +108,7 @@ class Masses:
         editing.linking.base.forget_settings(*MEASURED, "inertiafromgeom", "inertiagrouprange")
 
     def _inertial(self, body: Node) -> Node | None:
-        """The `<inertial>` that counts."""
+        """Return the effective `<inertial>` of a body, or None."""
         inertials = own(body, "inertial")
         geoms = own(body, "geom")
         # With `inertiafromgeom="true"` an `<inertial>` holds only on bodies whose geoms have no mass: this weighs 2 kg.
@@ -157,7 +157,7 @@ class Masses:
         raise Unusable
 
     def _instead(self, body: Node) -> str:
-        """What to write where a body has no mass: the body that the joint of a part brings has none of its own."""
+        """Return advice for a body without mass, such as the body that the joint of a part adds."""
         name = body.get("name", "")
         if name.endswith(self.editing.linking.request.separator) and own(body, "body"):
             return f'`{name}` only carries the joint of the part; its bodies are `body: "{name}?**"`'

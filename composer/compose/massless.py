@@ -25,7 +25,7 @@ _RULES = (*MEASURED, "inertiafromgeom", "inertiagrouprange")
 
 
 def check_mass(step: AttachPart, part: Part, linking: Linking, making: ElementBuilder) -> None:
-    """Report the bodies without mass; nothing where only MuJoCo knows.
+    """Report the bodies without mass. Nothing is reported if only MuJoCo knows the mass.
 
     MuJoCo asks for mass of what moves with the joint: the body itself, or a body that is fixed to it.
     """
@@ -52,7 +52,7 @@ def check_mass(step: AttachPart, part: Part, linking: Linking, making: ElementBu
 
 
 def _reasons(fixed: list[Node], linking: Linking) -> Iterator[Note]:
-    """Which bodies lack mass, and which have a joint of their own, so that their mass does not count."""
+    """Yield notes on the bodies that lack mass, and on those with their own joint, whose mass does not count."""
     for body in fixed[1:]:
         inertial = next(iter(own(body, "inertial")), None)
         why = "has no mass" if inertial is None else "has no mass, or no inertia"
@@ -71,7 +71,7 @@ def _called(body: Node) -> str:
 
 
 def _fixed(body: Node) -> Iterator[Node]:
-    """The body and those below that no joint moves against it."""
+    """Yield the body, and the bodies below it that no joint moves relative to it."""
     yield body
     for child in own(body, "body"):
         # In MuJoCo 4.0 the mass of a child counts for the joint above it, unless a joint of its own stands between:

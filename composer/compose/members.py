@@ -65,7 +65,7 @@ def hung(
 
 
 def _own(each: Hung, wanted: PartRequest) -> Hung:
-    """With what the edits of a part, and what is left out of it, change in its members."""
+    """Return a member with the changes that the edits of its part, and the elements left out, make."""
     member = with_edits(each.member, wanted.edit)
     dropped = {each.section for each in wanted.drop}
     if "keyframe" in dropped:
@@ -84,7 +84,7 @@ def _cut_urdf(wanted: PartRequest) -> str | None:
 
 
 def placed(found: Iterable[Hung], root: Node) -> tuple[PartRecord, ...]:
-    """The members with their places read from the finished model."""
+    """Return the members with their places read from the finished model."""
     settings = read_settings(root)
     degrees, sequence = settings.angle == "degree", settings.eulerseq
     return tuple(_place(each, degrees, sequence) for each in found)
@@ -110,7 +110,7 @@ def _of_base(plan: Plan, base: PartRequest, inner: list[Hung]) -> Iterator[Hung]
 
 
 def _moved(each: Hung, name: str, part: Part, separator: str, cut: str | None) -> Hung:
-    """A member of a nested recipe, as it is in the recipe around that."""
+    """Return a member of a nested recipe as a member of the outer recipe."""
     member = each.member
     keys = member.keys
     outer = part.prefix if part.keyframes == "prefix" else ""
@@ -131,7 +131,7 @@ def _moved(each: Hung, name: str, part: Part, separator: str, cut: str | None) -
 
 
 def _changed(plan: Plan, found: list[Hung]) -> list[Hung]:
-    """With what the recipe's own settings change in its members."""
+    """Return the members with the changes that the recipe's own settings make."""
     for step in plan.steps:
         if isinstance(step, SetDefault):
             owner = "" if step.name == MAIN else _longest(step.name, [each.member.prefix for each in found])

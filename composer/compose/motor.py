@@ -56,7 +56,7 @@ def _sheet(editing: Editing, name: str, at: Path) -> Motor:
 
 
 def _joint(editing: Editing, node: Node, at: Path) -> tuple[Node, float]:
-    """The hinge that an actuator turns, and its `gear`."""
+    """Return the hinge that an actuator turns, and its `gear`."""
     name = node.get("joint")
     joint = editing.find_node("joint", str(name)) if name else None
     if joint is None or joint_type(joint, editing.classes) != "hinge":
@@ -70,7 +70,7 @@ def _joint(editing: Editing, node: Node, at: Path) -> tuple[Node, float]:
 
 
 def _of_joint(sheet: Motor) -> dict[str, Any]:
-    """What is known; the rest of the joint stays as it is."""
+    """Return the known attributes of the joint. The others stay as they are."""
     values = {"armature": sheet.reflected, "frictionloss": sheet.friction, "damping": sheet.damping}
     return {name: value for name, value in values.items() if value is not None}
 
@@ -120,7 +120,7 @@ def _gains(
     written: Mapping[str, Any],
     at: Path,
 ) -> tuple[float, float]:
-    """Stiffness and damping of the joint, in N·m/rad and N·m·s/rad."""
+    """Return the stiffness and damping of the joint, in N·m/rad and N·m·s/rad."""
     if ERROR in written:
         if sheet.speed is None:
             message = f"the data sheet of `{written[MODEL]}` has no speed, from which `kv` would follow"

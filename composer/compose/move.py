@@ -68,7 +68,7 @@ def _target(editing: Editing, node: Node, index: int, written: Any, at: Path) ->
 
 
 def _check_free(editing: Editing, node: Node, target: Node, at: Path) -> None:
-    """What floats can only stand in the world."""
+    """Report a floating body that would move elsewhere than to the world."""
     # A frame in the world is no body: MuJoCo 4.0 takes `<frame><body><freejoint/>…`, and says of a body below a body
     # "free joint can only be used on top level".
     outer: Node | None = target
@@ -98,7 +98,7 @@ def _check_free(editing: Editing, node: Node, target: Node, at: Path) -> None:
 
 
 def _keep_class(editing: Editing, node: Node, target: Node) -> None:
-    """The class in force at the old place is written where the new place has another."""
+    """Write the class in force at the old place onto the node if the new place has another class."""
     before = childclass_of(node)
     after = str(target.get("childclass") or "") or childclass_of(target)
     if before == after:

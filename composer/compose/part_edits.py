@@ -49,7 +49,7 @@ class OwnEdits:
     workshop: Workshop | None = None
 
     def carry_out(self) -> tuple[Left, ...] | None:
-        """Drop and edit; gives what was dropped, or None where something was wrong, which is reported."""
+        """Carry out the drops and edits. Return what was dropped, or None after a reported error."""
         before = self.context.sink.error_count
         if self.wanted.keyframes == "none":
             remove_keys(self.unit)

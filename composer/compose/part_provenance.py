@@ -37,7 +37,7 @@ def reaches(selector: Selector, prefix: str, prefixes: Collection[str]) -> bool:
 
 
 def _changed(edit: Edit) -> Iterator[tuple[str | None, str]]:
-    """The attributes that an edit changes, with the tag where it is known."""
+    """Yield the attributes that an edit changes, each with the tag if it is known."""
     tag = None if "/" in edit.select.tag or edit.select.tag == XPATH else edit.select.tag
     for name, value in edit.verbs.items():
         if (changes := VERBS[name].changes) is not None:

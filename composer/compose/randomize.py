@@ -81,7 +81,7 @@ class _Draws:
     numbers: dict[Node, dict[Node, int]] = field(default_factory=dict)
 
     def write(self, node: Node, index: int) -> Drawn:
-        """Change an element as the sample's draw says."""
+        """Change an element by the sample's draw."""
         step, entry = self.step, self.step.field
         self.check(node, (step.sample,))
         drawn = self._drawn(node, step.sample)
@@ -109,7 +109,7 @@ class _Draws:
         return written if isinstance(drawn, list) else written[0]
 
     def tabled(self, node: Node) -> Tabled:
-        """The draws of all samples for an element."""
+        """Return the draws of all samples for an element."""
         step = self.step
         first = self._stated(node, self._drawn(node, 1))
         angles = tuple(self._angles(node)) if step.field.operation != "scale" else ()
@@ -189,7 +189,7 @@ class _Draws:
     # -- what is drawn -----------------------------------------------------------------------------------------
 
     def _drawn(self, node: Node, sample: int) -> Any:
-        """A number, a list with one for each component, or what was chosen; in the recipe's unit."""
+        """Return the draw in the recipe's unit: a number, a list with one for each component, or the choice."""
         entry = self.step.field
         _, subscript = attribute_and_index(entry.attr)
 
@@ -222,7 +222,7 @@ class _Draws:
         return (subscript if self.step.field.group is None else 0), 0
 
     def _count(self, node: Node) -> int | None:
-        """How many numbers the attribute has; None for one alone."""
+        """Return how many numbers the attribute has, or None for a single number."""
         entry, kind = self.step.field, kind_of(node)
         attribute = kind.attributes.get(entry.attr)
         if attribute is None or not attribute.is_number or attribute.max_length == 1:
@@ -295,7 +295,7 @@ class _Draws:
                 self._fault("out-of-range", message, node, help=help)
 
     def _check_unit(self, node: Node) -> None:
-        """An angle is drawn in a unit."""
+        """Report an angle that is drawn without a unit."""
         entry = self.step.field
         drawing = entry.drawing
         if entry.operation == "scale" or drawing.unit is not None or self._reading.angle is not None:
@@ -314,7 +314,7 @@ class _Draws:
             self._fault("bare-angle", message, node, help=help)
 
     def _angles(self, node: Node) -> list[bool]:
-        """Which of the numbers that are drawn are angles."""
+        """Return which of the drawn numbers are angles."""
         name, subscript = attribute_and_index(self.step.field.attr)
         attribute = kind_of(node).attributes.get(name)
         if attribute is None or attribute.angle is None:

@@ -50,7 +50,7 @@ def check_class(linking: Linking, sink: Sink, name: str, span: Span) -> None:
 
 
 def refer_to_top_class(linking: Linking, node: Node, attribute: str) -> bool:
-    """Whether the attribute names the class `main`; it is given the name that this has in the model."""
+    """If the attribute names the class `main`, write its name in the model. Return whether it does."""
     if node.get(attribute) != MAIN:
         return False
     if linking.base_class is not None:

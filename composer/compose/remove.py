@@ -17,7 +17,7 @@ _SHOWN = 20
 
 
 def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> list[Left]:
-    """Take the nodes out; gives all that has gone. Without `cascade` a reference to them is an error, and all stays."""
+    """Remove nodes, and return all that was removed. Without `cascade`, a reference is an error, and all stay."""
     removal = Removal.of((editing, node) for node in nodes)
     if not cascade and removal.references:
         _still_needed(removal, editing, at)
@@ -68,7 +68,7 @@ def _named(node: Node) -> list[Left]:
 
 
 def what_it_is(node: Node, section: str) -> str:
-    """The kind of an element, as lists of elements have it."""
+    """Return the kind of an element, as used in lists of elements."""
     if section in ("tendon", "equality", "actuator", "sensor"):
         return section
     return "joint" if node.tag == "freejoint" else word(str(node.tag))

@@ -82,7 +82,7 @@ def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) 
 
 
 def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
-    """A name must be free, but for those that are given up."""
+    """Report a new name that is already used, unless that name is given up in the same step."""
     taken: dict[tuple[str, str], Node] = {}
     for node, name in new.items():
         naming = naming_attribute(kind_of(node))
@@ -110,7 +110,7 @@ def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
 
 
 def _advice(editing: Editing, node: Node, other: Node, at: Path) -> str:
-    """What distinguishes two elements that would get one name."""
+    """Return advice on how to distinguish two elements that would get the same name."""
     one, two = (Values(editing, each, 0, at) for each in (node, other))
     differ = [name for name in ("name", "parent") if one.scope[name] != two.scope[name]]
     differ += [

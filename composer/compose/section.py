@@ -78,7 +78,7 @@ def _class_node(linking: Linking, name: str) -> etree._Element:
 
 
 def append(step: AppendElement, linking: Linking, making: ElementBuilder) -> None:
-    """An element of a section in which elements follow one another."""
+    """Append an element to a section that holds several."""
     section = linking.base.section(step.section)
     kind = GRAMMAR.section(step.section)
     child = kind.children[step.element.tag]
@@ -99,7 +99,7 @@ def append(step: AppendElement, linking: Linking, making: ElementBuilder) -> Non
 
 
 def _has_class(kind: ElementType, linking: Linking) -> bool:
-    """Whether an element of a section has to name the top class of the base."""
+    """Return whether an element of a section must name the top class of the base."""
     attribute = kind.attributes.get("class")
     if attribute is None or attribute.since is None:
         return attribute is not None

@@ -145,7 +145,7 @@ def _is_of_others(node: Node, selector: Selector, scope: Mapping[str, Value]) ->
 
 @lru_cache(maxsize=64)
 def _names_in(condition: str) -> frozenset[str]:
-    """The names in a condition; what is wrong with it is reported where it is evaluated."""
+    """Return the names in a condition. Its errors are reported when it is evaluated."""
     try:
         return frozenset(each.name for each in Template.parse(condition).names())
     except ExpressionError:
@@ -154,7 +154,7 @@ def _names_in(condition: str) -> frozenset[str]:
 
 @cache
 def _attributes_of(family: str) -> frozenset[str]:
-    """What any element of a family has."""
+    """Return the attributes that any element of a family has."""
     return frozenset(name for path in paths_of(family) for name in GRAMMAR.element(path).attributes)
 
 

@@ -41,7 +41,7 @@ class PartRequest:
     edit: tuple[Edit, ...] = ()
 
     def take(self, unit: Unit, sink: Sink, measure: Measure | None) -> Subtree | None:
-        """Cut the unit down to the body; None where that cannot be, which is reported."""
+        """Reduce the unit to the body. Return None after a reported error if that is impossible."""
         from composer.link.subtree import take_subtree  # few recipes need it
 
         assert self.body is not None

@@ -21,7 +21,7 @@ _MOVED = ("joint", "jointinparent", "tendon", "site", "body", "cranksite")
 
 
 def unset(editing: Editing, found: list[Node], names: Any, at: Path) -> None:
-    """Take attributes away; one that no selected element writes is reported."""
+    """Remove attributes. Report one that no selected element writes."""
     if isinstance(names, Mapping):
         for tag, inner in names.items():
             below = [child for node in found for child in node.iterchildren(tag)]
@@ -47,7 +47,7 @@ def unset(editing: Editing, found: list[Node], names: Any, at: Path) -> None:
 
 
 def missed(editing: Editing, node: Node) -> list[Fault]:
-    """What an element lacks of the attributes that it cannot be without."""
+    """Return a fault for each required attribute that an element lacks."""
     kind = kind_of(node)
     present = [str(name) for name in node.keys()]  # noqa: SIM118 (an element is not a mapping)
     if kind.takes_class:

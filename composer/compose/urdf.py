@@ -48,7 +48,7 @@ class _Beside:
     asked: Span | None
 
     def relative(self, folder: Path) -> str:
-        """A folder as the recipe writes it."""
+        """Return the path of a folder as the recipe writes it."""
         recipe = self.context.folder / (self.asked.file if self.asked else "")
         return Path(os.path.relpath(folder, recipe.parent)).as_posix()
 

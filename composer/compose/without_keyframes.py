@@ -10,7 +10,7 @@ from lxml.etree import _Element as Node
 
 @contextmanager
 def without_keys(root: Node) -> Iterator[None]:
-    """Take the keys out of a tree for a while."""
+    """Remove the keys from a tree during the block."""
     # MuJoCo 4.0 refuses numbers that are too many for the model as it is: "keyframe 0: invalid ctrl size, expected
     # length 0".
     sections = [(root.index(section), section) for section in root.iterchildren("keyframe")]

@@ -21,7 +21,7 @@ def only_zeros(editing: Editing, found: Iterable[Node], keys: Iterable[str]) -> 
 
 
 def report_only_zeros(editing: Editing, found: Sequence[Node], key: str, at: Path, help: str) -> None:
-    """Warn of a factor of what is zero on every element."""
+    """Warn about a factor for a value that is zero on every element."""
     whose = editing.called(found[0]) if len(found) == 1 else f"each of the {len(found)} selected elements"
     editing.sink.warning(
         "scale-of-zero",

@@ -13,7 +13,7 @@ Opinions = Mapping[str, Written]
 def common_settings(
     base: Opinions, parts: Sequence[tuple[str, Opinions]], overridden: Collection[str]
 ) -> tuple[dict[str, Adopted], dict[str, list[tuple[str, Written]]]]:
-    """What the parts agree on, and what they do not, by path.
+    """Return the settings that the parts agree on, and those that they do not agree on, by path.
 
     `base` and `parts` are what each unit asks for, the parts by what messages call them; `overridden` are the paths
     that the recipe sets itself. What the parts do not agree on comes with who writes which value.
@@ -34,12 +34,12 @@ def common_settings(
 
 
 def _names(owner: str, wanted: Written) -> list[str]:
-    """The part that writes it, or those of a nested recipe that do."""
+    """Return the part that writes the setting, or for a nested recipe its parts that write it."""
     return [owner + inner for inner in wanted.parts] or [owner]
 
 
 def of_base(adopted: tuple[Adopted, ...], now: Opinions, overridden: Collection[str]) -> tuple[Adopted, ...]:
-    """What the parts of a base that is a recipe itself agree on, as far as that is what the base asks for `now`."""
+    """Return the settings from the parts of a base that is a recipe, if it still asks for the same values `now`."""
     return tuple(
         each
         for each in adopted

@@ -40,7 +40,7 @@ class _Wish:
         return f"`{self.path.replace('/', '.')}`"
 
     def written(self) -> Span | None:
-        """Where the model's own value is written."""
+        """The place of the model's own value, or None if it is not written."""
         return None if self.have is None else self.have.span()
 
     def difference(self, wanted: str) -> str:
@@ -83,7 +83,7 @@ def agreement(linking: Linking) -> None:
 def _common(
     linking: Linking, now: Opinions, asked: list[tuple[Part, dict[str, Written]]]
 ) -> tuple[dict[str, Adopted], dict[str, list[tuple[str, Written]]]]:
-    """What the parts agree on, which the base notes, and what they do not agree on."""
+    """Return the settings that the parts agree on, which the base notes, and those that they do not agree on."""
     base, overridden = linking.base, linking.request.overridden_options
     parts = [(part.called, wanted) for part, wanted in asked]
     found, disagreed = common_settings(now, parts, overridden)
@@ -94,7 +94,7 @@ def _common(
 def _wishes(
     linking: Linking, asked: Opinions, model: dict[str, Written], common: Mapping[str, Adopted]
 ) -> Iterator[_Wish]:
-    """What a part asks for and the model does not do; what a merge settles is what later parts meet.
+    """Yield the settings that a part asks for and the model does not have. Later parts see the results of merges.
 
     What the parts agree on is written on the way, so that settings stand in the order in which parts write them.
     """
@@ -122,7 +122,7 @@ def _take(linking: Linking, adopted: Adopted) -> None:
 
 
 def _report(linking: Linking, part: Part, wishes: list[_Wish], all_wishes: list[_Wish]) -> None:
-    """One finding for all settings of a part, with one help for those of all parts; equal parts are one finding."""
+    """Report all settings of a part in one finding with one help text for all parts. Equal parts share a finding."""
     if not wishes:
         return
     message, notes, span, cause = _described(part, wishes)
@@ -154,7 +154,7 @@ def _report_merged(linking: Linking, part: Part, wishes: list[_Wish]) -> None:
 
 
 def _described(part: Part, wishes: list[_Wish]) -> tuple[str, list[Note], Span, Cause]:
-    """The report on the wishes of a part: the message, both values and places, and what makes another part equal."""
+    """Return the message, the notes with both values, the place, and the cause by which equal parts are recognized."""
     first = wishes[0]
     if len(wishes) == 1:
         message = first.difference(f"`{part.called}` wants {first.shown} to be")
@@ -179,7 +179,7 @@ def _noted(wish: _Wish) -> str:
 
 
 def _would_merge(wishes: Iterable[_Wish]) -> bool:
-    """Whether `conflict: merge` would leave no conflict."""
+    """Return whether `conflict: merge` would resolve all conflicts."""
     model: dict[str, Written] = {}
     for wish in wishes:
         have = model.get(wish.path, wish.have)
@@ -205,7 +205,7 @@ def _name(path: str) -> str:
 
 
 def settling(wanted: Mapping[str, str], settled: Collection[str]) -> str:
-    """What to write in a recipe to settle conflicts, all of them at once.
+    """Return what to write in a recipe to resolve all conflicts.
 
     `wanted` has the value that one part asks for, by path; `settled` are the paths that the recipe sets already.
 

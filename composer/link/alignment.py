@@ -66,7 +66,7 @@ def alignment(linking: Linking) -> None:
 
 
 def _free_joints(unit: Unit) -> Iterator[tuple[Node, bool]]:
-    """Each `<joint type="free">` that MuJoCo may align, and whether a `<freejoint>` can stand for it."""
+    """Yield each `<joint type="free">` that MuJoCo may align, and whether a `<freejoint>` can replace it."""
     classes = unit.classes
     for joint, childclass in walk_bodies(unit.root):
         if (
@@ -79,7 +79,7 @@ def _free_joints(unit: Unit) -> Iterator[tuple[Node, bool]]:
 
 
 def is_leaf(body: Node) -> bool:
-    """Whether no other body hangs on it; MuJoCo aligns no other."""
+    """Return whether a body has no child bodies. MuJoCo aligns only such bodies."""
     # MuJoCo 4.0 puts `<body pos="1 0 0"><freejoint align="true"/><geom pos=".1 0 0" size=".1"/></body>` at 1.1 0 0, and
     # leaves it at 1 0 0 with another `<body>` inside.
     return not any(

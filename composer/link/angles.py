@@ -77,7 +77,10 @@ def _orientations(linking: Linking, unit: Unit, to_radians: bool, sequence: str)
 def _replicate(
     linking: Linking, unit: Unit, element: Node, values: list[float], sequence: str, to_radians: bool
 ) -> None:
-    """A replicate has no quat; one turn about one axis reads the same in any sequence that has the axis."""
+    """Convert the angles of a replicate.
+
+    A replicate has no quat, but a rotation about one axis is the same in any sequence that has the axis.
+    """
     own = unit.settings.eulerseq
     # The schema has no `quat` for a `<replicate>`, so that a turn about several axes cannot be written in another
     # sequence: `euler="90 90 0"` is 0.5 0.5 0.5 0.5 in `xyz` and 0.5 0.5 0.5 -0.5 in `XYZ`.
@@ -98,7 +101,7 @@ def _replicate(
 
 
 def in_sequence(values: Sequence[float], own: str, sequence: str) -> list[float] | None:
-    """Angles in the sequence `own` as angles in another one; None where they turn about several axes.
+    """Convert angles from the sequence `own` to another one. Return None if they turn about several axes.
 
     >>> in_sequence([20, 0, 0], "xyz", "zyx")
     [0.0, 0.0, 20]
@@ -114,7 +117,7 @@ def in_sequence(values: Sequence[float], own: str, sequence: str) -> list[float]
 
 
 def _joints(unit: Unit) -> None:
-    """Ranges and references of hinges (and ranges of balls) turn into radians, wherever they are written.
+    """Convert the ranges and references of hinges, and the ranges of balls, to radians wherever they are written.
 
     A class may give one value to hinges and to slides: then each hinge gets the converted value on itself.
     """
@@ -155,7 +158,7 @@ def _joints(unit: Unit) -> None:
 
 
 def _of_classes(given: Mapping[tuple[Node, str], list[tuple[Node, bool]]]) -> Iterator[tuple[Node, str]]:
-    """What turns of the values that classes give to joints: there, or on the joints where not all of them turn."""
+    """Yield the angles that classes give to joints: in the class, or on the joints if only some have angles."""
     for (writer, attribute), users in given.items():
         if all(turns for _, turns in users):
             yield writer, attribute
@@ -167,7 +170,7 @@ def _of_classes(given: Mapping[tuple[Node, str], list[tuple[Node, bool]]]) -> It
 
 
 def _in_unused_classes(unit: Unit) -> Iterator[tuple[Node, str]]:
-    """The angles of all classes; those of classes that no joint has yet are in degrees for a later one."""
+    """Yield the angles of classes that no joint uses yet. A joint that is added later reads them in degrees."""
     for section in unit.root.iterchildren("default"):
         for joint in section.iter("joint"):
             if joint.get("type") != "slide":
@@ -175,7 +178,7 @@ def _in_unused_classes(unit: Unit) -> Iterator[tuple[Node, str]]:
 
 
 def _joints_of_bodies(root: Node) -> Iterator[Node]:
-    """Not those of a `<composite>`, which are patterns for joints."""
+    """Yield the joints of bodies, without those in a `<composite>`, which are templates for joints."""
     for worldbody in root.iterchildren("worldbody"):
         for joint in worldbody.iter("joint"):
             parent = joint.getparent()
@@ -184,7 +187,7 @@ def _joints_of_bodies(root: Node) -> Iterator[Node]:
 
 
 def _flexes(root: Node) -> Iterator[tuple[Node, Node]]:
-    """Every flex with the body whose joint defaults its vertices take: they slide."""
+    """Yield every flex, and the body whose joint defaults apply to the slide joints of its vertices."""
     for flex in root.iter("flexcomp"):
         body = next(flex.iterancestors("body", "worldbody"), None)
         if body is not None:
@@ -192,7 +195,7 @@ def _flexes(root: Node) -> Iterator[tuple[Node, Node]]:
 
 
 def _writer(joint: Node, classes: Classes, childclass: str | None, attribute: str) -> Node | None:
-    """The element of a class that gives the joint its value."""
+    """Return the element of a class that sets the joint's value, or None."""
     inherited = classes.get(str(joint.get("class") or childclass or "") or None).lookup("joint", attribute)
     return inherited[1] if inherited else None
 

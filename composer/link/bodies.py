@@ -30,7 +30,7 @@ _GIVEN = ("pos", *ORIENTATIONS, "fromto")
 
 
 def bodies(linking: Linking) -> None:
-    """Hang the parts in their order; a part that hangs on another part waits for it.
+    """Attach the parts in their order. A part that is attached to another part waits for that one.
 
     >>> from composer.link.example import after
     >>> part = '<worldbody><body/></worldbody>'
@@ -61,7 +61,7 @@ def bodies(linking: Linking) -> None:
 
 
 def _grow(linking: Linking, waiting: Iterable[Part]) -> bool:
-    """Have the recipe add a place that a part waits for; False where it adds none, or that would wait for a part."""
+    """Let the recipe add a place that a part waits for. Return False if it adds none, or if that waits for a part."""
     later = linking.later_places
     if later is None:
         return False
@@ -69,7 +69,7 @@ def _grow(linking: Linking, waiting: Iterable[Part]) -> bool:
 
 
 def _in_order(linking: Linking, tops: Mapping[Part, Node]) -> None:
-    """What floats in the world but waited for its place goes back among its siblings."""
+    """Restore the order of floating parts in the world, some of which had to wait for their place."""
     if not tops:
         return
     world = linking.base.section("worldbody")
@@ -79,7 +79,7 @@ def _in_order(linking: Linking, tops: Mapping[Part, Node]) -> None:
 
 
 def _ring(linking: Linking, waiting: list[Part]) -> None:
-    """Parts that hang on one another, or one on itself."""
+    """Report parts that are attached to one another, or a part that is attached to itself."""
     by_root = {part.unit.root: part for part in waiting}
     ring = [waiting[0]]
     while True:
@@ -115,7 +115,7 @@ def _report_lost(linking: Linking, lost: Iterable[Part]) -> None:
 
 
 def _nowhere(linking: Linking, part: Part) -> None:
-    """The place does not exist."""
+    """Report that the place of a part does not exist."""
     kind, name = part.place.kind, part.place.name or ""
     added = [] if linking.later_places is None else linking.later_places.names()
     names = [
@@ -152,7 +152,7 @@ def _nowhere(linking: Linking, part: Part) -> None:
 
 
 def _waits_for_itself(linking: Linking, part: Part, to: str, added: Span) -> None:
-    """The part hangs on what is added to the part, or to what hangs on it."""
+    """Report that a part is attached to an element that is added to this part or to a part attached to it."""
     linking.sink.error(
         "attach-cycle",
         f"`{part.called}` hangs on the {part.place.kind} `{part.place.name}`, which is added to `{to}`, and that "
@@ -165,7 +165,7 @@ def _waits_for_itself(linking: Linking, part: Part, to: str, added: Span) -> Non
 
 
 def _mount(linking: Linking, part: Part) -> bool:
-    """Find the element to hang on; it must already be part of the model."""
+    """Find the element to attach to. Return False if it is not in the model yet."""
     if part.place.kind == "world":
         part.mount = linking.base.section("worldbody")
         return True
@@ -175,7 +175,7 @@ def _mount(linking: Linking, part: Part) -> bool:
 
 
 def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
-    """Hang a part; `tops` gets the outermost element that is made for it."""
+    """Attach a part, and put the outermost element created for it into `tops`."""
     mount = part.mount
     assert mount is not None
     parent = mount
@@ -230,7 +230,7 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
 def _body_of(
     linking: Linking, part: Part, parent: Node, pose: dict[str, str], written: Mapping[str, Span]
 ) -> Node:
-    """The body that a part gets which moves: it has the joints of the attachment."""
+    """Create the body for a part that moves. It has the joints of the attachment."""
     named = {"name": part.prefix} if part.prefix else {}
     body = _child(linking, part, parent, "body", {**named, **pose}, written)
     if part.mocap:
@@ -247,7 +247,7 @@ def _body_of(
 
 
 def _bring_world(linking: Linking, part: Part, frame: Node) -> None:
-    """Move what stands in the world of a part into its frame, with the comments above it."""
+    """Move the elements in the worldbody of a part into its frame, with the comments above them."""
     unit = part.unit
     # MuJoCo reads several `<worldbody>` as one, in their order.
     for worldbody in list(unit.root.iterchildren("worldbody")):
@@ -276,7 +276,7 @@ def _scaled(linking: Linking, part: Part, frame: Node) -> None:
 
 
 def _aligned_by(linking: Linking, mount: Node) -> Node | None:
-    """The free joint for whose sake MuJoCo moves the frame of the mount's body, as long as nothing hangs on it."""
+    """Return the free joint of the mount's body if MuJoCo aligns the body as long as nothing is attached to it."""
     body = mount if mount.tag == "body" else next(mount.iterancestors("body"), None)
     if body is None or not is_leaf(body):
         return None
@@ -323,7 +323,7 @@ def _reading(linking: Linking) -> tuple[bool, str]:
 
 
 def _in_world(linking: Linking, parent: Node, pose: dict[str, str], offset: dict[str, str]) -> dict[str, str]:
-    """The place in world coordinates: what floats cannot hang below a body."""
+    """Return the pose of the place in the world, because a floating part cannot be below a body."""
     reading = _reading(linking)
     there = pose_in_world(parent, *reading) @ read_pose(pose, *reading) @ read_pose(offset, *reading)
     return {"pos": numbers.text(there.pos), "quat": numbers.text(there.quat)}
@@ -337,7 +337,7 @@ def _child(
     attributes: dict[str, str],
     written: Mapping[str, Span] = MappingProxyType({}),
 ) -> Node:
-    """A new element for the sake of a part; `written` says where the recipe has its attributes."""
+    """Create an element for a part. `written` has the places of its attributes in the recipe."""
     child = parent.makeelement(tag, attributes)
     parent.append(child)
     if part.span is not None:
@@ -348,7 +348,7 @@ def _child(
 
 
 def effective_pose(site: Node, classes: Classes) -> dict[str, str]:
-    """The pose attributes in effect for a site, class chain included; `fromto` becomes the pose that it means."""
+    """Return the effective pose attributes of a site, including its classes. `fromto` is converted to a pose."""
     written = {name: str(site.get(name)) for name in _GIVEN if site.get(name)}
     name = site.get("class") or childclass_of(site)
     found = classes.get(str(name) if name else None) if classes.give("site", *_GIVEN) else None

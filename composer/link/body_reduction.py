@@ -65,7 +65,7 @@ _COLOURS = ("material", "texture")
 
 
 def discard(unit: Unit, found: Survey) -> set[Node]:
-    """Take out of the unit what MuJoCo has left out; gives the bodies that have lost geoms."""
+    """Remove from the unit what MuJoCo has discarded. Return the bodies that have lost geoms."""
     changed: set[Node] = set()
     for geom, _ in list(walk_bodies(unit.root)):
         if geom.tag == "geom" and found.is_gone(geom):
@@ -88,7 +88,7 @@ def discard(unit: Unit, found: Survey) -> set[Node]:
 
 
 def _leave_uncoloured(section: Node) -> None:
-    """Take away every reference to a material or texture, but for those that keep it in the model."""
+    """Remove every reference to a material or texture, except those that keep it in the model."""
     table = naming_table(str(section.tag))
     for element in list(section.iter("*")):
         for name, (kind, namespace) in table.get(str(element.tag), {}).items():
@@ -113,7 +113,7 @@ _OF_BODIES_ONLY = ("inertial", "plugin")
 
 
 def static_bodies(unit: Unit) -> list[Node]:
-    """The bodies that no joint moves, of their own or above them."""
+    """Return the bodies that no joint moves, neither their own nor one above them."""
     found: list[Node] = []
     for element, _ in walk_bodies(unit.root):
         if element.tag == "body" and element.get("mocap") != "true" and not own(element, *_JOINTS):
@@ -124,7 +124,7 @@ def static_bodies(unit: Unit) -> list[Node]:
 
 
 def fuse(linking: Linking, unit: Unit, part: Part | None, found: Survey) -> set[Node]:
-    """Make frames of the bodies that MuJoCo has fused; gives the bodies that have taken them up."""
+    """Turn the bodies that MuJoCo has fused into frames. Return the bodies that they became part of."""
     fused = [
         element for element, _ in walk_bodies(unit.root) if element.tag == "body" and found.is_gone(element)
     ]
@@ -148,7 +148,7 @@ def _body_above(element: Node) -> Node | None:
 
 
 def _host(body: Node, found: Survey) -> Node | None:
-    """The body that a fused one becomes part of; None for the world."""
+    """Return the body that a fused body becomes part of, or None for the world."""
     host = _body_above(body)
     while host is not None and found.is_gone(host):
         host = _body_above(host)
@@ -156,7 +156,7 @@ def _host(body: Node, found: Survey) -> Node | None:
 
 
 def _make_frame(body: Node, frames: set[str]) -> None:
-    """The frame has the name of the body, if no other frame has, so that things can still be hung there."""
+    """Turn a body into a frame, which keeps its name if it is free, so that parts can still be attached there."""
     for child in own(body, *_OF_BODIES_ONLY):
         holder = child.getparent()
         assert holder is not None
@@ -175,7 +175,7 @@ def _make_frame(body: Node, frames: set[str]) -> None:
 
 
 def _own_things_first(unit: Unit, parent: Node, fused: Collection[Node]) -> list[Node]:
-    """MuJoCo counts what a body has of its own before what it has taken up; gives what stands last: bodies."""
+    """Put a body's own elements before those of fused bodies, as MuJoCo numbers them. Return the last ones: bodies."""
     # Under `fusestatic` MuJoCo 4.0 counts the geom of `<body><joint/><body><geom/></body><geom/></body>` first that is
     # written last.
     own_things: list[Node] = []
@@ -196,14 +196,14 @@ def _own_things_first(unit: Unit, parent: Node, fused: Collection[Node]) -> list
 
 
 def _is_inner(element: Node, fused: Collection[Node]) -> bool:
-    """Whether it is a body, or stands around bodies."""
+    """Return whether an element is a body or contains bodies."""
     if element in fused or element.tag in _WITH_BODIES:
         return True
     return element.tag in _HOLDERS and any(_is_inner(child, fused) for child in element)
 
 
 def _split(unit: Unit, frame: Node, behind: list[Node]) -> Node:
-    """Another frame of the same pose, for all but what stands behind."""
+    """Return a second frame with the same pose, with all elements except those `behind`."""
     attributes = {str(name): str(value) for name, value in frame.items() if name != "name"}
     other = frame.makeelement("frame", attributes)
     other.extend([child for child in frame if child not in behind])
@@ -213,7 +213,7 @@ def _split(unit: Unit, frame: Node, behind: list[Node]) -> Node:
 
 
 def _flexible(linking: Linking, unit: Unit, body: Node, host: Node | None) -> bool:
-    """Report of a `<flexcomp>` that would have other joints: they take the classes of its body, never of a frame."""
+    """Report a `<flexcomp>` whose joints would change: their classes come from its body, never from a frame."""
     flexcomp = next((child for child in through_frames(body) if child.tag == "flexcomp"), None)
     if flexcomp is None:
         return False
@@ -228,7 +228,7 @@ def _flexible(linking: Linking, unit: Unit, body: Node, host: Node | None) -> bo
 
 
 def _weightless(linking: Linking, unit: Unit, part: Part, bodies: list[Node]) -> None:
-    """What is part of the world alone has no mass, and gives none to what the part hangs on."""
+    """Remove the mass of bodies that are fused with the world, so that the part adds no mass where it is attached."""
     # MuJoCo gives the world no mass, whatever its geoms: `body_mass` of `<worldbody><geom size=".1"/></worldbody>` is
     # 0.
     heavy: list[Node] = []

@@ -71,7 +71,7 @@ def compiler(linking: Linking) -> None:
 
 
 def model_autolimits(linking: Linking) -> str:
-    """What the model says of `autolimits`.
+    """Return the model's value of `autolimits`.
 
     MuJoCo refuses a range without an explicit `limited` under `false`, so that a unit which compiles with `false`
     means the same under `true`.

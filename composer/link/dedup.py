@@ -31,7 +31,7 @@ Merged = Mapping[str, Mapping[str, str]]
 def dedup(
     model: Unit, uses: Sequence[FileUse], prefixes: Collection[str]
 ) -> tuple[Merged, tuple[FileUse, ...]]:
-    """Merge textures, materials, meshes and height fields of equal meaning; which names are gone, and the files left.
+    """Merge equal textures, materials, meshes and height fields. Return the merged names and the remaining files.
 
     The first element stays. `prefixes` are those of all parts: what one and the same part has twice stays two. Reads
     files whose path alone does not say whether they are equal.
@@ -88,7 +88,7 @@ class _Meanings:
         self._digests: dict[str, str] = {}
 
     def of(self, element: Node) -> Hashable:
-        """Equal for elements of one tag that MuJoCo reads as the same thing."""
+        """Return a key that is equal for elements with the same tag and the same meaning to MuJoCo."""
         tag = str(element.tag)
         known = GRAMMAR.element(f"asset/{tag}").attributes
         values = {name: self._classes.effective(element, None, name) for name in known}
@@ -114,7 +114,7 @@ class _Meanings:
         return element.tag, self._written(element, found.attributes if found else {}, values)
 
     def _inherited(self, tag: str, of: DefaultClass | None) -> Iterator[Hashable]:
-        """Elements inside those of a class (`layer`), which a class gives like attributes."""
+        """Yield the keys of child elements (`layer`) that a class gives to an element, as it gives attributes."""
         while of is not None:
             for element in of.elements.get(tag, ()):
                 yield from (self._child(child) for child in element.iterchildren("*"))
@@ -137,7 +137,7 @@ class _Meanings:
         return value
 
     def _digest(self, use: FileUse) -> str:
-        """What stands for the bytes of a file and the format that its suffix says."""
+        """Return a hash of the bytes of a file and of the format that its suffix means."""
         # MuJoCo picks the reader of a mesh by the suffix: the same bytes as `.stl` and as `.obj` are two things.
         suffix = use.path.rpartition(".")[2].lower()
         if use.content is not None:
@@ -151,7 +151,7 @@ class _Meanings:
 
 
 def _redirect(root: Node, merged: Merged) -> None:
-    """Let every reference to a name that is gone be one to the name that stands for it."""
+    """Replace every reference to a removed name by the name that it was merged into."""
     for section in root.iterchildren("*"):
         table = naming_table(str(section.tag))
         for element in section.iterdescendants(*table) if table else ():

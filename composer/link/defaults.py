@@ -118,7 +118,7 @@ def _class_names(*units: Unit) -> set[str]:
 
 
 def _top_kinds(root: Node) -> set[str]:
-    """The tags for which the top class itself sets something."""
+    """Return the tags for which the top class itself sets attributes."""
     return {
         str(element.tag)
         for section in root.iterchildren("default")
@@ -128,7 +128,7 @@ def _top_kinds(root: Node) -> set[str]:
 
 
 def _wrap(linking: Linking, unit: Unit, name: str) -> set[str]:
-    """Make the unit's top class the nested class `name`; gives the tags it sets."""
+    """Turn the unit's top class into the nested class `name`. Return the tags for which it sets attributes."""
     root = unit.root
     kinds = _top_kinds(root)
     sections = list(root.iterchildren("default"))
@@ -159,7 +159,7 @@ def _wrap(linking: Linking, unit: Unit, name: str) -> set[str]:
 
 
 def _claim_sections(unit: Unit, name: str, kinds: set[str]) -> None:
-    """Give the top class by name to elements outside the body tree that have no class of their own."""
+    """Set the top class on the elements outside the body tree that have no class of their own."""
     if not kinds:
         return
     # Sensors, keys and exclusions have no class: `<clock class="main"/>` violates the schema of MuJoCo 4.0.
@@ -179,7 +179,7 @@ def _claim_sections(unit: Unit, name: str, kinds: set[str]) -> None:
 
 
 def _claim_world(unit: Unit, name: str) -> None:
-    """Give the top class to what stands in the world without one; below a body its childclass does it."""
+    """Set the top class on elements in the world without a class. Below a body, its `childclass` has this effect."""
     # The world itself cannot take a class: `<worldbody childclass="c">` is "World body cannot have attributes" in
     # MuJoCo 4.0.
     for worldbody in unit.root.iterchildren("worldbody"):

@@ -15,7 +15,7 @@ Name = tuple[str, str]
 
 
 def drop_unneeded(unit: Unit) -> list[Name]:
-    """Remove assets, default classes and plugins that nothing in the model needs; namespace and name of each.
+    """Remove assets, default classes and plugins that the model does not need. Return namespace and name of each.
 
     What a class that is needed refers to is needed as well, whether or not an element takes it from there.
     """
@@ -59,7 +59,7 @@ def _supporting(unit: Unit) -> Iterator[tuple[Name, Node]]:
 
 
 def _needed(unit: Unit, supporting: dict[Name, Node]) -> set[Node]:
-    """Every supporting element that is referred to, however many others stand between."""
+    """Return every supporting element that is referred to, directly or through other supporting elements."""
     needed: set[Node] = set()
     waiting: list[tuple[Node, str]] = []
     plugins: set[str] = set()

@@ -40,7 +40,7 @@ def after(
 
 
 def noted(run: object, part: str = "", base: str = "", **hung: Any) -> Linking:
-    """What a pass found out that only takes notes; the arguments are those of `after`."""
+    """Return the linking after a pass that only records facts. The arguments are those of `after`."""
     linking, _, _ = _linked(run, part, base, {}, **hung)
     return linking
 
@@ -48,7 +48,7 @@ def noted(run: object, part: str = "", base: str = "", **hung: Any) -> Linking:
 def _linked(
     run: object, part: str, base: str, files: Mapping[str, str], **hung: Any
 ) -> tuple[Linking, list[list[str]], bool]:
-    """The linking after a pass, the sections of its units before that, and whether there is one model already."""
+    """Return the linking after a pass, the sections of its units before it, and whether the units are joined."""
     row = row_of(run)
     assert row is not None
     sink = Sink()
@@ -67,7 +67,7 @@ def _linked(
 
 
 def _part(text: str, files: Mapping[str, str], *, on: str = "", joint: str = "", weld: bool = False) -> Part:
-    """A part that hangs in the world, or `on` a site, with a `joint` if one is given."""
+    """Return a part that is attached to the world, or to the site `on`, with a `joint` if one is given."""
     unit = _unit("part", text)
     unit.contents = {name: each.encode() for name, each in files.items()}
     place = Place("site", on) if on else Place()

@@ -23,7 +23,7 @@ Taken = dict[str, tuple[str, bytes | None]]
 
 
 def files(linking: Linking) -> None:
-    """`assets/LABEL/path` for each file; two units of one label share a folder only while no path clashes.
+    """Store each file as `assets/LABEL/path`. Units with the same label share a folder unless their paths clash.
 
     >>> from composer.link.example import after
     >>> part = '<compiler meshdir="meshes"/><asset><mesh file="link.obj"/></asset>'
@@ -84,7 +84,7 @@ def _give_paths(
 
 
 def _admitted(linking: Linking, unit: Unit, element: Node, attribute: str, path: str) -> Passed | None:
-    """The path that a unit names; None where the unit may not read it, which is reported."""
+    """Return the path that a unit refers to, or None if the unit may not read it, which is reported."""
     try:
         return unit.door.admit(path)
     except Refused as refused:
@@ -95,7 +95,7 @@ def _admitted(linking: Linking, unit: Unit, element: Node, attribute: str, path:
 def _skin(
     linking: Linking, unit: Unit, element: Node, prefix: str, source: Passed, content: bytes | None
 ) -> bytes | None:
-    """A skin file names bodies; those get the prefix too."""
+    """Return the content of a skin file with the prefix on the names of its bodies."""
     try:
         data = read_regular(source) if content is None else content
         return rename_bones(data, lambda name: name if name == WORLD else prefix + name)
@@ -107,7 +107,7 @@ def _skin(
 
 
 def is_settled(unit: Unit, tag: object, name: str) -> bool:
-    """Whether the path is one of a composition, `assets/LABEL/…` with no folder of the compiler's before it."""
+    """Return whether the path is one of a composition: `assets/LABEL/…` without a folder from the compiler."""
     if not name.startswith(f"{ASSETS}/") or name.count("/") < 2:
         return False
     settings = unit.settings
@@ -134,7 +134,7 @@ def _free(unit: Unit, tag: object, written: str, source: str, content: bytes | N
 
 
 def inside(settings: Settings, written: str) -> str:
-    """The path below the unit's own asset folder, which need not be repeated in the bundle."""
+    """Return the path below the unit's own asset folder, which is not repeated in the bundle."""
     if is_absolute(written):
         return written.rsplit("/", 1)[-1]
     for folder in (settings.mesh_folder, settings.texture_folder):
@@ -150,7 +150,7 @@ def inside(settings: Settings, written: str) -> str:
 def add_file(
     linking: Linking, folder: Path, element: Node, attribute: str, name: str, door: Door, span: Span
 ) -> None:
-    """A file that the recipe names: relative to the recipe, stored below `assets/` like those of parts.
+    """Add a file from the recipe. Its path is relative to the recipe, and it is stored below `assets/` as for parts.
 
     `door` is that of the recipe, `span` where it names the file.
     """

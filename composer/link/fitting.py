@@ -44,7 +44,7 @@ def fitting(linking: Linking) -> None:
 
 
 def _fitted_kind(geom: Node, childclass: str | None, classes: Classes) -> str | None:
-    """The primitive that a geom fits to a mesh, if it does."""
+    """Return the primitive that a geom fits to a mesh, or None if it fits none."""
     kind = classes.effective(geom, childclass, "type")
     return kind if kind in _SIZES and classes.effective(geom, childclass, "mesh") else None
 
@@ -75,7 +75,7 @@ def _write(linking: Linking, unit: Unit, geom: Node, sizes: int, found: Survey) 
 
 
 def _frames_above(geom: Node, unit: Unit) -> Pose:
-    """The pose of the frames between a geom and its body: MuJoCo gives the pose of the geom in the body."""
+    """Return the pose of the frames between a geom and its body, since MuJoCo reports the geom's pose in the body."""
     pose = Pose()
     node = geom.getparent()
     while node is not None and node.tag in ("frame", "replicate"):

@@ -34,7 +34,7 @@ _NOT_TAKEN = ("type", "axis", "pos", "damping", "springdamper")
 
 
 def note_flexes(linking: Linking) -> None:
-    """Remember the flexes that stand in the world of their units, while the units are apart.
+    """Record the flexes in the worldbodies of the units before the units are joined.
 
     MuJoCo gives their vertices the joint settings of the top class:
 
@@ -55,7 +55,7 @@ def note_flexes(linking: Linking) -> None:
 
 
 def in_world(linking: Linking) -> Iterator[Flex]:
-    """The flexes that stand in the world of the model, too."""
+    """Yield the recorded flexes that are also in the world of the joined model."""
     for flex in linking.notes.flexes:
         part = flex.part
         if part is None or (part.place.kind == "world" and not part.joints and not part.mocap):
@@ -63,7 +63,7 @@ def in_world(linking: Linking) -> Iterator[Flex]:
 
 
 def keep_in_main(linking: Linking, top: Node) -> None:
-    """Write into the top class what a flex in the world needs; the classes of the units take it back."""
+    """Write into the top class what a flex in the world needs. The classes of the units undo it."""
     kept = next((flex.joint for flex in in_world(linking) if flex.joint), None)
     if kept is None:
         return
@@ -80,7 +80,7 @@ def keep_in_main(linking: Linking, top: Node) -> None:
 
 
 def taken_back(given: Mapping[str, str]) -> dict[str, str]:
-    """Joint attributes that undo what the top class gives."""
+    """Return the joint attributes that undo what the top class sets."""
     # As many numbers as are given, for the others are MuJoCo's own.
     undone = {name: _neutral(name).split()[: len(value.split())] for name, value in given.items()}
     return {name: " ".join(values) for name, values in undone.items() if values}
@@ -111,7 +111,7 @@ def check_flexes(linking: Linking) -> None:
 
 
 def top_joint(unit: Unit) -> dict[str, str]:
-    """The joint settings of a unit's top class that its flexes take."""
+    """Return the joint settings of a unit's top class that apply to its flexes."""
     given: dict[str, str] = {}
     for section in unit.root.iterchildren("default"):
         for joint in section.iterchildren("joint"):
@@ -127,7 +127,7 @@ def _given_by(linking: Linking, body: Node) -> dict[str, str]:
 
 
 def _will_be_set(linking: Linking, body: Node) -> bool:
-    """Whether the recipe sets joint defaults of the base's top class, which the body has."""
+    """Return whether the recipe sets joint defaults of the base's top class and the body uses that class."""
     if "joint" not in linking.request.isolated_tags:
         return False
     found: DefaultClass | None = _class_of(linking, body)
@@ -149,7 +149,7 @@ def _taken(given: Mapping[str, str]) -> dict[str, str]:
 
 
 def _neutral(name: str) -> str:
-    """MuJoCo's own value; nothing where it has none that can be written."""
+    """Return MuJoCo's default value, or an empty text if it cannot be written."""
     attribute = GRAMMAR.element("default/joint").attributes[name]
     return "" if attribute.default is None else to_text(attribute, attribute.default)
 
@@ -195,7 +195,7 @@ _TOLERABLE = 1e-3
 
 
 def flex_turns(linking: Linking) -> None:
-    """Report what frames change of the flexes in the world of the parts.
+    """Report changes that frames make to the flexes in the worldbodies of parts.
 
     A `quat` that a frame would normalise is reported:
 

@@ -68,7 +68,7 @@ def _leave_out_groups(unit: Unit, low: int, high: int) -> None:
 
 
 def _from_geoms(unit: Unit) -> None:
-    """`true`: geoms win over a written inertial; a body without geoms keeps it."""
+    """Apply the rule `true`: geoms override a written inertial; a body without geoms keeps it."""
     # A body whose geoms all have no mass counts as one without geoms: in MuJoCo 4.0 `<body><inertial mass="7" pos="0 0
     # 0" diaginertia="1 1 1"/></body>` keeps its mass of 7 under `inertiafromgeom="true"`.
     classes = unit.classes
@@ -92,7 +92,7 @@ def has_mass(geom: Node, classes: Classes) -> bool:
 
 
 def _never_from_geoms(linking: Linking, unit: Unit) -> None:
-    """`false`: a body without a written inertial has no mass, whatever its geoms."""
+    """Apply the rule `false`: a body without a written inertial has no mass, whatever its geoms are."""
     classes = unit.classes
     for body in _bodies(unit):
         if not own(body, "inertial"):
@@ -104,7 +104,7 @@ def _never_from_geoms(linking: Linking, unit: Unit) -> None:
 
 
 def _pose(body: Node) -> dict[str, str]:
-    """The frame MuJoCo gives to an inertia that nothing sets: the body's own pose, as written."""
+    """Return the frame that MuJoCo uses for an inertia that is not set: the body's own pose, as written."""
     # MuJoCo 4.0 copies the frame of the body in its parent: with `<compiler inertiafromgeom="false"/>` the
     # `<body pos="1 2 3"><geom size=".1"/></body>` has `body_ipos` 1 2 3.
     written = {name: str(body.get(name)) for name in ("pos", *ORIENTATIONS) if body.get(name)}
@@ -112,7 +112,7 @@ def _pose(body: Node) -> dict[str, str]:
 
 
 def write_inertias(linking: Linking, unit: Unit) -> None:
-    """Compile the unit alone and write the inertia of every body as MuJoCo has it."""
+    """Compile the unit alone, and write the inertia that MuJoCo computes for every body."""
     wanting = [name for name in MEASURED if getattr(unit.settings, name) != getattr(_DEFAULT, name)]
     found = survey(linking, unit, wanting, BODIES)
     if found is not None:
@@ -120,7 +120,7 @@ def write_inertias(linking: Linking, unit: Unit) -> None:
 
 
 def settle(linking: Linking, unit: Unit, changed: Collection[Node], found: Survey) -> None:
-    """Write what a survey found of the inertia of changed bodies; of all where a rule of the unit says so.
+    """Write the surveyed inertia of the changed bodies, or of all bodies if a rule of the unit requires it.
 
     Afterwards the unit has MuJoCo's own rules, in the place of those that the survey has applied.
     """
@@ -135,7 +135,7 @@ def settle(linking: Linking, unit: Unit, changed: Collection[Node], found: Surve
 def write_measured(
     linking: Linking, unit: Unit, settings: Sequence[str], bodies: Iterable[Node], found: Survey
 ) -> bool:
-    """Give each of these bodies the inertia that a survey found for it; reports where that is impossible."""
+    """Write the surveyed inertia onto these bodies. Report a body for which that is impossible."""
     flexible = next(unit.root.iter("flexcomp"), None)
     if flexible is not None and any(name in settings for name in MEASURED):
         cannot_be_kept(linking, unit, settings, "`<flexcomp>` is expanded by MuJoCo")

@@ -23,7 +23,7 @@ VECTORS = ("qpos", "qvel", "act", "ctrl", "mpos", "mquat")
 
 
 def layouts(linking: Linking) -> None:
-    """Note how each unit lays out its keys, while it is still by itself.
+    """Record the key layout of each unit before the units are joined.
 
     Keys that `nkey` asks for stay with their part when they are written:
 
@@ -51,18 +51,18 @@ def layouts(linking: Linking) -> None:
 
 
 def keys_of(unit: Unit) -> list[Node]:
-    """The `<key>` elements of a unit."""
+    """Return the `<key>` elements of a unit."""
     return unit.root.findall("keyframe/key")
 
 
 def remove_keys(unit: Unit) -> None:
-    """Leave nothing of a unit's keyframes."""
+    """Remove all keyframes of a unit."""
     for section in list(unit.root.iterchildren("keyframe")):
         unit.root.remove(section)
 
 
 def _write_padding(unit: Unit) -> None:
-    """`<size nkey>` pads with default keys: as written keys they stay with the part that asks for them."""
+    """Write out the default keys that `<size nkey>` adds, so that they stay with the part that asks for them."""
     # MuJoCo 4.0 counts up to `nkey` in the whole model: `<size nkey="3"/>` and one key of a part would give three keys,
     # of which the padding would be nobody's.
     for size in unit.root.iterchildren("size"):
@@ -72,7 +72,7 @@ def _write_padding(unit: Unit) -> None:
 
 
 def layout_of(linking: Linking, unit: Unit) -> Layout | None:
-    """How a unit by itself lays out its keys, with MuJoCo's help where that is needed; None where it is reported.
+    """Return the key layout of a unit alone, measured with MuJoCo if needed, or None after a reported error.
 
     Rows that end in the middle of a joint then end behind it.
     """
@@ -83,7 +83,7 @@ def layout_of(linking: Linking, unit: Unit) -> Layout | None:
 
 
 def _complete_rows(linking: Linking, unit: Unit, layout: Layout) -> None:
-    """MuJoCo fills up what is short, and is asked with what."""
+    """Complete short rows with the numbers that MuJoCo would use, which are measured."""
     # MuJoCo 4.0 fills `qpos` up from the reference configuration: `<key qpos="1"/>` with `<joint/><joint ref="30"/>`
     # becomes 1 0.5236.
     keys = keys_of(unit)
@@ -106,7 +106,7 @@ def _complete_rows(linking: Linking, unit: Unit, layout: Layout) -> None:
 
 
 def _complete(unit: Unit, key: Node, vector: str, start: int, whole: list[str]) -> None:
-    """Write the numbers of the joint in the middle of which a row ends, and note which are MuJoCo's."""
+    """Complete the numbers of the joint within which a row ends, and record which numbers come from MuJoCo."""
     record = unit.origins.keys.get(key)
     written = numbers_of(record, key, vector)
     source = KeySource("mujoco", vector, key)
@@ -137,7 +137,7 @@ def _layout_of(linking: Linking, unit: Unit) -> Layout | None:
 
 
 def _measured_layout(linking: Linking, unit: Unit) -> Layout | None:
-    """Ask MuJoCo for the widths and references that the tree does not say."""
+    """Return a layout with the widths and references that only MuJoCo knows, or None after a reported error."""
     try:
         known = widths(linking, unit)
         if known is None:
@@ -150,7 +150,7 @@ def _measured_layout(linking: Linking, unit: Unit) -> Layout | None:
 
 
 def final_layout(linking: Linking) -> Layout | None:
-    """How the finished model lays out its keys; None where that is reported."""
+    """Return the key layout of the finished model, or None after a reported error."""
     known = {**linking.keys.measured, **_slots(linking)}
     for node in linking.keys.reshaped:
         known.pop(node, None)
@@ -162,7 +162,7 @@ def final_layout(linking: Linking) -> Layout | None:
 
 
 def refer_anew(linking: Linking, layout: Layout) -> None:
-    """Ask MuJoCo for the references that only it knows, where the recipe has added or may have changed some."""
+    """Measure the references that only MuJoCo knows again if the recipe added some or may have changed them."""
     joints = (
         linking.keys.edited or joint not in linking.keys.references
         for joint, slot in layout.joints.items()
@@ -178,7 +178,7 @@ def refer_anew(linking: Linking, layout: Layout) -> None:
 
 
 def _measured_anew(linking: Linking, known: Mapping[Node, Slot], unknown: Unknown | None) -> Layout | None:
-    """What the recipe has added or changed, asked of MuJoCo on the finished model without its keys."""
+    """Measure what the recipe has added or changed, on the finished model without its keys."""
     unit = linking.flat()
     # MuJoCo refuses keys whose rows do not fit the model any more.
     sections = list(unit.root.iterchildren("keyframe"))
@@ -196,7 +196,7 @@ def _measured_anew(linking: Linking, known: Mapping[Node, Slot], unknown: Unknow
 
 
 def _slots(linking: Linking) -> dict[Node, Slot]:
-    """What the units already knew of their joints and actuators."""
+    """Return what is already known about the joints and actuators of the units."""
     found = [linking.keys.base_layout, *(part.layout for part in linking.parts)]
     known: dict[Node, Slot] = {}
     for layout in found:
@@ -207,7 +207,7 @@ def _slots(linking: Linking) -> dict[Node, Slot]:
 
 
 def not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
-    """Report it."""
+    """Report that the keys of a unit cannot be laid out."""
     tag = unknown.element.tag
     leave_out = "leave the keys out: `keyframes: none`"
     if linking.request.requested_keys is not None:
@@ -221,7 +221,7 @@ def not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
 
 
 def holders(layout: Layout, vector: str) -> list[tuple[Holder, int]]:
-    """What the numbers of a vector belong to, in their order, each with how many are its own."""
+    """Return the owners of the numbers in a vector, in order, each with its count of numbers."""
     if vector in ("qpos", "qvel"):
         return [(joint, slot.widths[vector == "qvel"]) for joint, slot in layout.joints.items()]
     if vector in ("ctrl", "act"):

@@ -24,7 +24,7 @@ from composer.tree.line import line_of, set_line
 
 
 def keyframes(linking: Linking) -> None:
-    """Write every key once, complete for the finished model; one that the recipe writes is as the recipe says.
+    """Write every key once, complete for the finished model. A key of the recipe has the recipe's values.
 
     The two keys of one name become one, in the order of the joints:
 
@@ -70,7 +70,7 @@ def keyframes(linking: Linking) -> None:
 
 
 def _element(linking: Linking, key: Key, final: Layout, reference: Reference) -> Node:
-    """A key as it is laid out in the finished model."""
+    """Return the element of a key in the layout of the finished model."""
     element = linking.base.root.makeelement("key")
     if key.name:
         element.set("name", key.name)
@@ -93,7 +93,7 @@ def _element(linking: Linking, key: Key, final: Layout, reference: Reference) ->
 
 
 def _merged(linking: Linking) -> dict[str, Key]:
-    """The keys that come along, of the base and then of the parts, those of one name made one; then the recipe's.
+    """Return the keys of the base, then of the parts, with equal names joined, and then those of the recipe.
 
     One of the recipe stands in the place of those of its name.
     """
@@ -118,7 +118,7 @@ def _merged(linking: Linking) -> dict[str, Key]:
 
 
 def lay_out_replaced(linking: Linking) -> list[Node]:
-    """The keys that came along and that the recipe writes anew, as they are without it; they are not in the model."""
+    """Return the source keys that the recipe replaces, as they would be without it. They are not in the model."""
     final = final_layout(linking) if linking.keys.replaced else None
     if final is None:
         return []
@@ -127,7 +127,7 @@ def lay_out_replaced(linking: Linking) -> list[Node]:
 
 
 def _coming(linking: Linking) -> Iterator[tuple[Part | None, Key]]:
-    """The keys that come along by themselves, each with its part; those of the base have None."""
+    """Yield the keys of the sources, each with its part, which is None for the base."""
     part_keys(linking)
     for part, keys in linking.keys.own.items():
         if _policy(linking, part) != "none":
@@ -139,14 +139,14 @@ def _policy(linking: Linking, part: Part | None) -> str:
 
 
 def _name(part: Part | None, key: Key) -> str:
-    """What a key of the base or of a part is called in the finished model."""
+    """Return the name of a key of the base or of a part in the finished model."""
     return (
         part.prefix + key.name if part is not None and part.keyframes == "prefix" and key.name else key.name
     )
 
 
 def _join(linking: Linking, key: Key, other: Key, *, settled: bool) -> None:
-    """Let a key also say what another one of its name says; the times of a `settled` one need not agree."""
+    """Add to a key the values of another key with the same name. The times of a `settled` key need not agree."""
     key.others += (other.element, *other.others)
     if key.time is None:
         key.time = other.time
@@ -178,7 +178,7 @@ def _times_differ(linking: Linking, key: Key, other: Key) -> None:
 def _not_apart(
     linking: Linking, first: Key, its_part: Part | None, second: Key, second_part: Part | None
 ) -> None:
-    """Two keys would have one name, and at least one of them must stay as it is."""
+    """Report two keys that would have the same name, when at least one of them must not change."""
     rename = f"rename one of them: `edit: [{{select: {{key: {second.name}}}, rename: NAME}}]`"
     if _policy(linking, second_part) == "prefix":
         apart, other = second_part, its_part
@@ -212,7 +212,7 @@ def _same(final: Layout, before: Layout) -> bool:
 
 
 def _check_attached(linking: Linking) -> None:
-    """MuJoCo itself brings the keys of a model that it attaches: what these say of the world stays as it is."""
+    """Report keys with poses in the world in models that MuJoCo attaches, if the part is moved: they would stay."""
     # They are in no tree: MuJoCo 4.0 makes a key `q/k` of the key `k` of a model that it attaches with the prefix `q/`.
     for part, attach in linking.keys.attached:
         moved = part.pose_in_world

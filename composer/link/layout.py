@@ -91,7 +91,7 @@ class Layout:
 
     @property
     def in_world_coordinates(self) -> bool:
-        """Whether a key holds poses in the world: of free joints or mocap bodies."""
+        """Return whether a key holds poses in the world, those of free joints or mocap bodies."""
         return bool(self.mocaps) or any(slot.free for slot in self.joints.values())
 
     def total(self, vector: str) -> int:
@@ -102,7 +102,7 @@ class Layout:
         return sum(self.mocaps.values()) * (3 if vector == "mpos" else 4)
 
     def free(self) -> Iterator[tuple[int, int]]:
-        """Where in `qpos` and in `qvel` the numbers of each free joint begin."""
+        """Yield the indices in `qpos` and `qvel` at which the numbers of each free joint begin."""
         nq = nv = 0
         for slot in self.joints.values():
             yield from ((nq + q, nv + v) for q, v in slot.free)
@@ -118,7 +118,7 @@ _STATEFUL = ("intvelocity", "cylinder", "muscle", "dcmotor", "pid", "orientation
 
 
 def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> Layout:
-    """The layout of a whole model; raises `Unknown` for what neither the tree nor `known` gives."""
+    """Return the layout of a whole model. Raises `Unknown` for what neither the tree nor `known` gives."""
     layout = Layout()
     reader = _Reader(unit, known)
     for worldbody in unit.root.iterchildren("worldbody"):
@@ -143,7 +143,7 @@ def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> Layout:
 
 
 def _plain_joints(worldbody: Node) -> list[Node] | None:
-    """The joints, if they stand in the order of their bodies, so that nothing else needs to be looked at."""
+    """Return the joints if they are in the order of their bodies and no other element matters, else None."""
     # The joints of a body come before those of its children, wherever they are written: in MuJoCo 4.0
     # `<body><body><joint name="in"/>…</body><joint name="out"/></body>` has `out` first.
     joints: list[Node] = []
@@ -169,7 +169,7 @@ class _Reader:
 
     @cached_property
     def influence(self) -> tuple[bool, bool]:
-        """Whether any class makes joints other than hinges, and whether any gives actuators a state or inputs."""
+        """Whether any class sets a joint type other than hinge, and whether any gives actuators a state or inputs."""
         typed = stateful = False
         for section in self.unit.root.iterchildren("default"):
             for element in section.iter("joint", "position", "general", *_STATEFUL):
@@ -185,7 +185,7 @@ class _Reader:
         return typed, stateful
 
     def visit(self, body: Node, layout: Layout) -> None:
-        """A body's joints, then what is inside it."""
+        """Lay out a body's joints, then the elements inside it."""
         inner: list[Node] = []
         for child in through_frames(body):
             if child.tag in JOINTS:
@@ -218,7 +218,7 @@ class _Reader:
         return Slot(BLOCK, (count * nq, count * nv), free)
 
     def mocaps(self, element: Node) -> int:
-        """How many mocap bodies an element directly in the world is, or in a replicate there."""
+        """Return the number of mocap bodies that an element directly in the world, or in a replicate there, makes."""
         if element.tag == "replicate":
             return _count(element) * sum(map(self.mocaps, through_frames(element)))
         if element.tag == "attach":
@@ -242,7 +242,7 @@ class _Reader:
         raise Unknown(actuator)
 
     def _inherits_state(self, position: Node) -> bool:
-        """Whether its class may give it activations or inputs: all actuator tags share one struct."""
+        """Return whether its class may set activations or inputs: in MuJoCo, all actuator tags share one struct."""
         found = self._class(position)
         return bool(
             any(found.lookup("general", name) for name in _STATE["general"])
@@ -252,7 +252,7 @@ class _Reader:
         )
 
     def _general(self, general: Node) -> Slot | None:
-        """What a `<general>` holds, by its own settings and those of its class; None where these do not tell."""
+        """Return the slot of a `<general>` from its own and its class's settings, or None if they are not enough."""
         gain, dyntype, size, inputs = map(general.get, _OF_GENERAL)
         if self.influence[1]:
             said = self._said_of_general(str(general.get("class") or ""))
@@ -271,7 +271,7 @@ class _Reader:
         return actuator_slot(int(size))
 
     def _said_of_general(self, name: str) -> tuple[str | None, ...] | None:
-        """What a class says of a `<general>`, by `_OF_GENERAL`; None where other tags of it have a say, too."""
+        """Return the `_OF_GENERAL` settings of a class for a `<general>`, or None if its other tags affect them too."""
         if name not in self._said:
             found = self.unit.classes.get(name or None)
             given = [found.lookup("general", each) for each in _OF_GENERAL]

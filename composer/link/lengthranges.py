@@ -67,7 +67,7 @@ def _has_muscles(unit: Unit) -> bool:
 
 
 def _write_found(unit: Unit, measured: list[float]) -> None:
-    """Write the ranges that MuJoCo has found, unless it has made copies of actuators."""
+    """Write the ranges that MuJoCo computed, unless it made copies of actuators."""
     actuators = unit.root.findall("actuator/*")
     if len(measured) != 2 * len(actuators):
         return
@@ -82,7 +82,7 @@ def _is_muscle(actuator: Node) -> bool:
 
 
 def _no_range(linking: Linking, unit: Unit, rule: Node, actuator: Node) -> None:
-    """MuJoCo takes no range for an unwritten one, and would compute it under the model's rules."""
+    """Report a range that MuJoCo would read as not written, and would compute by the model's rules."""
     linking.sink.error(
         "compiler-setting",
         f"`lengthrange` of `{unit.label}` cannot be kept in a composition: it leaves a muscle without a range",

@@ -255,7 +255,7 @@ _ROWS = {row.run: row for row in (*PASSES, *FINISHING)}
 
 
 def row_of(done: object) -> Pass | None:
-    """The row of a pass, by its function; None for anything else."""
+    """Return the row of a pass by its function, or None for anything else."""
     return _ROWS.get(done) if isinstance(done, FunctionType) else None
 
 
@@ -276,7 +276,7 @@ def link(linking: Linking) -> bool:
 
 
 def link_alone(linking: Linking) -> None:
-    """The same for a base without parts: nothing of it has to change but the paths of its files.
+    """Link a base without parts, of which only the paths of its files change.
 
     Its names are not looked at, nor its keys: whoever calls knows that its names are right.
     """

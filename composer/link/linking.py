@@ -37,15 +37,15 @@ class LaterPlaces(Protocol):
     """Places that the recipe adds and that parts may be attached to."""
 
     def make(self, kind: str, name: str) -> bool:
-        """Add a place now; False where the recipe does not, or not yet."""
+        """Add a place now. Return False if the recipe does not add it, or not yet."""
         ...
 
     def names(self) -> list[tuple[str, str]]:
-        """The kind and the name of each place that does not exist yet."""
+        """Return the kind and the name of each place that does not exist yet."""
         ...
 
     def stands_on(self, kind: str, name: str) -> tuple[str, Span] | None:
-        """What a place is added to, and where its name is written; None where the recipe does not add it."""
+        """Return what a place is added to and where its name is written, or None if the recipe does not add it."""
         ...
 
 
@@ -87,7 +87,7 @@ class Linking:
 
     @property
     def composed(self) -> bool:
-        """Whether there is more in the model than the base: its rules for a whole model are for the base alone."""
+        """Whether the model has more than the base, so that the base's rules for a whole model apply only to it."""
         return bool(self.parts) or self.request.adds_mass
 
     @property
@@ -96,27 +96,27 @@ class Linking:
 
     @cached_property
     def angle(self) -> str:
-        """The model's unit of angle: `degree` only if it is every unit's."""
+        """The model's unit of angle: `degree` if all units use degrees, else `radian`."""
         return "degree" if all(unit.settings.angle == "degree" for unit in self.units) else "radian"
 
     def find_node(self, namespace: str, name: str) -> Node | None:
-        """The element of the model that has a name."""
+        """Return the element of the model with this name, or None."""
         return self.names.find(namespace, name)
 
     def known_names(self, namespace: str) -> list[str]:
-        """The names of a namespace."""
+        """Return the names in a namespace."""
         return self.names.of(namespace)
 
     def kinds_of(self, name: str) -> list[str]:
-        """The namespaces in which something has a name."""
+        """Return the namespaces in which the name exists."""
         return self.names.kinds_of(name)
 
     def may_generate(self, name: str) -> bool:
-        """Whether MuJoCo may make the name itself."""
+        """Return whether MuJoCo may generate the name itself."""
         return may_be_generated(name, self.base.root)
 
     def flat(self) -> Unit:
-        """The model as it stands, with its files; it holds nothing of parts that are not joined yet."""
+        """Return the current model with its files, without the parts that are not joined yet."""
         base = self.base
         contents = {
             use.path: use.content if use.content is not None else Path(use.source) for use in self.files
@@ -135,5 +135,5 @@ class Linking:
         )
 
     def span(self, unit: Unit, element: Node, attribute: str | None = None) -> Span:
-        """Where an element of a unit, or the value of its attribute, is written."""
+        """Return where an element of a unit, or the value of its attribute, is written."""
         return unit.origins.span(element, unit.file, attribute)

@@ -26,7 +26,7 @@ _SIZES = ("nq", "nv", "narena")
 def measure_with(
     context: Context, limits: engine.Limits | None = None, session: engine.Session | None = None
 ) -> Measure:
-    """A function that compiles a unit alone; a fault of the unit goes to the sink and gives nothing.
+    """Return a function that compiles a unit alone. If this fails, the error goes to the sink and the result is empty.
 
     With a `session` its process does that, under its own limits.
     """
@@ -51,7 +51,7 @@ def measure_with(
 
 @contextmanager
 def folder_of(unit: Unit) -> Iterator[Path]:
-    """Where the unit's files are: its own folder, or one with what a composition holds in memory."""
+    """Yield the folder with the unit's files: its own, or a temporary one with the files that are in memory."""
     if not unit.contents:
         yield unit.directory
         return
@@ -71,7 +71,7 @@ def folder_of(unit: Unit) -> Iterator[Path]:
 
 
 def _contents(unit: Unit) -> Iterator[tuple[str, bytes | Path]]:
-    """What is in memory, and the files beside the unit that it names as well."""
+    """Yield the files in memory, and the files next to the unit that it also refers to."""
     yield from unit.contents.items()
     for element, _, name in file_attributes(unit.root):
         path = written_path(unit.settings, element, name)

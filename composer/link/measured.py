@@ -35,7 +35,7 @@ _SIZES = ("nq", "nv")
 
 
 def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
-    """What the tree does not say of a unit's keys, by element; None where MuJoCo does not say either.
+    """Measure what the tree does not tell about a unit's keys, by element. Return None if MuJoCo refuses the unit.
 
     That is all of what MuJoCo attaches, (nctrl, nact) of every actuator, (nq, nv) of every flex and of one more
     block of unknown size.
@@ -78,7 +78,7 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
 
 
 def attached(linking: Linking, unit: Unit) -> dict[Node, Slot]:
-    """What each `<attach>` brings, measured by itself in an empty world; `linking.keys.measured` keeps it."""
+    """Measure what each `<attach>` adds, alone in an empty world. `linking.keys.measured` caches the results."""
     found: dict[Node, Slot] = {}
     for attach in unit.root.iter("attach"):
         slot = linking.keys.measured.get(attach) or _measured(linking, unit, attach)
@@ -88,7 +88,7 @@ def attached(linking: Linking, unit: Unit) -> dict[Node, Slot]:
 
 
 def _flexes(linking: Linking, unit: Unit) -> Iterator[tuple[Node, Slot]]:
-    """What each `<flexcomp>` brings, measured by itself, where the whole model does not distinguish them."""
+    """Measure what each `<flexcomp>` adds, alone, when the whole model does not distinguish them."""
     flexes = list(unit.root.iter("flexcomp"))
     if len(flexes) == 1 and next(flexes[0].iterancestors("replicate"), None) is None:
         return
@@ -99,7 +99,7 @@ def _flexes(linking: Linking, unit: Unit) -> Iterator[tuple[Node, Slot]]:
 
 
 def _alone(unit: Unit, flex: Node) -> Unit:
-    """A model with nothing but a flex in its world, without what says nothing of how many joints it has."""
+    """Return a model with only a flex in its world, and only the sections that affect its number of joints."""
     root = unit.root.makeelement("mujoco")
     root.extend(copy.copy(compiler) for compiler in unit.root.iterchildren("compiler"))
     own, name = copy.copy(flex), flex.get("mesh")
@@ -135,7 +135,7 @@ def _measured(linking: Linking, unit: Unit, attach: Node) -> Slot | None:
 
 
 def _by_itself(unit: Unit, attach: Node) -> Unit:
-    """A model that does nothing but attach what `attach` does."""
+    """Return a model that only attaches what `attach` attaches."""
     root = unit.root.makeelement("mujoco")
     for compiler in unit.root.iterchildren("compiler"):
         root.append(copy.copy(compiler))
@@ -147,12 +147,12 @@ def _by_itself(unit: Unit, attach: Node) -> Unit:
 
 
 def _counts(arrays: Mapping[str, list[float]], name: str) -> list[int]:
-    """How many activations or controls each actuator has. Before MuJoCo 4 all have one control."""
+    """Return the number of activations or controls of each actuator. Before MuJoCo 4, each has one control."""
     return [int(n) for n in arrays.get(f"actuator_{name}") or [1.0] * len(arrays["actuator_actnum"])]
 
 
 def _free_joints(arrays: Mapping[str, list[float]]) -> Iterator[tuple[int, int]]:
-    """Where the numbers of every free joint begin."""
+    """Yield the indices at which the numbers of each free joint begin."""
     joints = zip(arrays["jnt_type"], arrays["jnt_qposadr"], arrays["jnt_dofadr"], strict=True)
     return ((int(q), int(v)) for kind, q, v in joints if kind == FREE)
 
@@ -160,7 +160,7 @@ def _free_joints(arrays: Mapping[str, list[float]]) -> Iterator[tuple[int, int]]
 def _free_inside(
     layout: Layout, block: Node, widths: tuple[int, int], arrays: Mapping[str, list[float]]
 ) -> tuple[tuple[int, int], ...]:
-    """Where the free joints are in a block that MuJoCo has expanded."""
+    """Return where the free joints are in a block that MuJoCo has expanded."""
     nq = nv = 0
     for joint, slot in layout.joints.items():
         if joint is block:
@@ -170,7 +170,7 @@ def _free_inside(
 
 
 def is_measured(unit: Unit, joint: Node, slot: Slot) -> bool:
-    """Whether only MuJoCo knows the reference: of what it expands, and of a body that it aligns with its inertia."""
+    """Return whether only MuJoCo knows the reference: of what it expands, and of bodies aligned with their inertia."""
     if slot.kind == BLOCK:
         return slot.widths[0] > 0
     return slot.kind == "free" and "true" in (joint.get("align"), unit.settings.alignfree)
@@ -186,7 +186,7 @@ def _note_references(linking: Linking, unit: Unit, layout: Layout, qpos0: list[f
 
 
 def _note_mocaps(linking: Linking, layout: Layout, arrays: Mapping[str, list[float]]) -> None:
-    """Note where mocap bodies stand that are not in the tree."""
+    """Record the places of mocap bodies that are not in the tree."""
     bodies = [body for body, number in enumerate(arrays["body_mocapid"]) if number >= 0]
     if len(bodies) != sum(layout.mocaps.values()):
         return

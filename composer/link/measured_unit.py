@@ -37,13 +37,13 @@ class Survey:
         return not self.rows[element]
 
     def values(self, element: Node, array: str, width: int) -> list[float] | None:
-        """What an array has for an element; None where its copies differ."""
+        """Return the values of an array for an element, or None if its copies differ."""
         numbers = self.arrays[array]
         found = [numbers[width * row : width * (row + 1)] for row in self.rows[element]]
         return found[0] if found and all(each == found[0] for each in found) else None
 
     def names(self, tag: str) -> set[str]:
-        """The names of the meshes, materials or textures that are left."""
+        """Return the names of the remaining meshes, materials or textures."""
         text = bytes(int(character) for character in self.arrays["names"])
         starts = [int(start) for start in self.arrays[_NAMES[tag]]]
         return {text[start : text.index(b"\0", start)].decode("utf-8", "replace") for start in starts}
@@ -65,7 +65,7 @@ def survey(
     *,
     pinned: Collection[Node] = (),
 ) -> Survey | None:
-    """Measure the unit for the sake of these settings; an error where that is not possible."""
+    """Measure the unit to keep the effect of these settings. Report an error if that is not possible."""
     found = measured(linking, unit, arrays, pinned=pinned)
     if isinstance(found, Unmeasurable):
         cannot_be_kept(linking, unit, settings, found.why, found.element)
@@ -76,7 +76,7 @@ def survey(
 def measured(
     linking: Linking, unit: Unit, arrays: tuple[str, ...], *, pinned: Collection[Node] = ()
 ) -> Survey | Unmeasurable | None:
-    """Compile the unit alone, but for the alignment of free bodies, which is left to the model.
+    """Compile the unit alone, without the alignment of free bodies, which is done in the model.
 
     None where MuJoCo refuses the unit, which has been reported. `pinned` bodies are kept from being fused: something
     refers to them.
@@ -118,7 +118,7 @@ def measured(
 def cannot_be_kept(
     linking: Linking, unit: Unit, settings: Sequence[str], why: str, element: Node | None = None
 ) -> None:
-    """Report that settings cannot be kept; at an element, or where the first of them is written."""
+    """Report that settings cannot be kept, at an element or where the first of them is written."""
     first, named = settings[0], " and ".join(f"`{name}`" for name in settings)
     compilers = list(unit.root.iterchildren("compiler"))
     compiler = next((each for each in compilers if each.get(first) is not None), [*compilers, unit.root][0])
@@ -131,7 +131,7 @@ def cannot_be_kept(
 
 
 def _pin(unit: Unit, body: Node, number: int) -> None:
-    """A sensor of a body keeps it a body, in every version of MuJoCo."""
+    """Add a sensor of a body, which keeps the body from being fused in every version of MuJoCo."""
     # Under `fusestatic` MuJoCo 4.0 fuses a body without joints, but not one that a `framepos` names.
     if not body.get("name"):
         body.set("name", f"pinned body {number} of {len(unit.root)}")
@@ -140,7 +140,7 @@ def _pin(unit: Unit, body: Node, number: int) -> None:
 
 
 def _neutral(root: Node) -> None:
-    """Free bodies stay where they are, so that the inertia is in the frame in which it will be written."""
+    """Prevent the alignment of free bodies, so that the inertia is in the frame in which it will be written."""
     for joint in root.iter("freejoint"):
         joint.set("align", "false")
     for tag, names in (("compiler", ("alignfree",)), ("size", ("nuser_body", "nuser_geom"))):
@@ -151,7 +151,7 @@ def _neutral(root: Node) -> None:
 
 
 def _first(marks: list[float], count: int) -> Iterator[tuple[int, int]]:
-    """The mark of each row that has one."""
+    """Yield the mark of each row that has one."""
     width = len(marks) // count if count else 0
     for row in range(count if width else 0):
         if mark := int(marks[row * width]):

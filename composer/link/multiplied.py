@@ -28,7 +28,7 @@ class Copy(NamedTuple):
 
 
 def element_of(holder: Node | Copy) -> Node:
-    """The element that is written in the tree."""
+    """Return the element that is written in the tree."""
     return holder.element if isinstance(holder, Copy) else holder
 
 
@@ -42,7 +42,7 @@ class _Thing:
     refers: frozenset[Name]
 
     def copied(self, number: int, suffix: str, lost: frozenset[Name]) -> _Thing:
-        """The copy that refers to the copies of what is `lost`."""
+        """Return a copy that refers to the copies of what is `lost`."""
         refers = frozenset(
             (kind, name + suffix if (kind, name) in lost else name) for kind, name in self.refers
         )
@@ -51,7 +51,7 @@ class _Thing:
 
 
 def actuators_in_order(root: Node) -> list[Node | Copy]:
-    """Every actuator of a model in the order of its controls; a multiplied one as its copies."""
+    """Return every actuator of a model in the order of its controls. A multiplied one is returned as its copies."""
     actuators = root.findall("actuator/*")
     if not actuators or next(root.iter("replicate"), None) is None:
         return list(actuators)
@@ -70,7 +70,7 @@ def actuators_in_order(root: Node) -> list[Node | Copy]:
 
 
 def names_made(root: Node) -> set[Name]:
-    """Every name in the body tree that a replicate makes."""
+    """Return every name in the body tree that a replicate makes."""
     made: dict[Node, list[Name]] = {}
     for world in root.iterchildren("worldbody"):
         for replicate in inner_first(world):
@@ -82,7 +82,7 @@ def names_made(root: Node) -> set[Name]:
 def _multiply(
     things: list[_Thing], lost: frozenset[Name], ends: list[str]
 ) -> tuple[list[_Thing], frozenset[Name]]:
-    """The things after a replicate has multiplied those that refer to what is `lost`, and the names these had."""
+    """Multiply the things that refer to `lost` names, as a replicate does. Return all things, and the old names."""
     # MuJoCo 4.0 multiplies what refers to something inside, too: `<motor joint="j"/>` on the joint of a body in
     # `<replicate count="2">` gives two controls. They stand behind the actuators that are not multiplied.
     # With `<motor name="z" …/>` behind `a` on a joint outside, the order is z, a0, a1.
@@ -94,7 +94,7 @@ def _multiply(
 
 
 def inner_first(top: Node) -> Iterator[Node]:
-    """Every replicate in `top` and `top` itself if it is one, in the order in which MuJoCo carries them out."""
+    """Return every replicate in `top`, including `top` itself, in the order in which MuJoCo applies them."""
     # MuJoCo 4.0 appends the number of the inner replicate first: a `<body name="b"/>` in `<replicate count="2"
     # sep="-">` in `<replicate count="2" sep="_">` becomes b-0_0, b-1_0, b-0_1, b-1_1.
     for child in top.iterchildren("*"):
@@ -104,7 +104,7 @@ def inner_first(top: Node) -> Iterator[Node]:
 
 
 def _declared(replicate: Node, made: dict[Node, list[Name]]) -> Iterator[Name]:
-    """The names inside a replicate, those that inner ones have made included."""
+    """Yield the names inside a replicate, including those that inner replicates have made."""
     for child in replicate.iterchildren("*"):
         if child.tag == "replicate":
             yield from made[child]
@@ -117,7 +117,7 @@ def _declared(replicate: Node, made: dict[Node, list[Name]]) -> Iterator[Name]:
 
 @cache
 def _kinds() -> dict[str, str]:
-    """The namespace in which the tags of the body tree declare their names."""
+    """Return, by tag of the body tree, the namespace in which it declares names."""
     return {
         tag: namespace
         for tag, actions in naming_table("worldbody").items()
@@ -127,7 +127,7 @@ def _kinds() -> dict[str, str]:
 
 
 def suffixes(replicate: Node) -> list[str]:
-    """What is appended to the names in each copy; as many digits as their number has: ten begin at `00`."""
+    """Return the suffixes of the names in each copy. All have as many digits as the count: ten begin at `00`."""
     count = int(str(replicate.get("count") or 1))
     # `<replicate count="12"><body name="r"/></replicate>` makes r00 to r11 in MuJoCo 4.0, and `count="9"` r0 to r8.
     width = len(str(count))

@@ -27,7 +27,7 @@ def loose_end(
     element: Node,
     declared: Collection[str],
 ) -> None:
-    """A reference within a source; names are reported as the source has them, without the prefix."""
+    """Report a reference to nothing within a source. Names are reported without the prefix, as in the source."""
     wanted = name.removeprefix(prefix)
     own = [each.removeprefix(prefix) for each in declared]
     attribute = next(
@@ -46,7 +46,7 @@ def loose_end(
 
 
 def repeated(linking: Linking, unit: Unit, prefix: str, clash: Clash) -> None:
-    """A name that a source itself declares twice."""
+    """Report a name that a source itself declares twice."""
     namespace, name, element, earlier = clash
     linking.sink.error(
         _code(namespace),
@@ -58,7 +58,7 @@ def repeated(linking: Linking, unit: Unit, prefix: str, clash: Clash) -> None:
 
 
 def clash_with_others(linking: Linking, part: Part, clashes: Sequence[Clash]) -> None:
-    """Names of a part that the model has already: one fault, however many there are."""
+    """Report all names of a part that the model already has, as one fault."""
     namespace, name, element, earlier = min(clashes, key=lambda clash: line_of(clash[2]) or 0)
     here = linking.span(part.unit, element)
     there = linking.span(_unit_of(linking, earlier), earlier)

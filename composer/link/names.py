@@ -70,7 +70,7 @@ def _join(linking: Linking, unit: Unit, prefix: str, top_class: str, part: Part 
 
 
 def _refer_to_keys(linking: Linking, unit: Unit, prefix: str, part: Part | None) -> None:
-    """Let tuples refer to the keys by the names that these will have."""
+    """Change references from tuples to keys to the names that the keys will have."""
     policy = linking.request.base_keyframes if part is None else part.keyframes
     members = [each for custom in unit.root.iterchildren("custom") for each in custom.iter("element")]
     for element in members:
@@ -114,7 +114,7 @@ class Found:
         return self.by_slot[_slot(namespace, wanted=True)]
 
     def all_declared(self) -> Iterator[tuple[str, dict[str, Node]]]:
-        """Every namespace in which something is declared, with the names."""
+        """Yield every namespace in which names are declared, with these names."""
         return (
             (namespace, names)
             for namespace, names in zip(_namespaces(), self.by_slot[1:], strict=False)
@@ -126,7 +126,7 @@ class Found:
             self.repeated.append((namespace, name, element))
 
     def dangling(self) -> Iterator[tuple[str, str, Node]]:
-        """What is referred to and not declared: namespace, name and who refers to it."""
+        """Yield the namespace, the name and the referring element of each reference to an undeclared name."""
         spaces = _namespaces()
         for slot, wanted in enumerate(self.by_slot[1 + len(spaces) : -1], 1):
             if wanted and not wanted.keys() <= (declared := self.by_slot[slot]).keys():
@@ -140,13 +140,13 @@ def _namespaces() -> tuple[str, ...]:
 
 @cache
 def _slot(namespace: str, wanted: bool = False) -> int:
-    """Where the names of a namespace are noted that are declared, or those that are referred to."""
+    """Return the slot for the declared names of a namespace, or with `wanted` for the names that are referred to."""
     return 1 + _namespaces().index(namespace) + (len(_namespaces()) if wanted else 0)
 
 
 @cache
 def _slots(section: str) -> dict[str, dict[str, int]]:
-    """The naming table of a section, with where the walk notes a name instead of what kind of name it is.
+    """Return the naming table of a section, with the slot of each name instead of its kind.
 
     0 is a value that wants a closer look. Names that are declared come next, by namespace, then those that are
     referred to. The last slot is for references in a class, which are not looked up: nothing may take them.
@@ -170,7 +170,7 @@ def _slots(section: str) -> dict[str, dict[str, int]]:
 
 
 def rename(unit: Unit, prefix: str, top_class: str) -> Found:
-    """Prefix a unit in place and give the names it has.
+    """Prefix the names of a unit in place, and return its names.
 
     This is the one walk over every element of every part: an attribute that holds no name costs one look into a
     dictionary, one that does is written and noted at once.
@@ -215,7 +215,7 @@ def rename(unit: Unit, prefix: str, top_class: str) -> Found:
 
 
 def _put_right(unit: Unit, namespace: str, name: str, meant: str) -> None:
-    """Make every reference to `name` one to `meant`."""
+    """Change every reference from `name` to `meant`."""
     for section in unit.root.iterchildren("*"):
         table = naming_table(section.tag)
         for element in section.iterdescendants(*table) if table else ():
@@ -225,7 +225,7 @@ def _put_right(unit: Unit, namespace: str, name: str, meant: str) -> None:
 
 
 def _rename_special(found: Found, element: Node, key: str, value: str, prefix: str, section: Node) -> None:
-    """Values that are not a plain name: empty, lists, prefixes for more names, and names typed by a sibling."""
+    """Rename a value that is not a plain name: empty, a list, a prefix of names, or a name typed by a sibling."""
     kind, namespace = naming_table(str(section.tag))[str(element.tag)][key]
     name = prefix + value
     if namespace == "key" or (not value and kind != GENERATES):
@@ -249,7 +249,7 @@ def _rename_special(found: Found, element: Node, key: str, value: str, prefix: s
 
 
 def _name_asset(found: Found, element: Node, file: str, prefix: str) -> None:
-    """Where MuJoCo takes the name from the file, write it if a prefix must stand before it."""
+    """If MuJoCo takes the name from the file and a prefix is needed, write the name with the prefix."""
     if element.get("name") or not file:
         return
     tag = str(element.tag)

@@ -11,7 +11,7 @@ RADIANS_PER_DEGREE = math.pi / 180
 
 
 def read(text: str) -> list[float]:
-    """Raises ValueError for what MuJoCo refuses, though Python takes it: `1_0`, digits of other scripts, `1e400`."""
+    """Parse numbers. Raises ValueError for `1_0`, digits of other scripts and `1e400`, which MuJoCo refuses."""
     if not _RARE.isdisjoint(text) or not text.isascii():
         return [_rare(item) for item in items(text)]
     values = [float(token) for token in text.split()]
@@ -33,7 +33,7 @@ def _rare(item: str) -> float:
 
 
 def text(values: Iterable[float]) -> str:
-    """Shortest decimal that reads back exactly, whole numbers without a point."""
+    """Return the shortest decimals that read back exactly, whole numbers without a point."""
     return " ".join(_one(value) for value in values)
 
 
@@ -47,10 +47,10 @@ def _one(value: float) -> str:
 # MuJoCo 4.0 rounds the two in different ways: `<joint ref="0.30000000000000004"/>` compiles to v * (pi / 180), which is
 # not v / 180 * pi to the last bit; `euler` is the other way round.
 def orientation_radians(degrees: float) -> float:
-    """As MuJoCo turns the angles of orientations into radians."""
+    """Convert degrees to radians as MuJoCo does for orientations."""
     return degrees / 180.0 * math.pi
 
 
 def joint_radians(degrees: float) -> float:
-    """As MuJoCo turns the range and reference of a joint into radians."""
+    """Convert degrees to radians as MuJoCo does for the range and reference of a joint."""
     return degrees * RADIANS_PER_DEGREE

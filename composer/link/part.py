@@ -68,14 +68,14 @@ class Part:
 
     @property
     def called(self) -> str:
-        """What messages call it: its prefix, or its file if it has no prefix."""
+        """The name of the part in messages: its prefix, or its file if it has no prefix."""
         return self.prefix or self.unit.label
 
     def path(self, separator: str) -> str:
-        """What a recipe calls it among the parts: its prefix, or its key if it has no prefix."""
+        """Return the name of the part in a recipe: its prefix, or its key if it has no prefix."""
         return self.prefix.removesuffix(separator) or self.key
 
     @property
     def floats(self) -> bool:
-        """Whether it moves freely, so that it can only stand in the world."""
+        """Whether the part moves freely, so that it can only be in the world."""
         return self.by_itself or self.mocap or any(joint.tag == "freejoint" for joint in self.joints)

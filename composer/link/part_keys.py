@@ -24,7 +24,7 @@ BASE = "base"
 
 
 def part_keys(linking: Linking) -> Mapping[str, PartKeys]:
-    """The keys of the base and of each part, and of the parts that these are made of; found once.
+    """Return the keys of the base, of each part, and of the parts of nested recipes. The result is cached.
 
     Of those that are left out only the ones that the recipe asks for. The poses of the parts must be known.
     """
@@ -65,7 +65,7 @@ def _own_keys(linking: Linking, unit: Unit, layout: Layout, part: Part | None) -
 
 
 def _moved(linking: Linking, part: Part | None, layout: Layout, key: Key) -> Key:
-    """The key where its part hangs."""
+    """Return the key moved to the place of its part."""
     if part is None:
         return key
     values = {vector: dict(columns) for vector, columns in key.values.items()}
@@ -79,7 +79,7 @@ def _moved(linking: Linking, part: Part | None, layout: Layout, key: Key) -> Key
 def cut_row(
     linking: Linking, unit: Unit, layout: Layout, element: Node, vector: str
 ) -> dict[Holder, list[Number]] | None:
-    """The numbers of one vector of a key by joint, actuator or body; short rows give fewer, wrong ones are reported."""
+    """Split one vector of a key by joint, actuator or body. Short rows give fewer numbers; wrong ones are reported."""
     text = numbers_of(unit.origins.keys.get(element), element, vector)
     owners = holders(layout, vector)
     total = sum([width for _, width in owners])
@@ -116,7 +116,7 @@ def cut_row(
 def _check_flexes(
     linking: Linking, part: Part, layout: Layout, key: Key, vector: str, taken: Mapping[Holder, object]
 ) -> None:
-    """The bodies of a flex do not turn with the frames above it, so that its numbers mean other directions there."""
+    """Report key numbers of a flex whose bodies do not turn with the frames above it, so that directions change."""
     for block, slot in layout.joints.items():
         if slot.kind == BLOCK and block in taken and block.tag == "flexcomp" and _is_turned(part, block):
             linking.sink.error(
@@ -130,7 +130,7 @@ def _check_flexes(
 
 
 def _is_turned(part: Part, flex: Node) -> bool:
-    """Whether the place of the part turns a flex at its root."""
+    """Return whether the place of the part turns a flex at its root."""
     own, node = True, flex.getparent()
     while node is not None and node.tag == "frame":
         own = own and node.get("childclass") != part.top_class
@@ -141,12 +141,12 @@ def _is_turned(part: Part, flex: Node) -> bool:
 
 
 def called(key: Node) -> str:
-    """What messages call a key."""
+    """Return the name of a key in messages."""
     return f"the key `{key.get('name')}`" if key.get("name") else "a key without a name"
 
 
 def _carry(part: Part, layout: Layout, vector: str, taken: dict[Holder, list[Number]]) -> None:
-    """Free joints and mocap bodies say where they are in the world: they move with the part."""
+    """Move the poses of free joints and mocap bodies, which are in world coordinates, with the part."""
     pose = part.pose_in_world
     if pose is None or pose.is_identity:
         return
@@ -163,7 +163,7 @@ def _carry(part: Part, layout: Layout, vector: str, taken: dict[Holder, list[Num
 
 
 def _placed(pose: Pose, vector: str, values: Sequence[float]) -> list[float]:
-    """Positions or orientations of mocap bodies, moved."""
+    """Return the moved positions or orientations of mocap bodies."""
     if vector == "mpos":
         rows = zip(*[iter(values)] * 3, strict=True)
         return [each for x, y, z in rows for each in (pose @ Pose((x, y, z))).pos]
@@ -172,7 +172,7 @@ def _placed(pose: Pose, vector: str, values: Sequence[float]) -> list[float]:
 
 
 def _carried(place: Pose, slot: Slot, vector: str, values: list[str]) -> list[str]:
-    """The numbers of a joint or a block, with every free joint in it moved."""
+    """Return the numbers of a joint or a block, with every free joint in it moved."""
     values = list(values)
     for at_qpos, at_qvel in slot.free:
         if vector == "qvel":  # the linear part is in the world's frame, the angular in the body's own
@@ -187,7 +187,7 @@ def _carried(place: Pose, slot: Slot, vector: str, values: list[str]) -> list[st
 
 
 def _carry_references(linking: Linking, part: Part, layout: Layout) -> None:
-    """What was measured of a part by itself moves with it."""
+    """Move the measured references of a part with it."""
     pose = part.pose_in_world
     if pose is None:
         return

@@ -54,7 +54,7 @@ class Concern:
                     self._others.setdefault(declared, (element, tag))
 
     def of(self, element: Node, section: str) -> Verdict:
-        """The side of an element of that section."""
+        """Return the side that an element of that section belongs to."""
         known = self._verdicts.get(element)
         if known is not None:
             return known
@@ -76,7 +76,7 @@ class Concern:
         return verdict
 
     def needed_by(self, elements: Iterable[tuple[Node, str]]) -> set[Node]:
-        """What concerns no side, but these elements of sections refer to it: the numbers in a tuple."""
+        """Return elements of no side that the given elements refer to, such as the numbers in a tuple."""
         needed: set[Node] = set()
         waiting = list(elements)
         while waiting:
@@ -88,7 +88,7 @@ class Concern:
         return needed
 
     def leave(self, element: Node) -> None:
-        """An element of the tree does not come along after all."""
+        """Mark an element of the tree as not taken."""
         declared = declaration(element, "worldbody")
         if declared is not None:
             self._inside.names.discard(declared)
@@ -114,7 +114,7 @@ class Concern:
         return Verdict(Side.INSIDE if inside else Side.NEITHER)
 
     def _bones(self, skin: Node) -> list[str] | None:
-        """The bodies that a skin file names; None where it cannot be read."""
+        """Return the bodies that a skin file names, or None if it cannot be read."""
         unit = self._unit
         path = written_path(unit.settings, skin, str(skin.get("file")))
         return bones(unit.source_of(path))
@@ -137,7 +137,7 @@ class _Names:
                 self._begun.add(str(element.get("name") or element.get("prefix") or ""))
 
     def makes(self, name: str) -> int:
-        """How much of the name is that of something here of which MuJoCo makes more; 0 for nothing at all."""
+        """Return the length of the name's beginning that is the name of something that MuJoCo multiplies, or 0."""
         starts = [start for start in self._begun if name.startswith(start)]
         starts += [
             start for start in self._numbered if name.startswith(start) and name[len(start) :][-1:].isdigit()

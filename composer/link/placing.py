@@ -19,7 +19,7 @@ from composer.numerics.pose import (
 
 
 def read_pose(attributes: Node | Mapping[str, str], degrees: bool, sequence: str) -> Pose:
-    """The pose that `pos` and one orientation attribute give; angles in the model's own unit and sequence."""
+    """Return the pose from `pos` and one orientation attribute, with angles in the model's own unit and sequence."""
     get = attributes.get
     pos = numbers.read(str(get("pos") or "")) or list(ORIGIN)
     # One of these is written at most: MuJoCo 4.0 says of two "multiple orientation specifiers are not allowed". A
@@ -42,7 +42,7 @@ def read_pose(attributes: Node | Mapping[str, str], degrees: bool, sequence: str
 
 
 def pose_in_world(element: Node, degrees: bool, sequence: str) -> Pose:
-    """The pose of a body, frame or the world, all joints at their reference."""
+    """Return the pose of a body, frame or the world in the world, with all joints at their reference."""
     pose = Pose()
     node: Node | None = element
     while node is not None and node.tag in ("body", "frame", "replicate"):

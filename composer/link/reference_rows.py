@@ -36,7 +36,7 @@ class Reference:
         return self.linking.base.classes.give("joint", "ref")
 
     def row(self, vector: str, layout: Layout, values: Mapping[Holder, list[Number]]) -> list[Number]:
-        """All numbers of a vector; `values` are those that somebody gives."""
+        """Return all numbers of a vector. `values` are those that a key sets."""
         row: list[Number] = []
         if vector in ("mpos", "mquat"):
             for body in layout.mocaps:
@@ -96,7 +96,7 @@ class Reference:
 
 
 def _by_nobody(vector: str, default: list[str], lost: list[Number] | None = None) -> list[Number]:
-    """What a key holds where no key says anything, or has `lost` its meaning by an edit."""
+    """Return the numbers that no key sets, or that have `lost` their meaning by an edit."""
     source = KeySource(
         "reference" if vector in ("qpos", "mpos", "mquat") else "zero",
         vector,

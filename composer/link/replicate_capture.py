@@ -60,7 +60,7 @@ def check_replicates(linking: Linking) -> None:
 
 
 def things(unit: Unit) -> Iterator[Node]:
-    """What a replicate may multiply."""
+    """Yield the elements that a replicate may multiply."""
     for section in unit.root.iterchildren(*_SECTIONS):
         yield from (each for each in section.iterchildren("*") if each.tag not in _OF_NOTHING)
 
@@ -68,7 +68,7 @@ def things(unit: Unit) -> Iterator[Node]:
 def _resolves(
     linking: Linking, thing: Node, replicate: Node, places: Mapping[Node, int], made: Set[Name]
 ) -> bool:
-    """Whether MuJoCo finds what the thing refers to with a number behind it, too, when it reads the replicate."""
+    """Return whether MuJoCo also finds the thing's reference with a number appended when it reads the replicate."""
     names = list(referred(thing))
     found = (linking.names.find(kind, name + end) for kind, name in names for end in suffixes(replicate))
     here = places.get(replicate, 0)
@@ -82,7 +82,7 @@ def _resolves(
 def made_from(
     names: Iterable[Name], ends: Collection[str], find: Callable[[str, str], Node | None], made: Set[Name]
 ) -> bool:
-    """Whether a replicate makes one of the names with a number behind it, but of something else."""
+    """Return whether a replicate makes one of the names with a number appended, but for another element."""
     return any(
         (kind, name + end) in made
         and (element := find(kind, name)) is not None
@@ -93,13 +93,13 @@ def made_from(
 
 
 def _is_listed(element: Node) -> bool:
-    """Whether it stands in a section of its own, which MuJoCo reads before the bodies."""
+    """Return whether an element is in a section that MuJoCo reads before the bodies."""
     section = element.getparent()
     return section is not None and section.tag in _SECTIONS
 
 
 def referred(thing: Node) -> Iterator[tuple[str, str]]:
-    """Namespace and name of what a thing refers to, of all that a replicate copies."""
+    """Yield the namespace and name of each reference of a thing to something that a replicate copies."""
     section = thing.getparent()
     assert section is not None
     table = naming_table(str(section.tag))

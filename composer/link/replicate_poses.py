@@ -12,7 +12,7 @@ from composer.numerics.pose import ORIGIN, Pose, Vec3, quat_from_euler, rotate
 def row(
     count: int, offset: Vec3, angles: tuple[float, ...], sequence: str, *, degrees: bool = False
 ) -> tuple[Pose, ...]:
-    """Copy N is turned by N times each angle; the way to the next copy is `offset` in the frame of this one."""
+    """Return the poses of all copies. Copy N is turned by N times each angle; the next is at `offset` in its frame."""
     made: list[Pose] = []
     pos = ORIGIN
     for number in range(count):

@@ -26,7 +26,7 @@ from composer.tree.unit import Unit
 
 
 def replicates(linking: Linking) -> None:
-    """Note every replicate, and write out those that would not mean in the model what they mean alone.
+    """Record every replicate, and write out those whose meaning would change in the model.
 
     Beside this replicate, MuJoCo would multiply the clock of the base:
 
@@ -79,13 +79,13 @@ def _outermost(unit: Unit) -> Iterator[Node]:
 
 
 def _reads_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
-    """Whether it turns about several axes, in a sequence that is not the model's."""
+    """Return whether a replicate turns about several axes in another sequence than the model's."""
     turning = [each for each in numbers.read(str(replicate.get("euler") or "")) if each]
     return len(turning) > 1 and unit.settings.eulerseq != linking.base.settings.eulerseq
 
 
 def _rounds_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
-    """Whether some multiple of its angles in radians is not to the bit that of its angles in degrees."""
+    """Return whether a multiple of its angles in radians differs in any bit from that of its angles in degrees."""
     if unit.settings.angle != "degree" or linking.angle != "radian":
         return False
     # MuJoCo multiplies first and converts then: the fourth copy of `euler="1 0 0"` is turned by 3 degrees, which are
@@ -99,7 +99,7 @@ def _rounds_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
 
 
 def _multiplies(unit: Unit, index_of: _IndexOf, replicates: list[Node]) -> bool:
-    """Whether one of the replicates may multiply something of the unit, wherever that stands."""
+    """Return whether one of the replicates may multiply any element of the unit."""
     found = list(things(unit))
     if not found:
         return False
@@ -119,7 +119,7 @@ def _multiplies(unit: Unit, index_of: _IndexOf, replicates: list[Node]) -> bool:
 
 
 def _stands_alone(unit: Unit, index_of: _IndexOf, nest: Node, inside: list[Node]) -> bool:
-    """Whether nothing else of its unit is multiplied with it, and its copies can be written in the tree."""
+    """Return whether only its own content is multiplied, so that the copies can be written in the tree."""
     if next(nest.iter(*_EXPANDED), None) is not None or scaled_above(nest) is not None:
         return False
     index = index_of(unit)
@@ -131,7 +131,7 @@ def _stands_alone(unit: Unit, index_of: _IndexOf, nest: Node, inside: list[Node]
 
 
 def _names(node: Node) -> Iterator[tuple[str, str]]:
-    """Namespace and name of what a node of the body tree declares."""
+    """Yield the namespace and name that a node of the body tree declares."""
     for attribute, (kind, namespace) in naming_table(_IN_TREE).get(str(node.tag), {}).items():
         name = node.get(attribute)
         if kind == DECLARES and name:
@@ -139,7 +139,7 @@ def _names(node: Node) -> Iterator[tuple[str, str]]:
 
 
 def _write_out(unit: Unit, replicate: Node) -> None:
-    """A frame for each copy, in the place of the replicate; the names in it get the number of the copy."""
+    """Replace the replicate by a frame for each copy. The names in it get the number of the copy."""
     holder = replicate.getparent()
     assert holder is not None
     settings = unit.settings

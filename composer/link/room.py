@@ -22,7 +22,7 @@ _SCALE = {"k": 2**10, "m": 2**20, "g": 2**30, "t": 2**40, "p": 2**50, "e": 2**60
 
 
 def asked(linking: Linking) -> tuple[MemoryRequest, ...]:
-    """What the units ask for, where MuJoCo has to be asked whether that is enough: where several of them move."""
+    """Return the memory that the units ask for if several of them move, when MuJoCo must check whether it is enough."""
     calls = ["the base", *(part.called for part in linking.parts)]
     moving = [next(unit.root.iter(*_MOVING), None) is not None for unit in linking.units]
     for number, part in enumerate(linking.parts, 1):
@@ -43,7 +43,7 @@ def _written(linking: Linking, unit: Unit, called: str) -> Iterator[MemoryReques
 
 
 def room(linking: Linking) -> None:
-    """Leave the memory to MuJoCo where it gives the whole model more than any source asks for.
+    """Remove the memory size if MuJoCo's own for the whole model is larger than any source asks for.
 
     >>> from composer.link.example import after
     >>> base = '<worldbody>' + '<body><freejoint/><geom size=".1"/></body>' * 30 + '</worldbody>'
@@ -82,7 +82,7 @@ def room(linking: Linking) -> None:
 
 
 def _measured(linking: Linking, unit: Unit) -> float | None:
-    """What MuJoCo gives the model as it stands; None where it refuses it, which is reported when it is verified."""
+    """Return MuJoCo's memory size for the current model, or None if it refuses the model, which is reported later."""
     assert linking.measure is not None
     found = linking.measure(unit, ("narena",), attempt=True)
     return found["narena"][0] if found else None
@@ -95,7 +95,7 @@ def _leave_out_empty(size: Node) -> None:
 
 
 def bytes_of(text: str) -> float:
-    """An amount of memory as MJCF writes it.
+    """Return an amount of memory written in MJCF as a number of bytes.
 
     >>> bytes_of("2M")
     2097152.0

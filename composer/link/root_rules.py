@@ -16,7 +16,7 @@ from composer.tree.unit import Unit
 
 
 def roots(linking: Linking) -> None:
-    """Weld what is asked to be welded, and note what MuJoCo cannot have below a body.
+    """Weld the parts as requested, and record elements that MuJoCo does not allow below a body.
 
     `weld` takes away the free joint of a part:
 
@@ -48,7 +48,7 @@ def roots(linking: Linking) -> None:
 
 
 def check_roots(linking: Linking) -> None:
-    """Refuse free joints, mocap bodies and planes where they hang on a body; frames of the world are not bodies.
+    """Refuse free joints, mocap bodies and planes below a body. Frames of the world are not bodies.
 
     >>> from composer.link.example import after
     >>> part = '<worldbody><body><freejoint/><geom size=".1"/></body></worldbody>'
@@ -78,7 +78,7 @@ def check_roots(linking: Linking) -> None:
 
 
 def floats_by_itself(unit: Unit, *, mocap: bool = False) -> bool:
-    """Whether the whole of a unit is one body that floats by a free joint of its own, or is a mocap body.
+    """Return whether a unit is a single body with a free joint, or with `mocap` a single mocap body.
 
     Such a part needs no other body around it to stand freely in the world.
     """
@@ -152,7 +152,7 @@ def _mocap(linking: Linking, part: Part, body: Node, called: str, alone: bool) -
 
 
 def _planes(linking: Linking, part: Part) -> None:
-    """Note every plane of the part that stands still in the part alone."""
+    """Record every plane of the part that does not move in the part alone."""
     # MuJoCo 4.0 refuses `<body><joint/><geom type="plane" size="1 1 1"/></body>`: planes are "only allowed in static
     # bodies".
     root, classes = part.unit.root, part.unit.classes

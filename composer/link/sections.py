@@ -37,7 +37,7 @@ def sections(linking: Linking) -> None:
 
 
 def _extension(linking: Linking, part: Part, section: Node) -> None:
-    """A plugin that both declare is declared once, with the instances of both."""
+    """Merge plugins: one that both declare is declared once, with the instances of both."""
     target = linking.base.section("extension")
     known = {element.get("plugin"): element for element in linking.base.root.iterfind("extension/plugin")}
     for plugin in list(section.iterchildren("*")):

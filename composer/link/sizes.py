@@ -75,7 +75,7 @@ _USER_SECTIONS = {"nuser_tendon": "tendon", "nuser_actuator": "actuator", "nuser
 
 
 def _user_widths(linking: Linking) -> None:
-    """A written `nuser_*` must be wide enough for the user data of every unit."""
+    """Make every written `nuser_*` wide enough for the user data of all units."""
     # MuJoCo 4.0 refuses `<size nuser_geom="1"/>` beside `<geom user="1 2"/>` ("more values than nuser_geom"); without
     # a written width it takes the widest.
     for size in linking.base.root.iterchildren("size"):

@@ -197,7 +197,7 @@ _Fault = (
 
 
 def check_source(unit: Unit, sink: Sink) -> bool:
-    """Report elements, attributes and values of a file that MJCF does not have; whether there are none.
+    """Report elements, attributes and values of a file that MJCF does not have. Return whether there are none.
 
     The unit is that of the file as it is: in one that was being linked the fault may be gone already.
     """
@@ -222,12 +222,12 @@ def _of_classes(root: Node) -> Iterator[_RepeatedClass]:
 
 
 def _what(fault: _Fault) -> tuple[Node, str | None]:
-    """The element, with the name of its attribute where that is one that is not known."""
+    """Return the element of a fault, and the name of its attribute if the attribute is unknown."""
     return fault.node, fault.name if isinstance(fault, _UnknownAttribute) else None
 
 
 def put_right(unit: Unit) -> None:
-    """Take out what MJCF does not have, and give malformed attributes a value that they take, whichever."""
+    """Remove what MJCF does not have, and replace the values of malformed attributes by arbitrary valid ones."""
     for fault in list(_faults(unit.root)):
         fault.put_right()
 
@@ -276,7 +276,7 @@ def _of_attributes(node: Node, kind: ElementType) -> Iterator[_Fault]:
 
 
 def _is_checked(node: Node) -> bool:
-    """Whether MuJoCo (4.0) looks at the rules for an element of the body tree here, and not inside a frame.
+    """Return whether MuJoCo (4.0) checks the rules for an element of the body tree here, but not inside a frame.
 
     A part ends up in one. What is not of the body tree is looked at in the composition, too.
     """
@@ -310,12 +310,12 @@ def _of_name(node: Node, kind: ElementType) -> Iterator[_Misnamed]:
 
 
 def _is_newer() -> bool:
-    """Whether this MuJoCo may have attributes that the grammar does not know yet."""
+    """Return whether this MuJoCo may have attributes that the grammar does not know yet."""
     return _installed() > version_key(GRAMMAR.versions[-1])
 
 
 def _is_older() -> bool:
-    """Whether this MuJoCo has no schema with rules yet; without it the newest one is meant."""
+    """Return whether this MuJoCo has no schema with rules yet. If it is not installed, the newest one is assumed."""
     return () < _installed() < (4,)
 
 
@@ -330,7 +330,7 @@ def _installed() -> tuple[int, ...]:
 
 
 def _is_plain(attribute: Attribute, value: str) -> bool:
-    """Whether it is as many plain numbers as there may be; if not, that says nothing yet."""
+    """Return whether a value is a valid count of plain numbers. If not, it may still be valid."""
     if attribute.type != "real" or attribute.lengths is not None or not _PLAIN.fullmatch(value):
         return False
     parts = value.split(" ")
@@ -357,7 +357,7 @@ def _remove(node: Node) -> None:
 
 
 def _sample(attribute: Attribute) -> str:
-    """A value that an attribute takes.
+    """Return a valid value of an attribute.
 
     >>> _sample(GRAMMAR.element("geom").attributes["pos"])
     '1 1 1'

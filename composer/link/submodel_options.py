@@ -25,7 +25,7 @@ _FLAG = "option/flag/"
 
 
 def submodel_options(linking: Linking) -> None:
-    """Write into every such unit what it has alone; a model of one unit leaves it to MuJoCo.
+    """Write into every such unit what it has alone. A model of one unit is left to MuJoCo.
 
     >>> from composer.link.example import after
     >>> part = (
@@ -58,7 +58,7 @@ def _adopt(unit: Unit) -> None:
 
 
 def _read(unit: Unit, file: str) -> Unit | None:
-    """A sub-model; what is wrong with it is reported where it is bundled."""
+    """Return a sub-model, or None if it has errors, which are reported when it is bundled."""
     known = unit.contents.get(file) if file else None
     if isinstance(known, bytes):
         return parse_held(unit, file, known, Sink())
@@ -85,7 +85,7 @@ def _merge(unit: Unit, sub: Unit, compiler: Node) -> None:
 
 
 def _write(unit: Unit, path: str, value: str, compiler: Node) -> None:
-    """A section that is new stands, for whoever asks, where the unit says so."""
+    """Write a setting. For messages, a new section has the place of the unit's own setting."""
     tag = path.split("/")[0]
     new = next(unit.root.iterchildren(tag), None) is None
     set_value(unit, path, value)

@@ -56,7 +56,7 @@ def _bundle(
     keyed: bool,
     above: tuple[str, ...] = (),
 ) -> None:
-    """Take in a model that another one names; `above` are the models that lead to it."""
+    """Bundle a model that another one refers to. `above` are the models that lead to it."""
     known = unit.contents.get(file)
     source = held(known if isinstance(known, Path) else join(str(unit.directory), file))
     if isinstance(known, bytes):
@@ -102,7 +102,7 @@ class _TooManyError(Exception):
 
 
 def _count(linking: Linking, unit: Unit, element: Node, depth: int) -> None:
-    """Count one more sub-model: models that name one another twice each would have no end."""
+    """Count one more sub-model, because models that each refer to two others would grow without end."""
     limits = in_force()
     linking.submodels += 1
     if depth >= limits.nesting:
@@ -118,7 +118,7 @@ def _count(linking: Linking, unit: Unit, element: Node, depth: int) -> None:
 
 
 def parse_held(unit: Unit, file: str, data: bytes, sink: Sink) -> Unit | None:
-    """A sub-model in memory; its files are there too, seen from its own folder."""
+    """Parse a sub-model in memory. Its files are in memory too, relative to its own folder."""
     folder, _, name = join("", file).rpartition("/")
     return parse_text(
         data,
@@ -132,24 +132,24 @@ def parse_held(unit: Unit, file: str, data: bytes, sink: Sink) -> Unit | None:
 
 
 def door_of_submodel(unit: Unit, path: Path, known: bytes | Path | None) -> Door:
-    """What a sub-model may read: what the model may; one that a recipe names, its own folder too."""
+    """Return what a sub-model may read: the same as the model, and for one that a recipe names also its own folder."""
     return unit.door if known is None else unit.door.wider((path.parent,))
 
 
 def _is_bundled(file: str) -> bool:
-    """Whether a sub-model stands where this pass puts them."""
+    """Return whether a sub-model is in the place where this pass puts sub-models."""
     steps = file.split("/")
     return len(steps) == 4 and steps[0] == ASSETS and steps[2] == "models"
 
 
 def _shown(unit: Unit, source: str) -> str:
-    """The sub-model as messages name it: beside the file of the unit."""
+    """Return the path of the sub-model for messages, next to the file of the unit."""
     inside = os.path.relpath(source, unit.directory)
     return os.path.normpath(os.path.join(os.path.dirname(unit.file), inside))
 
 
 def _bundled_before(linking: Linking, unit: Unit, element: Node, file: str, model: bytes) -> None:
-    """The sub-model of a composition: its files stand beside it, in a folder of its name."""
+    """Bundle the sub-model of a composition, whose files are next to it in a folder with its name."""
     taken = {use.path: use.content if use.content is not None else Path(use.source) for use in linking.files}
     folder = file.rsplit("/", 1)[0]
     start = file.removesuffix(".xml") + "/"
@@ -167,7 +167,7 @@ def _bundled_before(linking: Linking, unit: Unit, element: Node, file: str, mode
 
 
 def _alike(one: bytes | Path, other: bytes | Path) -> bool:
-    """Whether two files, in memory or on disk, have the same bytes."""
+    """Return whether two files, in memory or on disk, have the same bytes."""
     if one == other:
         return True
     try:
@@ -198,7 +198,7 @@ def _admitted(linking: Linking, sub: Unit, element: Node, attribute: str, writte
 
 
 def _own_files(linking: Linking, sub: Unit, path: str, keyed: bool, above: tuple[str, ...]) -> None:
-    """Files of a sub-model stand in a folder beside it, and it names them from where it is."""
+    """Bundle the files of a sub-model in a folder next to it. Its paths to them are relative to its own folder."""
     beside = path.rsplit("/", 1)[1]
     taken: dict[str, str] = {}
     for element, attribute, file in file_attributes(sub.root):

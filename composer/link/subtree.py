@@ -61,7 +61,7 @@ class Subtree:
 
     @property
     def cut(self) -> tuple[Left, ...]:
-        """What concerns the subtree as well, and would have been cut in two."""
+        """The elements that belong to both the subtree and the rest, and would have been cut in two."""
         return tuple(each for each in self.left if each.lacks is not None)
 
 
@@ -74,7 +74,7 @@ def take_subtree(
     keyframes: KeyPolicy = "merge",
     measure: Measure | None = None,
 ) -> Subtree | None:
-    """Leave of `unit` the body `name` and what it needs; None where that cannot be, which goes to `sink`.
+    """Keep only the body `name` of `unit` and what it needs. Return None if that is impossible, with errors in `sink`.
 
     The body keeps its pose relative to its parent, which becomes the world. What concerns also something outside of
     it is left behind as a whole. `measure` is asked for what only MuJoCo knows of the whole unit.
@@ -104,7 +104,7 @@ def take_subtree(
 
 
 def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
-    """The body of that name, unless MuJoCo makes several of it."""
+    """Return the body with this name, or None with an error if it does not exist or MuJoCo makes several of it."""
     bodies = [each for top in unit.root.iterchildren("worldbody") for each in top.iter("body")]
     body = next((each for each in bodies if each.get("name") == name), None)
     if body is None:
@@ -127,7 +127,7 @@ def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
 
 
 def _settle_mass(linking: Linking) -> None:
-    """`settotalmass` scales the whole unit: what it gives each body becomes explicit before bodies are left."""
+    """Write out the masses that `settotalmass` gives the bodies of the whole unit, before bodies are left out."""
     unit = linking.base
     if float(unit.settings.settotalmass) <= 0:
         return
@@ -143,7 +143,7 @@ def _settle_mass(linking: Linking) -> None:
 
 
 def _named(elements: Iterable[Node]) -> Iterator[Left]:
-    """What of the body tree is left; frames and what only shapes others does not count."""
+    """Yield the elements of the body tree that are left out, without frames and elements that only shape others."""
     for element in elements:
         if element.tag in ("worldbody", "frame", "replicate"):
             continue
@@ -162,7 +162,7 @@ def _named(elements: Iterable[Node]) -> Iterator[Left]:
 
 
 def _cut_in_the_tree(concern: Concern, unit: Unit, inside: list[Node]) -> Iterator[Left]:
-    """Cameras and lights of the subtree that look at a body outside of it."""
+    """Yield the cameras and lights of the subtree that look at a body outside of it."""
     for element in inside:
         if element.tag not in ("camera", "light"):
             continue
@@ -183,7 +183,7 @@ def _cut(element: Node, section: str, lacks: str, unit: Unit) -> Left:
 
 
 def _what(element: Node, section: str) -> str:
-    """The word for an element: that of its namespace where its tag says nothing (`joint` of an equality)."""
+    """Return the word for an element: its namespace if its tag is ambiguous (`joint` of an equality), else its tag."""
     declared = declaration(element, section)
     if section in ("contact", "worldbody"):
         return str(element.tag)
@@ -193,7 +193,7 @@ def _what(element: Node, section: str) -> str:
 
 
 def _make_root(unit: Unit, body: Node) -> None:
-    """Put the body, inside the frames between it and its parent, alone into the world."""
+    """Make the body the only one in the world, inside the frames between it and its parent."""
     # The bodies and frames around it go, and with them the class in force.
     inherited = childclass_of(body)
     if inherited and not body.get("childclass"):
@@ -223,7 +223,7 @@ def _make_root(unit: Unit, body: Node) -> None:
 
 
 def _leave_sections(unit: Unit, concern: Concern) -> Iterator[Left]:
-    """Every element of the other sections that does not concern the subtree alone."""
+    """Remove and yield every element of the other sections that does not belong to the subtree alone."""
     going: list[tuple[Node, Left]] = []
     staying: list[tuple[Node, str]] = []
     for section in list(unit.root.iterchildren("*")):
@@ -256,7 +256,7 @@ def _leave_sections(unit: Unit, concern: Concern) -> Iterator[Left]:
 
 
 def _strip(section: Node, looks: bool) -> Iterator[Left]:
-    """Take out of a section of the whole model what no body needs; a camera needs `znear` for its intrinsics."""
+    """Remove from a section of the whole model what no body needs. A camera needs `znear` for its intrinsics."""
     root, tag = section.getparent(), str(section.tag)
     assert root is not None
     if section.attrib:
@@ -281,7 +281,7 @@ _Rows = Mapping[Node, Mapping[str, Mapping[Holder, list[Number]]]]
 
 
 def _rows(linking: Linking, policy: KeyPolicy) -> _Rows:
-    """The numbers of every key, by vector and by what they belong to, while the unit is still whole."""
+    """Return the numbers of every key, by vector and by owner, before the unit is cut."""
     unit = linking.base
     for size in list(unit.root.iterchildren("size")):
         size.attrib.pop("nkey", "")  # keys that say nothing
@@ -302,7 +302,7 @@ def _rows(linking: Linking, policy: KeyPolicy) -> _Rows:
 
 
 def _leave_keys(unit: Unit, rows: _Rows) -> Iterator[Left]:
-    """Keep of each key what belongs to the subtree; a key that says nothing about it is left."""
+    """Keep the numbers of each key that belong to the subtree. Remove and yield the keys without such numbers."""
     staying = set(unit.root.iter("*"))
     for key, vectors in rows.items():
         said = False

@@ -58,7 +58,7 @@ class _Suspect(NamedTuple):
 
 
 def top_level_defaults(linking: Linking) -> None:
-    """Write the gain that several top-level `<default>` give an actuator; refuse it where that cannot be written.
+    """Write the gain that several top-level `<default>` elements set for an actuator, or refuse it if impossible.
 
     >>> from composer.link.example import after
     >>> part = (
@@ -91,7 +91,7 @@ def top_level_defaults(linking: Linking) -> None:
 
 
 def _suspects(unit: Unit) -> Iterator[_Suspect]:
-    """Actuators whose class is of another kind, where the top class is not the same throughout."""
+    """Yield actuators whose class is of another kind, if the top class changes between sections."""
     sections = list(unit.root.iterchildren("default"))
     setting = [at for at, section in enumerate(sections) if _actuators(section)]
     if not setting or setting == [0]:
@@ -109,7 +109,7 @@ def _suspects(unit: Unit) -> Iterator[_Suspect]:
 
 
 def _read_all(sections: Sequence[Node]) -> dict[str, _Class]:
-    """Every class; each is a copy of the one around it, as it stood there."""
+    """Read all classes. Each one begins as a copy of the enclosing class at that point."""
     found: dict[str, _Class] = {}
     earlier = False
     for at, section in enumerate(sections):
@@ -120,7 +120,7 @@ def _read_all(sections: Sequence[Node]) -> dict[str, _Class]:
 
 
 def _read(node: Node, name: str, around: _Class, earlier: bool, found: dict[str, _Class]) -> None:
-    """`earlier` is whether the top class has set actuators in a section before this one."""
+    """Read a class. `earlier` is whether the top class has set actuators in a section before this one."""
     kind = around.kind
     for actuator in _actuators(node):
         tag = str(actuator.tag)
@@ -141,7 +141,7 @@ def _tags() -> tuple[str, ...]:
 
 
 def _gains(linking: Linking, unit: Unit, *, wrap: bool = False) -> _Gains | None:
-    """What MuJoCo makes of every actuator of the unit, as it is or with its top class wrapped."""
+    """Return the gains that MuJoCo computes for the unit's actuators, as it is or with its top class wrapped."""
     if linking.measure is None:
         return None
     copy = unit.copied()
@@ -165,7 +165,7 @@ def _gains(linking: Linking, unit: Unit, *, wrap: bool = False) -> _Gains | None
 def _write(
     unit: Unit, actuator: Node, gain: Callable[[Classes, DefaultClass, str], DefaultClass | None]
 ) -> None:
-    """Write what the class gives that `gain` finds, where the composition gives another value."""
+    """Write the values of the class that `gain` finds, if the composition has other values."""
     from composer.tree.effective import default_text  # few models need it
 
     tag = str(actuator.tag)
@@ -190,7 +190,7 @@ def _value(asked: DefaultClass | None, tag: str, name: str, default: str | None)
 
 
 def _found(classes: Classes, own: DefaultClass, tag: str) -> DefaultClass | None:
-    """The nearest class of an actuator's kind, once the sections are wrapped."""
+    """Return the nearest class of an actuator's kind after the sections are wrapped."""
     found: DefaultClass | None = own
     while found is not None and not _is_of(found, tag):
         found = found.parent
@@ -198,7 +198,7 @@ def _found(classes: Classes, own: DefaultClass, tag: str) -> DefaultClass | None
 
 
 def _found_in_the_end(classes: Classes, own: DefaultClass, tag: str) -> DefaultClass | None:
-    """The same where the top class is what all sections leave."""
+    """Return the nearest class of an actuator's kind if the top class is the result of all sections."""
     found: DefaultClass | None = own
     while found is not None and found.name != MAIN:
         if _is_of(found, tag):
@@ -208,12 +208,12 @@ def _found_in_the_end(classes: Classes, own: DefaultClass, tag: str) -> DefaultC
 
 
 def _found_nowhere(classes: Classes, own: DefaultClass, tag: str) -> DefaultClass | None:
-    """No class: MuJoCo's own values."""
+    """Return None, for MuJoCo's own values without a class."""
     return None
 
 
 def _is_of(found: DefaultClass, tag: str) -> bool:
-    """Whether a class is of that kind by its own last word."""
+    """Return whether the last actuator settings of a class are for this tag."""
     own = found.elements.get(tag)
     section = own[0].getparent() if own else None
     return section is not None and _actuators(section)[-1].tag == tag

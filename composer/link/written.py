@@ -38,7 +38,7 @@ class Written(NamedTuple):
 
 
 def written(unit: Unit) -> dict[str, Written]:
-    """Every setting that the unit's own tree has, by its path; of several sections the last counts."""
+    """Return every setting in the unit's own tree by its path. If a section repeats, the last value wins."""
     found: dict[str, Written] = {}
     for section in unit.root.iterchildren(*SINGLETONS):
         _note(section, str(section.tag), unit, found)
@@ -46,7 +46,7 @@ def written(unit: Unit) -> dict[str, Written]:
 
 
 def opinions(unit: Unit) -> dict[str, Written]:
-    """What a unit asks for: what its tree has, and for a nested recipe the defaults that its parts agree on."""
+    """Return the settings a unit asks for: its own, and for a nested recipe the defaults that its parts agree on."""
     own = written(unit)
     if not unit.adopted:
         return own
@@ -76,7 +76,7 @@ def _span(unit: Unit, element: Node, name: str) -> Span:
 
 @cache
 def default_of(path: str) -> str | None:
-    """MuJoCo's default of a setting; None where there is none, or where it computes one."""
+    """Return MuJoCo's default of a setting, or None if it has none or computes it."""
     element, name = path.rsplit("/", 1)
     attribute = GRAMMAR.element(element).attributes.get(name)
     value = attribute.default if attribute is not None else None
@@ -88,14 +88,14 @@ def default_of(path: str) -> str | None:
 
 
 def is_default(path: str, value: str) -> bool:
-    """Whether a setting of that value is what MuJoCo does anyway."""
+    """Return whether the value is MuJoCo's default of the setting."""
     default = default_of(path)
     return default is not None and equal(default, value)
 
 
 @lru_cache(4096)
 def equal(a: str, b: str) -> bool:
-    """Whether two values of a setting are one: `1e-2` is `0.01`."""
+    """Return whether two values of a setting are equal: `1e-2` is `0.01`."""
     if a == b or a.split() == b.split():
         return True
     try:
@@ -105,7 +105,10 @@ def equal(a: str, b: str) -> bool:
 
 
 def merged(path: str, have: Written | None, wanted: Written) -> str | None:
-    """As MuJoCo merges: a default gives way; of two steps or tolerances the smaller, of iterations the larger."""
+    """Return two values merged as MuJoCo does, or None if they conflict.
+
+    A value that is not written gives way. Of steps and tolerances the smaller is used, of iterations the larger.
+    """
     # MuJoCo 4.0 takes of a `timestep` of 0.003 and one of 0.004 the smaller one, whoever writes it, and 0.004 where the
     # other model has it not written.
     if have is None:
@@ -119,7 +122,7 @@ def merged(path: str, have: Written | None, wanted: Written) -> str | None:
 
 
 def set_value(unit: Unit, path: str, value: str) -> Node:
-    """Write a setting into the tree; gives the element that has it."""
+    """Write a setting into the tree, and return the element that has it."""
     section, *inner, name = path.split("/")
     element = unit.section(section)
     for tag in inner:

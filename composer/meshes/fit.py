@@ -64,5 +64,5 @@ def _ball(points: numpy.ndarray) -> tuple[numpy.ndarray, float]:
     """The smallest ball, or circle, around points."""
     from trimesh.nsphere import minimum_nsphere
 
-    centre = numpy.asarray(minimum_nsphere(points)[0], dtype=float)
+    centre: numpy.ndarray = numpy.array(minimum_nsphere(points)[0], numpy.float64)
     return centre, float(numpy.linalg.norm(points - centre, axis=1).max())
