@@ -65,7 +65,8 @@ def _counted(meshes: list[Node], unit: Unit) -> dict[Node, int]:
         if (words, has_hull) in seen and mesh.get("file"):
             continue
         seen.add((words, has_hull))
-        points = _points(mesh, unit)
+        # What is too much already needs no reading of the rest.
+        points = _points(mesh, unit, at_most=sum(found.values()) > in_force().mesh_points)
         found[mesh] = points if has_hull else -(-points // _WITHOUT_HULL)
     return found
 

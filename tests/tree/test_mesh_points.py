@@ -157,3 +157,17 @@ def test_all_meshes_of_a_unit(folder: Path) -> None:
         f"<mujoco><asset>{INLINE}</asset></mujoco>", Sink(), file="m.xml", directory=folder, label="m"
     )
     assert unit is not None and mesh_points(unit) == 1, "no geom uses it"
+
+
+def test_what_is_too_much_already_needs_no_more_reading(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import composer.tree.file_points as counting
+
+    read = []
+    monkeypatch.setattr(counting, "_memories", {})
+    monkeypatch.setattr(counting, "read_regular", lambda path: read.append(path) or OPEN)
+    for name in "abc":
+        (folder / f"{name}.stl").write_bytes(OPEN)
+    assert told(folder, "".join(f'<mesh file="{name}.stl"/>' for name in "abc"), 100) != []
+    assert len(read) == 1
