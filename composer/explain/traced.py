@@ -32,6 +32,7 @@ from composer.explain.recipe_lines import RecipeLines, same_words
 from composer.explain.row_words import only_place, reason_of, row_explained
 from composer.explain.rows import VECTORS, NumberOrigin, key_origins, rows
 from composer.explain.trace import TAG, Change, Life, Move, Trace
+from composer.plan.steps.edit_elements import EditElements
 from composer.plan.steps.set_collisions import SetCollisions
 from composer.recipe.subscript import attribute_and_index
 from composer.tree.attached import attached_notes
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
 
 
 _URDF = "what MuJoCo makes of the URDF"
+_WORKED_OUT = "worked out by the edit"
 _COMES_ALONG = "comes with what the recipe adds there"
 
 
@@ -371,6 +373,8 @@ class Traced:
         span, text = self._span(life, attribute), life.attributes[attribute]
         if getattr(life.born.done, "format", None) == "urdf":
             return Reason("" if self.recipe_lines.has(span, text) else _URDF, span)
+        if isinstance(life.born.done, EditElements) and not self.recipe_lines.has(span, text):
+            return Reason(_WORKED_OUT, span)
         if callable(life.owner) and span == life.owner(None) and not self.recipe_lines.has(span, text):
             return Reason(_COMES_ALONG, span)
         return Reason("", span)

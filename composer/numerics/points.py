@@ -14,6 +14,8 @@ _INDENTED = re.compile(rb"\n +")
 _LONG = 1000
 """Corners from which on the cutting of a polygon costs more than its points."""
 _CUT = 4000
+_SMALL = 1 << 15
+"""Bytes of an OBJ file that need not be looked at: it has too few points to matter."""
 
 
 def points_in(data: bytes, kind: str) -> int:
@@ -38,8 +40,10 @@ def most_points(size: int, kind: str) -> int | None:
     """No more than so many points that a file of so many bytes has; None where only its bytes can tell.
 
     >>> most_points(84 + 50 * 12, "stl"), most_points(1000, "obj")
-    (36, None)
+    (36, 312)
     """
+    if kind == "obj":  # a line of a point or a face has six bytes or more, a corner of a polygon two
+        return size // 4 + (size // 2) ** 2 // _CUT if size <= _SMALL else None
     return 3 * (max(0, size - _HEAD) // _FACE) if kind == "stl" else None
 
 

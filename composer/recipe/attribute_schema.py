@@ -107,7 +107,8 @@ def _values(attribute: Attribute) -> Schema:
     if kind == "chars":
         low, high = attribute.min_length or 0, "" if attribute.max_length is None else attribute.max_length
         return {"type": "string", "pattern": f"^.{{{low},{high}}}$|{TEMPLATE_PATTERN}"}
-    return {"type": "string", "minLength": 1} if attribute.required else {"type": "string"}
+    is_needed = attribute.required and attribute.name != "name"  # an empty name keeps an element unnamed
+    return {"type": "string", "minLength": 1} if is_needed else {"type": "string"}
 
 
 def _numbers(attribute: Attribute, item: str) -> Schema:

@@ -55,8 +55,8 @@ class Motor:
     def reflected(self) -> float | None:
         """The inertia at the output, in kg·m²: that of a rotor counts with the square of the reduction.
 
-        >>> Motor(12.0, "", gear=6, rotor_inertia=1e-4).reflected
-        0.0036
+        >>> Motor(12.0, "", gear=10, rotor_inertia=0.25).reflected
+        25.0
         """
         if self.armature is not None or self.rotor_inertia is None:
             return self.armature

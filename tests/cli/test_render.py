@@ -53,7 +53,7 @@ def _size(path: Path) -> tuple[int, int]:
 @pytest.mark.parametrize("target", ["ball.xml", "robot.urdf"])
 def test_a_model_is_a_picture(folder: Path, target: str) -> None:
     result = _run(target, "-o", "out/a.png", "--size", "64x48")
-    assert (result.exit_code, result.output) == (0, "wrote out/a.png\n")
+    assert (result.exit_code, result.stdout) == (0, "wrote out/a.png\n")
     assert _size(folder / "out/a.png") == (64, 48)
     assert [path.name for path in (folder / "out").iterdir()] == ["a.png"]
 

@@ -87,8 +87,6 @@ class Proof:
             return self._count("what changed it")
         if now is None and chain:
             return self._count("made by a change")
-        if "inertia: {" in self._text(level.span):
-            return self._count("computed of geoms")
         return f"{_place(level.span)} has {self._text(level.span)!r} and not {now!r}"
 
     def _row(self, row: RowExplained) -> str | None:
