@@ -17,7 +17,7 @@ from cli.balls import MODEL, RECIPE
 from click.testing import CliRunner, Result
 
 from composer.cache.result import Made
-from composer.cli import build_cells
+from composer.cli import build_cells, interruption
 from composer.cli.interruption import end_in_order
 from composer.cli.main import main
 from composer.cli.writing import put
@@ -137,6 +137,7 @@ def test_what_is_written_is_counted(folder: Path, monkeypatch: pytest.MonkeyPatc
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+        interruption._asked.clear()  # which is for a process that ends
     assert result.exit_code == 130 and "interrupted: 2 of 3 are written and whole" in result.stderr
     assert len(list(folder.glob("out/ball*"))) == 2
 
