@@ -17,7 +17,7 @@ LIGHT := $(VENV)/.light$(if $(MUJOCO),-mujoco-$(MUJOCO))
 # With what slow tests alone need.
 SLOW := $(VENV)/.slow$(if $(MUJOCO),-mujoco-$(MUJOCO))
 
-.PHONY: demo test test-all test-usd test-worlds test-targets foreign fuzz kills audit lint format docs wheel bench fidelity schemas constraints vscode clean
+.PHONY: demo test test-slow test-all test-usd test-worlds test-targets foreign fuzz kills audit lint format docs wheel bench fidelity schemas constraints vscode clean
 .DELETE_ON_ERROR:
 
 demo: $(if $(wildcard $(STAMP)),$(STAMP),$(LIGHT))
@@ -31,9 +31,11 @@ demo: $(if $(wildcard $(STAMP)),$(STAMP),$(LIGHT))
 test: $(STAMP)
 	@$(BIN)/python -m pytest $(PYTEST_ARGS) -m "not slow"
 
-# These, and then the slow ones: whole sets of real models, and what starts other programs, such as a cluster.
-test-all: test $(SLOW)
+# The slow ones: whole sets of real models, and what starts other programs, such as a cluster.
+test-slow: $(SLOW)
 	@$(BIN)/python -m pytest $(PYTEST_ARGS) -m slow
+
+test-all: test test-slow
 
 # The tests of USD, in an environment of their own: the converter wants an older MuJoCo and Python 3.12 or older.
 test-usd:
