@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from random import Random
 
@@ -68,12 +69,17 @@ class _Builder:
         text, compiled = mended(self.root, make)
         self._keys(compiled)
         text, compiled = mended(self.root, make)
-        return Model(text, self._names("site"), self._names("body"), self._names("frame"))
+        return Model(text, *(self._names(tag, compiled) for tag in ("site", "body", "frame")))
 
-    def _names(self, tag: str) -> tuple[str, ...]:
-        """Those that a recipe can hang something on: what a replicate makes has other names."""
+    def _names(self, tag: str, compiled: mujoco.MjModel) -> tuple[str, ...]:
+        """The places that a recipe can name: not what a replicate makes, and not in a body that MuJoCo fuses."""
+        bodies = {compiled.body(index).name for index in range(compiled.nbody)}
         found = (each for each in self.root.iter(tag) if next(each.iterancestors("replicate"), None) is None)
-        return tuple(str(each.get("name")) for each in found if each.get("name"))
+        return tuple(
+            str(each.get("name"))
+            for each in found
+            if each.get("name") and all(body.get("name", "world") in bodies for body in _bodies(each))
+        )
 
     def _compiler(self) -> None:
         make = self.make
@@ -359,3 +365,9 @@ class _Builder:
 
 
 _POSES = ("pos", "quat", "axisangle", "xyaxes", "zaxis", "euler")
+
+
+def _bodies(node: Node) -> Iterator[Node]:
+    """The bodies around a node, and the node itself if it is one."""
+    yield from ([node] if node.tag == "body" else [])
+    yield from node.iterancestors("body")
