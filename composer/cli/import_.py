@@ -44,8 +44,7 @@ def command(
     as a comment. Exit codes: 0 the recipe builds the same model, 1 something differs or cannot be read or built, 2
     wrong usage.
     """
-    from composer.bundle.output_error import OutputError
-    from composer.bundle.staging import staged_file
+    from composer.cli.fmt import rewrite
     from composer.context import Context
     from composer.importing.recover import recover
     from composer.importing.words import amount, changed
@@ -70,11 +69,7 @@ def command(
         parts, references = _searched(merged, folders, target, context, form)
     found = recover(merged, list(parts), target, context, progress, references) if parts else None
     if found is not None:
-        try:
-            with staged_file(target) as stage:
-                stage.write_text(found.text, encoding="utf-8")
-        except OutputError as error:
-            context.sink.add(error.diagnostic)
+        rewrite(target, found.text.encode(), context)
         for fault in found.faults:
             context.sink.add(fault)
     report(context, form)
@@ -115,19 +110,14 @@ def command(
 
 def _urdf(file: Path, is_more_named: bool, target: Path, context: Context, form: str) -> NoReturn:
     """The recipe that starts from a URDF, and the table of what is read."""
-    from composer.bundle.output_error import OutputError
-    from composer.bundle.staging import staged_file
+    from composer.cli.fmt import rewrite
     from composer.importing.of_urdf import of_urdf, table
 
     if is_more_named:
         raise click.UsageError("a URDF is taken whole: leave PARTS and --among out")
     found = of_urdf(file, target, context)
     if found is not None:
-        try:
-            with staged_file(target) as stage:
-                stage.write_text(found.text, encoding="utf-8")
-        except OutputError as error:
-            context.sink.add(error.diagnostic)
+        rewrite(target, found.text.encode(), context)
     report(context, form)
     if found is None or context.sink.has_errors:
         sys.exit(exit_code(context.folder, [file]))
@@ -159,8 +149,7 @@ def _searched(
     merged: Path, folders: tuple[Path, ...], target: Path, context: Context, form: str
 ) -> tuple[tuple[Path, ...], dict[Path, str]]:
     """Return the parts that were found, with their references if they have one; exit if there are none."""
-    from composer.bundle.output_error import OutputError
-    from composer.bundle.staging import staged_file
+    from composer.cli.fmt import rewrite
     from composer.importing.recover import whole_recipe
     from composer.importing.searching import search
     from composer.importing.words import amount
@@ -175,11 +164,7 @@ def _searched(
         say(f"found {amount(len(names), 'part')} {looked}: {', '.join(names)}", err=form == "json")
         references = {each.path: each.reference for each in result.parts if each.reference is not None}
         return tuple(each.path for each in result.parts), references
-    try:
-        with staged_file(target) as stage:
-            stage.write_text(whole_recipe(merged, target), encoding="utf-8")
-    except OutputError as error:
-        context.sink.add(error.diagnostic)
+    if not rewrite(target, whole_recipe(merged, target).encode(), context):
         report(context, form)
         sys.exit(FINDINGS)
     if form == "json":

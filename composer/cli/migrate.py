@@ -121,8 +121,8 @@ def _check_usage(
 
 def _written(result: Result, out: str | None, context: Context) -> Path | None:
     """Write the files, all or none; where the model is now."""
-    from composer.bundle.output_error import OutputError, unwritable
-    from composer.bundle.staging import parents, real, stage_beside, staged_file
+    from composer.bundle.output_error import unwritable
+    from composer.bundle.staging import parents, real, stage_beside
     from composer.migrate.proof import lay_out
 
     migrated, model = result.migrated, result.model
@@ -135,13 +135,7 @@ def _written(result: Result, out: str | None, context: Context) -> Path | None:
             context.sink.error("output-kind", f"`{out}` would not find its files: {why}",
                                help=f"write a folder: `-o {target.with_suffix('')}`")  # fmt: skip
             return None
-        try:
-            with staged_file(target) as stage:
-                stage.write_bytes(migrated.files[model][1])
-        except OutputError as error:
-            context.sink.add(error.diagnostic)
-            return None
-        return target
+        return target if rewrite(target, migrated.files[model][1], context) else None
     try:
         with parents(real(target)), stage_beside(real(target)) as stage:
             stage.mkdir()

@@ -11,6 +11,8 @@ from composer.migrate.released import later
 from composer.tree.classes import childclass_of
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from lxml.etree import _Element as Node
 
 ROLES = ("rgb", "occlusion", "roughness", "metallic", "normal", "opacity", "emissive", "rgba", "orm")
@@ -245,17 +247,24 @@ def lines_that_bend(editing: Editing) -> None:
             editing.warn(node, f"{called(flex)} does not bend in MuJoCo {editing.after}", None, "young")
 
 
+def _elastic(editing: Editing) -> Iterator[tuple[Node, Node, float, float, float, str]]:
+    """Yield the elastic flexes with where their constants stand: `young`, `poisson`, `thickness` and `elastic2d`."""
+    for flex, node in _flexes(editing):
+        young, nu = _number(node, "young"), _number(node, "poisson")
+        if young and not is_interpolated(flex):
+            yield (
+                flex,
+                node,
+                young,
+                nu,
+                _number(node, "thickness", -1.0),
+                str(node.get("elastic2d") or "none"),
+            )
+
+
 def elastic_constants(editing: Editing) -> None:
     """Before 4.0 flexes were softer than `young` and `poisson` say: other numbers give the stiffness they had."""
-    for flex, node in _flexes(editing):
-        young, nu, thickness = (
-            _number(node, "young"),
-            _number(node, "poisson"),
-            _number(node, "thickness", -1.0),
-        )
-        mode = str(node.get("elastic2d") or "none")
-        if not young or is_interpolated(flex):
-            continue
+    for flex, node, young, nu, thickness, mode in _elastic(editing):
         if dimension(flex) == 3:
             new = 2 * nu / (1 + 2 * nu)
             _write(editing, node, young=young * (1 + new) / (1 + nu), poisson=new)
@@ -279,15 +288,7 @@ def elastic_constants(editing: Editing) -> None:
 
 def constants_as_they_were(editing: Editing) -> None:
     """The same back."""
-    for flex, node in _flexes(editing):
-        young, nu, thickness = (
-            _number(node, "young"),
-            _number(node, "poisson"),
-            _number(node, "thickness", -1.0),
-        )
-        mode = str(node.get("elastic2d") or "none")
-        if not young or is_interpolated(flex):
-            continue
+    for flex, node, young, nu, thickness, mode in _elastic(editing):
         if dimension(flex) == 3:
             old = nu / (2 * (1 - nu))
             _write(editing, node, young=young * (1 + old) / (1 + nu), poisson=old)
