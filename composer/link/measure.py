@@ -10,6 +10,7 @@ from pathlib import Path
 
 from composer import engine
 from composer.context import Context
+from composer.diagnostics.sink import Sink
 from composer.link.linking import Measure
 from composer.mujoco_errors.message import CRASHES, crash_help, parse
 from composer.mujoco_errors.report import report
@@ -17,6 +18,7 @@ from composer.mujoco_errors.translation import translate
 from composer.scratch import scratch
 from composer.tree.files import file_attributes, is_absolute, written_path
 from composer.tree.line import element_at
+from composer.tree.mesh_points import check_meshes
 from composer.tree.unit import Unit
 from composer.tree.write import write
 
@@ -32,6 +34,8 @@ def measure_with(
     """
 
     def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
+        if not check_meshes(unit, 0, Sink() if attempt else context.sink):
+            return {}
         wanted = tuple(name for name in arrays if name not in _SIZES)
         text = write(unit.root)
         with folder_of(unit) as folder:

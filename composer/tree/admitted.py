@@ -1,4 +1,4 @@
-"""Check that a model names only files that it may read, before MuJoCo opens them itself."""
+"""Check that a model names only files that it may read and MuJoCo can cope with, before MuJoCo opens them itself."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.sink import Sink
 from composer.reading.refused import Refused
 from composer.tree.files import file_attributes, join, written_path
+from composer.tree.mesh_points import check_meshes
 from composer.tree.parse import parse_file, parse_xml
 from composer.tree.unit import Unit
 
@@ -27,9 +28,11 @@ class _Use(NamedTuple):
 def all_admitted(unit: Unit, sink: Sink, shown: Callable[[Path], str] | None = None) -> bool:
     """Return whether the door of a model admits all files that it names; report the others at their places.
 
-    Included files were read with the model. Attached models are read here, with all files that they name.
+    Meshes with more points than the limit are reported too. Included files were read with the model. Attached models
+    are read here, with all files that they name.
     """
     before = sink.error_count
+    check_meshes(unit, 0, sink)
     for use in _named(unit, sink, shown or str, set()):
         try:
             unit.door.admit(use.path)
@@ -61,6 +64,7 @@ def _named(unit: Unit, sink: Sink, shown: Callable[[Path], str], seen: set[str])
                 if each.code == "source-outside":
                     sink.add(each)  # an include; other errors are reported when the model is linked
             if inner is not None:
+                check_meshes(inner, 0, sink)
                 yield from _named(inner, sink, shown, seen)
 
 

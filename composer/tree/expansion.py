@@ -48,10 +48,17 @@ def written(root: Node) -> int:
     return int(_COUNT(root))  # type: ignore[arg-type]
 
 
-def check_size(unit: Unit, sink: Sink, attached: Callable[[Node], Weight] = lambda _: NOTHING) -> None:
+def check_size(
+    unit: Unit,
+    sink: Sink,
+    attached: Callable[[Node], Weight] = lambda _: NOTHING,
+    *,
+    opens_files: bool = True,
+) -> None:
     """Report a model that is larger than the limits allow, at the element that makes it so. Nothing is expanded.
 
-    `attached` says what an `<attach>` brings.
+    `attached` says what an `<attach>` brings. Without `opens_files` the points of mesh files are not counted:
+    `tree/admitted.py` does so before MuJoCo opens them.
     """
     limits = in_force()
     elements = written(unit.root)
@@ -65,7 +72,7 @@ def check_size(unit: Unit, sink: Sink, attached: Callable[[Node], Weight] = lamb
         return
     if _is_small(unit.root, elements):
         if check_reserved(unit, elements, sink):
-            check_meshes(unit, 0, sink)
+            check_meshes(unit, 0, sink, opens_files=opens_files)
         return
     made, model = _made(unit.root, attached, lambda flexcomp: file_points(flexcomp, unit))
     # An inner one is reported before the one around it, which it may make too large.
@@ -86,7 +93,7 @@ def check_size(unit: Unit, sink: Sink, attached: Callable[[Node], Weight] = lamb
     if _is_heavy(unit, model, made, sink):
         return
     if check_reserved(unit, elements + total, sink):
-        check_meshes(unit, model.points, sink)
+        check_meshes(unit, model.points, sink, opens_files=opens_files)
 
 
 def _is_small(root: Node, elements: int) -> bool:

@@ -119,7 +119,7 @@ def parse_text(
             _unknown_section(section, unit, sink)
     note_unread(unit)
     if sink.error_count == before:
-        check_size(unit, sink)
+        check_size(unit, sink, opens_files=False)
     return None if sink.error_count > before else unit
 
 

@@ -8,7 +8,7 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.sink import Sink
 from composer.limits import advice, in_force
-from composer.tree.files import file_attributes
+from composer.tree.files import CUBE
 from composer.tree.pixels import pixels
 from composer.tree.unit import Unit
 
@@ -38,10 +38,10 @@ def check_reserved(unit: Unit, elements: int, sink: Sink) -> bool:
 
 def _reserving(unit: Unit, elements: int) -> Iterator[tuple[Node, str, int]]:
     root = unit.root
-    for node, attribute, _ in file_attributes(root):
-        if node.tag in ("texture", "hfield"):
-            yield node, attribute, pixels(node, attribute, unit)
     for node in root.iter("texture", "hfield", "size", "lengthrange"):
+        for attribute in ("file", *CUBE) if node.tag in ("texture", "hfield") else ():
+            if node.get(attribute):
+                yield node, attribute, pixels(node, attribute, unit)
         if node.tag == "texture" and node.get("file") is None:
             width = _number(node, "width")
             is_cube = (node.get("type") or "cube") != "2d"

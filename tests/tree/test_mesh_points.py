@@ -6,12 +6,16 @@ import mujoco
 import pytest
 from numerics.test_points import OBJ, OPEN
 
+from composer import mjcf
+from composer.bundle.bundle import Bundle
 from composer.context import Context
 from composer.diagnostics import Sink
 from composer.limits import allow
 from composer.stages import Request, build
-from composer.tree.mesh_points import mesh_points
-from composer.tree.parse import parse_text
+from composer.tree.admitted import all_admitted
+from composer.tree.mesh_points import check_meshes, mesh_points
+from composer.tree.parse import parse_file, parse_text
+from composer.verify.compiles import StrangerError, verify
 
 INLINE = '<mesh name="v" vertex="0 0 0  1 0 0  0 1 0  0 0 1"/>'
 
@@ -22,13 +26,15 @@ def told(
     """The message of each error of a model, its place, and its help; by default every mesh may collide."""
     sink = Sink()
     with allow(mesh_points=most):
-        parse_text(
+        unit = parse_text(
             f"<mujoco><asset>\n{meshes}\n</asset>{world}</mujoco>",
             sink,
             file="m.xml",
             directory=folder,
             label="m",
         )
+        if unit is not None:
+            check_meshes(unit, 0, sink)
     assert {each.code for each in sink.errors} <= {"limit-exceeded"}
     return [
         (each.message, f"{each.span.line}:{each.span.column}" if each.span else "", each.help)
@@ -171,3 +177,36 @@ def test_what_is_too_much_already_needs_no_more_reading(
         (folder / f"{name}.stl").write_bytes(OPEN)
     assert told(folder, "".join(f'<mesh file="{name}.stl"/>' for name in "abc"), 100) != []
     assert len(read) == 1
+
+
+def test_files_are_counted_before_mujoco_opens_them_and_not_when_a_model_is_read(folder: Path) -> None:
+    model = folder / "m.xml"
+    model.write_text('<mujoco><asset><mesh file="m.stl"/></asset><contact><pair/></contact></mujoco>')
+    sink = Sink()
+    with allow(mesh_points=100):
+        unit = parse_file(model, sink)
+        assert unit is not None and not sink.has_errors
+        assert not all_admitted(unit, sink)
+        assert [each.code for each in sink.errors] == ["limit-exceeded"]
+
+
+def test_they_are_counted_where_python_compiles_a_model_or_reads_one_for_mujoco(folder: Path) -> None:
+    model = folder / "m.xml"
+    model.write_text(
+        '<mujoco><asset><mesh file="m.stl"/></asset><worldbody><geom type="mesh" mesh="m"/></worldbody></mujoco>'
+    )
+    with allow(mesh_points=100):
+        root = mjcf.from_path(model)
+        for compile in (root.compile_model, lambda: mjcf.Physics.from_path(model)):
+            with pytest.raises(
+                mjcf.MjcfError, match="the meshes of the model have 150 points; 100 are allowed"
+            ):
+                compile()
+
+
+def test_they_are_counted_in_the_bundle_of_a_stranger(folder: Path) -> None:
+    text = b'<mujoco><asset><mesh file="m.stl"/></asset><worldbody><geom type="mesh" mesh="m"/></worldbody></mujoco>'
+    bundle = Bundle({"model.xml": text, "m.stl": OPEN}, "model.xml")
+    with allow(mesh_points=100), pytest.raises(StrangerError) as raised:
+        verify(bundle, stranger="x.zip")
+    assert [each.code for each in raised.value.found] == ["limit-exceeded"]

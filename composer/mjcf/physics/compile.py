@@ -10,9 +10,10 @@ from lxml.etree import _Element as Node
 from composer.compiled.kinds import Model as MjModel
 from composer.compiled.kinds import NameTable
 from composer.compiled.order import compiled_kind, compiled_order, rows
+from composer.diagnostics.sink import Sink
 from composer.link.request import Policy
 from composer.mjcf.attaching import attachments_below
-from composer.mjcf.errors import MjcfError, failed, failure
+from composer.mjcf.errors import MjcfError, failed, failure, raise_errors
 from composer.mjcf.flat import Flat, contents, copied, flatten, issue_warnings, name_files
 from composer.mjcf.model import Model, Target
 from composer.mujoco_errors.location import locate_fault
@@ -20,6 +21,7 @@ from composer.mujoco_errors.message import parse
 from composer.mujoco_errors.sentence import Topic
 from composer.mujoco_errors.translation import translate
 from composer.tree.line import element_at
+from composer.tree.mesh_points import check_meshes
 from composer.tree.unit import Unit
 from composer.tree.write import write
 
@@ -64,6 +66,10 @@ def compile_model(model: Model, conflict: Policy) -> tuple[MjModel, Snapshot]:
     """Compile a composition. Raises `MjcfError` for faults that the linker or MuJoCo finds."""
     copies = _Copies()
     flat = flatten(model, conflict, copies)
+    sink = Sink()
+    for each in copies.models:
+        check_meshes(each.unit, 0, sink)
+    raise_errors(sink)
     name_files(flat)
     text = write(flat.unit.root)
     compiled = compile_text(text, contents(flat), flat)
