@@ -3,30 +3,33 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 
 from lxml.etree import _Element as Node
 
-from composer.numerics.points import most_points, points_in
+from composer.numerics.points import most_points, most_points_in, points_in
 from composer.reading.memory import Memory
 from composer.reading.refused import Refused
 from composer.reading.regular import read_regular
 from composer.tree.files import join, written_path
 from composer.tree.unit import Unit
 
+_MOST_KINDS = 16
+"""Kinds of files of which something is remembered: models may make up others."""
+
 
 def file_points(element: Node, unit: Unit) -> int:
     """At least so many points that its file has; 0 for a file that there is not, which is reported elsewhere."""
-    held, kind = _file(element, unit)
-    if isinstance(held, bytes):
-        return points_in(held, kind)
-    try:
-        return _memory(kind).ask(unit.door.admit(held))
-    except (OSError, Refused):
-        return 0
+    return _asked(points_in, element, unit) or 0
 
 
 def most_file_points(element: Node, unit: Unit) -> int | None:
-    """No more than so many, as its size shows; None where only its bytes can tell."""
+    """Return an upper bound of the points of its file after a quick look; None if only counting can tell."""
+    return _asked(most_points_in, element, unit)
+
+
+def most_points_by_size(element: Node, unit: Unit) -> int | None:
+    """Return an upper bound of the points of its file, which is not opened; None if only its bytes can tell."""
     held, kind = _file(element, unit)
     try:
         return most_points(
@@ -45,13 +48,25 @@ def _file(element: Node, unit: Unit) -> tuple[bytes | str, str]:
     return where, told or path.lower().rpartition(".")[2]
 
 
-_memories: dict[str, Memory[int]] = {}
+def _asked(count: _Count, element: Node, unit: Unit) -> int | None:
+    held, kind = _file(element, unit)
+    if isinstance(held, bytes):
+        return count(held, kind)
+    try:
+        return _memory(count, kind).ask(unit.door.admit(held))
+    except (OSError, Refused):
+        return 0
 
 
-def _memory(kind: str) -> Memory[int]:
-    """What is known of the files that are read as this kind."""
-    if kind not in _memories:
-        if len(_memories) > 8:  # kinds that somebody made up
-            return Memory(lambda path: points_in(read_regular(path), kind), lambda _: 0)
-        _memories[kind] = Memory(lambda path: points_in(read_regular(path), kind), lambda _: 0)
-    return _memories[kind]
+_Count = Callable[[bytes, str], int | None]
+_memories: dict[tuple[_Count, str], Memory[int | None]] = {}
+
+
+def _memory(count: _Count, kind: str) -> Memory[int | None]:
+    """Return what is known of the files that are counted in this way and read as this kind."""
+    known = _memories.get((count, kind))
+    if known is None:
+        known = Memory(lambda path: count(read_regular(path), kind), lambda _: 0)
+        if len(_memories) <= _MOST_KINDS:
+            _memories[count, kind] = known
+    return known

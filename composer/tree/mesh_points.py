@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from lxml.etree import XPath
 from lxml.etree import _Element as Node
@@ -12,7 +13,7 @@ from composer.diagnostics.sink import Sink
 from composer.limits import advice, in_force
 from composer.tree.classes import Classes, written
 from composer.tree.effective import class_in_force
-from composer.tree.file_points import file_points, most_file_points
+from composer.tree.file_points import file_points, most_file_points, most_points_by_size
 from composer.tree.files import stem
 from composer.tree.unit import Unit
 
@@ -30,13 +31,13 @@ _GRIDS = ("grid", "box", "cylinder", "ellipsoid", "square", "disc")
 def check_meshes(unit: Unit, attached: int, sink: Sink, *, opens_files: bool = True) -> bool:
     """Whether the meshes of a model, and `attached` points of those that it attaches, are no more than the limit.
 
-    Files are read only where their sizes leave that open, and not at all unless `opens_files`: to ask for the sizes of
-    sixty files takes four times as long as to parse the model that names them. What is too much is reported at the
-    largest mesh.
+    Files are read only if their sizes leave that open, and not at all unless `opens_files`: to ask for the sizes of
+    sixty files takes four times as long as to parse the model that names them. Their points are counted only if a quick
+    look leaves it open, too. What is too much is reported at the largest mesh.
     """
     most = in_force().mesh_points
     meshes: list[Node] = (_MESHES if opens_files else _WITHOUT_FILE)(unit.root)  # type: ignore[assignment]
-    if attached + sum(_points(each, unit, at_most=True) for each in meshes) <= most:
+    if _most(meshes, unit, attached) <= most:
         return True
     points = _counted(meshes, unit)
     total = attached + sum(points.values())
@@ -58,21 +59,47 @@ def mesh_points(unit: Unit) -> int:
     return sum(_counted(list(unit.root.iterfind("asset/mesh")), unit).values())
 
 
+def _most(meshes: list[Node], unit: Unit, attached: int) -> float:
+    """Return an upper bound of the points of all meshes and of those `attached`, from the sizes of files or a look."""
+    by_size = [_points(each, unit, most_points_by_size) for each in meshes]
+    if None not in by_size and (total := attached + sum(filter(None, by_size))) <= in_force().mesh_points:
+        return total
+    total, hulled = attached, _hulled(unit.root)
+    for mesh, known in zip(meshes, by_size, strict=True):
+        points = _points(mesh, unit, most_file_points) if known is None else known
+        if points is None:
+            return math.inf
+        total += _weighed(points, mesh, hulled)
+    return total
+
+
 def _counted(meshes: list[Node], unit: Unit) -> dict[Node, int]:
-    """What each counts. MuJoCo 4.0 makes a mesh once that several elements describe in the same words."""
+    """Return what each counts. MuJoCo 4.0 makes a mesh once that several elements describe in the same words."""
     found: dict[Node, int] = {}
     hulled = _hulled(unit.root) if meshes else None
     seen = set()
     for mesh in meshes:
         words = tuple(sorted((str(name), str(value)) for name, value in mesh.items() if name != "name"))
-        has_hull = hulled is None or str(mesh.get("name") or stem(str(mesh.get("file")))) in hulled
+        has_hull = _has_hull(mesh, hulled)
         if (words, has_hull) in seen and mesh.get("file"):
             continue
         seen.add((words, has_hull))
         # What is too much already needs no reading of the rest.
-        points = _points(mesh, unit, at_most=sum(found.values()) > in_force().mesh_points)
-        found[mesh] = points if has_hull else -(-points // _WITHOUT_HULL)
+        points = None
+        if sum(found.values()) > in_force().mesh_points:
+            points = _points(mesh, unit, most_points_by_size)
+        if points is None:
+            points = _points(mesh, unit, file_points)
+        found[mesh] = _weighed(points or 0, mesh, hulled)
     return found
+
+
+def _weighed(points: int, mesh: Node, hulled: set[str] | None) -> int:
+    return points if _has_hull(mesh, hulled) else -(-points // _WITHOUT_HULL)
+
+
+def _has_hull(mesh: Node, hulled: set[str] | None) -> bool:
+    return hulled is None or str(mesh.get("name") or stem(str(mesh.get("file")))) in hulled
 
 
 def _hulled(root: Node) -> set[str] | None:
@@ -108,10 +135,9 @@ def _collides(geom: Node, classes: Classes) -> bool:
     return False
 
 
-def _points(mesh: Node, unit: Unit, *, at_most: bool = False) -> int:
+def _points(mesh: Node, unit: Unit, in_file: Callable[[Node, Unit], int | None]) -> int | None:
     if mesh.get("file"):
-        found = most_file_points(mesh, unit) if at_most else None
-        return file_points(mesh, unit) if found is None else found
+        return in_file(mesh, unit)
     if mesh.get("vertex"):
         return max(_words(mesh, "vertex") // 3, _words(mesh, "face") // 6)
     return _built_in(mesh)

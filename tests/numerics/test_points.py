@@ -7,7 +7,10 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from composer.numerics import points
 from composer.numerics.points import points_in
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "<f4")
@@ -63,3 +66,37 @@ def test_a_file_that_is_looked_at_piece_by_piece(monkeypatch: pytest.MonkeyPatch
 )  # fmt: skip
 def test_what_is_no_mesh(data: bytes, kind: str) -> None:
     assert points_in(data, kind) == 0
+
+
+@given(
+    st.lists(
+        st.one_of(
+            st.just("v 0 0 0"),
+            st.integers(1, 40).map(lambda count: "f" + " 1" * count),
+            st.sampled_from(
+                [
+                    "f" + " 1" * 1500,
+                    "f  1 2 3 ",
+                    "",
+                    "vn 1 0 0",
+                    "v ",
+                    "v \rv \rv ",
+                    "f 1/2/3 2 3",
+                    "\r",
+                    " v 0 0 0",
+                ]
+            ),
+        ),
+        max_size=30,
+    )
+)
+def test_a_quick_look_at_an_obj_file_never_sees_fewer_points_than_there_are(lines: list[str]) -> None:
+    data = "\n".join(lines).encode()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(points, "_SMALL", 0)
+        most = points.most_points_in(data, "obj")
+    assert most is None or most >= points.points_in(data, "obj")
+
+
+def test_a_quick_look_leaves_a_long_face_open() -> None:
+    assert points.most_points_in(b"v 0 0 0\n" * 10_000 + b"f" + b" 1" * 1001 + b"\n", "obj") is None

@@ -210,3 +210,17 @@ def test_they_are_counted_in_the_bundle_of_a_stranger(folder: Path) -> None:
     with allow(mesh_points=100), pytest.raises(StrangerError) as raised:
         verify(bundle, stranger="x.zip")
     assert [each.code for each in raised.value.found] == ["limit-exceeded"]
+
+
+def test_points_of_large_files_are_counted_only_where_a_quick_look_leaves_it_open(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import composer.tree.file_points as counting
+
+    counted = []
+    monkeypatch.setattr(counting, "points_in", lambda data, kind: counted.append(kind) or 10_000)
+    (folder / "large.obj").write_text("v 0 0 0\n" * 10_000)
+    mesh = '<mesh file="large.obj"/>'
+    assert told(folder, mesh, 20_000) == [] and not counted
+    assert told(folder, mesh, 2_000, "<worldbody/>") == [] and not counted, "no geom collides"
+    assert told(folder, mesh, 19_999) == [] and counted
