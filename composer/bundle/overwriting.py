@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,11 +23,13 @@ def check_is_no_source(out: Path, files: Iterable[Path]) -> None:
     Raises OutputError.
     """
     target = real(out)
+    at = os.path.normcase(target)
+    inside = at.rstrip(os.sep) + os.sep
     for path in files:
-        source = Path(real_path(path))
-        if source == target:
+        source = os.path.normcase(real_path(path))
+        if source == at:
             what = f"`{out}` is one of the files that this model is built from"
-        elif target in source.parents:
+        elif source.startswith(inside):
             what = f"the folder `{out}` holds files that this model is built from, such as `{path.name}`"
         else:
             continue

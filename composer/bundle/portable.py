@@ -33,7 +33,7 @@ class Portable:
         self.origins = [(Path(real_path(each.root)), each) for each in found.values()]
         self.context = context
         self.texts = model.origins.texts
-        self.named: dict[str, str] = {}
+        self.named: dict[Path, str] = {}
 
     def name(self, path: Path) -> str:
         """Return the name of a file: `models/arm.xml`, `menagerie:franka_emika_panda/panda.xml`.
@@ -41,14 +41,20 @@ class Portable:
         A file that is neither below the recipe nor part of an origin is named relative to the reference of its
         model, as the recipe writes it.
         """
+        known = self.named.get(path)
+        if known is None:
+            known = self.named[path] = as_text(self._name(path))
+        return known
+
+    def _name(self, path: Path) -> str:
         real = Path(real_path(path))
         if (origin := self.origin_of(real)) is not None:
             root, known = origin
             inside = real.relative_to(root).as_posix()
-            return as_text(known.named(inside))
+            return known.named(inside)
         if real.is_relative_to(self.folder):
-            return as_text(real.relative_to(self.folder).as_posix())
-        return as_text(self._beside(real))
+            return real.relative_to(self.folder).as_posix()
+        return self._beside(real)
 
     def origin_of(self, real: Path) -> tuple[Path, Origin] | None:
         """Return the origin of a file; the innermost if origins are nested."""
@@ -57,9 +63,7 @@ class Portable:
 
     def place(self, span: Span) -> str:
         """Return a place in a source or a recipe as FILE:LINE."""
-        if span.file not in self.named:
-            self.named[span.file] = self.name(self.path(span.file))
-        return f"{self.named[span.file]}:{span.line}"
+        return f"{self.name(self.path(span.file))}:{span.line}"
 
     def text(self, message: str) -> str:
         """Return a message with portable names for its files."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
@@ -63,6 +63,9 @@ class FileUse(NamedTuple):
     shared: bool = True
 
 
+_path = lru_cache(maxsize=4096)(Path)  # a model has the same files in each of its samples
+
+
 @dataclass(eq=False)
 class Linking:
     """The state that the passes share, from separate units to one flat model.
@@ -119,7 +122,7 @@ class Linking:
         """Return the current model with its files, without the parts that are not joined yet."""
         base = self.base
         contents = {
-            use.path: use.content if use.content is not None else Path(use.source) for use in self.files
+            use.path: use.content if use.content is not None else _path(use.source) for use in self.files
         }
         return Unit(
             base.root,

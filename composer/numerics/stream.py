@@ -7,6 +7,7 @@ import json
 
 BITS = 64
 _VERSION = "mjcompose draws 1"
+_compact = json.JSONEncoder(separators=(",", ":")).encode
 
 
 def bits(seed: int, sample: int, field: str, element: str, component: int) -> int:
@@ -28,8 +29,7 @@ def identity(seed: int, field: str, element: str, component: int) -> tuple[bytes
     (b'["mjcompose draws 1",7,', b',"friction","cube/box",0]')
     """
     before, after = (
-        json.dumps(each, separators=(",", ":")).encode("ascii")
-        for each in ([_VERSION, seed], [field, element, component])
+        _compact(each).encode("ascii") for each in ([_VERSION, seed], [field, element, component])
     )
     return before[:-1] + b",", b"," + after[1:]
 

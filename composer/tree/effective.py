@@ -92,7 +92,12 @@ def value(steps: list[Level]) -> str | None:
 def text_in_effect(element: Node, kind: ElementType, name: str, classes: Classes) -> str | None:
     """Return the effective text of an attribute, or None if the element has no such attribute or nothing sets it."""
     attribute = kind.attributes.get(name)
-    return None if attribute is None else value(levels(element, kind, attribute, classes))
+    if attribute is None:
+        return None
+    words = (written(element, name) or "").split()
+    if words and not _may_go_on(attribute, len(words)):
+        return " ".join(words)
+    return value(levels(element, kind, attribute, classes))
 
 
 def given(element: Node, kind: ElementType, classes: Classes) -> Iterator[tuple[Attribute, Level]]:
@@ -124,9 +129,14 @@ def default_text(attribute: Attribute) -> str | None:
     return None if default is None or default == () else to_text(attribute, default)
 
 
-def _taken(steps: list[Level], attribute: Attribute) -> Iterator[Level]:
+def _may_go_on(attribute: Attribute, count: int) -> bool:
+    """Return whether further levels may give more numbers than the `count` that one level has."""
     longest = attribute.max_length if attribute.is_number else None
-    joins = longest is not None and longest > 1 and attribute.min_length != longest
+    return longest is not None and count < longest and attribute.min_length != longest
+
+
+def _taken(steps: list[Level], attribute: Attribute) -> Iterator[Level]:
+    joins = _may_go_on(attribute, 1)
     at = 0
     for step in steps:
         if step.text is None or (at > 0 and not joins):
