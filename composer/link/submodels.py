@@ -47,6 +47,14 @@ def submodels(linking: Linking) -> None:
                     )
 
 
+def add_submodel(linking: Linking, folder: Path, element: Node, name: str, door: Door, file: str) -> None:
+    """Bundle a `<model>` that a recipe adds, with the files it needs. See `add_file`; `file` is the recipe."""
+    base = linking.base
+    recipe = Unit(base.root, file, folder, "", origins=base.origins, door=door)
+    with suppress(_TooManyError):
+        _bundle(linking, recipe, element, name, f"{ASSETS}/models", linking.request.base_keyframes != "none")
+
+
 def _bundle(
     linking: Linking,
     unit: Unit,
