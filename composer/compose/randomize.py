@@ -10,12 +10,12 @@ from typing import Any, Literal
 
 from lxml.etree import _Element as Node
 
-from composer.compose.edit import Change
 from composer.compose.edit_cost import of_draws
 from composer.compose.edit_values import Unusable, Values
 from composer.compose.editing import Editing
 from composer.compose.mass import Masses
 from composer.compose.select import counted
+from composer.compose.verbs.change import Change
 from composer.compose.zeros import only_zeros, report_only_zeros
 from composer.diagnostics.diagnostic import Note
 from composer.expr.angle import Angle

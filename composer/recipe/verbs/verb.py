@@ -41,7 +41,7 @@ class Selected:
 
 @dataclass(frozen=True, slots=True)
 class Verb:
-    """A verb. What carries it out is in `composer/compose/edit.py`.
+    """A verb. What carries it out is in `composer/compose/verbs`.
 
     `description` is what editors and the reference page say of it. `read` gives the value as `Edit` keeps it; what is
     wrong goes to the faults. `words` has the value on one line, for `plan` and `explain`. `changes` says which

@@ -14,6 +14,7 @@ from lxml.etree import _Element as Node
 from composer.compose.actuator_model import INPUTS, ActuatorModel, laws_of
 from composer.compose.edit_values import Unusable, Values
 from composer.compose.editing import Editing
+from composer.compose.verbs.entry import Entry
 from composer.diagnostics.diagnostic import Note
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
@@ -41,8 +42,9 @@ _INSTEAD = {"kv": ("dampratio",), "dampratio": ("kv",), "ctrlrange": ("inheritra
 _UNSAID = ("actrange", "actearly", "actdim")
 
 
-def convert(editing: Editing, found: list[Node], written: Mapping[str, Any], at: Path) -> None:
+def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
     """Convert each actuator to the kind `to`, with the given attributes."""
+    editing, found = entry.editing, entry.found
     to = str(written["to"])
     laws = laws_of(editing.linking, editing.sink, found)
     if laws is None:

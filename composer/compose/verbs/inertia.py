@@ -9,7 +9,7 @@ from lxml.etree import _Element as Node
 
 from composer.compose.edit_values import Unusable
 from composer.compose.editing import Editing
-from composer.compose.mass import Masses
+from composer.compose.verbs.entry import Entry
 from composer.compose.without_keyframes import without_keys
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
@@ -26,12 +26,11 @@ _RULES = (*MEASURED, "inertiafromgeom", "inertiagrouprange")
 _ROWS = dict(zip(BODIES, (1, 3, 4, 3), strict=True))
 
 
-def inertia(
-    editing: Editing, masses: Masses, found: Collection[Node], written: Mapping[str, Any], at: Path
-) -> None:
+def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
     """Write onto each body an `<inertial>` that MuJoCo computes from its geoms."""
+    editing, found = entry.editing, entry.found
     wanted = {body: _geoms(editing, body, written, at) for body in found}
-    masses.settle(*_RULES)
+    entry.masses.settle(*_RULES)
     survey, there = _measured(editing, wanted, float(written[DENSITY]), at)
     for body in found:
         rows = {array: survey.values(there[body], array, width) for array, width in _ROWS.items()}

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from lxml.etree import _Element as Node
 
 from composer.compose.edit_values import Unusable
 from composer.compose.editing import Editing
+from composer.compose.verbs.change import Change
+from composer.compose.verbs.entry import Entry
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.link import numbers
@@ -19,12 +21,12 @@ from composer.recipe.motors import Motor, library
 from composer.recipe.verbs.motor import BANDWIDTH, ERROR, MODEL
 from composer.tree.attributes import assign
 
-Set = Callable[[Node, int, Mapping[str, Any]], None]
 _SERVOS, _PLAIN = ("position", "velocity"), ("motor",)
 
 
-def motor(editing: Editing, found: list[Node], written: Mapping[str, Any], at: Path, put: Set) -> None:
-    """Make each actuator one with the motor; `put` sets attributes of an element, the one at an index."""
+def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
+    """Write the data sheet onto each actuator and its joint."""
+    editing = entry.editing
     sheet = _sheet(editing, written[MODEL], (*at, MODEL))
     effort = sheet.effort
     if written.get("effort") == "rated":
@@ -35,11 +37,13 @@ def motor(editing: Editing, found: list[Node], written: Mapping[str, Any], at: P
             )
             raise Unusable
         effort = sheet.rated
-    for index, node in enumerate(found):
+    for index, node in enumerate(entry.found):
         joint, gear = _joint(editing, node, at)
         _without_other(editing, node, at)
-        put(joint, index, _of_joint(sheet))
-        put(node, index, _of_actuator(editing, node, joint, sheet, effort, gear, written, at))
+        change = Change(editing, "set", entry.masses)
+        change.carry_out(joint, index, _of_joint(sheet), at)
+        values = _of_actuator(editing, node, joint, sheet, effort, gear, written, at)
+        change.carry_out(node, index, values, at)
 
 
 def _sheet(editing: Editing, name: str, at: Path) -> Motor:
