@@ -16,6 +16,7 @@ from composer.compose.editing import Editing
 from composer.compose.mass import Masses
 from composer.compose.select import counted
 from composer.compose.verbs.change import Change
+from composer.compose.verbs.operation import OPERATIONS
 from composer.compose.zeros import only_zeros, report_only_zeros
 from composer.diagnostics.diagnostic import Note
 from composer.expr.angle import Angle
@@ -88,7 +89,9 @@ class _Draws:
         at = (*entry.at, "attr")
         written = self._with_unit(node, drawn)
         self.editing.linking.notes.drawn.setdefault(node, {})[entry.name] = written
-        Change(self.editing, entry.operation, self.masses).carry_out(node, index, {entry.attr: written}, at)
+        Change(self.editing, OPERATIONS[entry.operation], self.masses).carry_out(
+            node, index, {entry.attr: written}, at
+        )
         return self._stated(node, drawn)
 
     def _with_unit(self, node: Node, drawn: Any) -> Any:

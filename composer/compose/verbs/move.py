@@ -11,6 +11,7 @@ from composer.compose.edit_values import Unusable, Values
 from composer.compose.editing import Editing
 from composer.compose.verbs.change import Change
 from composer.compose.verbs.entry import Entry
+from composer.compose.verbs.operation import SET
 from composer.diagnostics.diagnostic import Note
 from composer.link.layout import JOINTS
 from composer.recipe.fault import Path
@@ -27,7 +28,7 @@ def carry_out(entry: Entry, value: Mapping[str, Any], at: Path) -> None:
     for index, node in enumerate(entry.found):
         _move(entry.editing, node, index, value, at)
         if pose:
-            Change(entry.editing, "set", entry.masses).carry_out(node, index, pose, at)
+            Change(entry.editing, SET, entry.masses).carry_out(node, index, pose, at)
 
 
 def _move(editing: Editing, node: Node, index: int, written: Mapping[str, Any], at: Path) -> None:
