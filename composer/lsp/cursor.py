@@ -306,7 +306,7 @@ def _unquoted(word: str) -> str:
 
 
 def _comment(before: str) -> int | None:
-    """Return where the comment at the end of a text begins. A `#` in quotes is no comment."""
+    """Return where the comment at the end of a text begins, or None. A `#` in quotes is no comment."""
     quote = ""
     for at, character in enumerate(before):
         if quote:

@@ -41,7 +41,7 @@ class Errands:
         return Said(out.strip() or f"{words[0]}: done", process.returncode == 0)
 
     def _view(self, words: list[str]) -> Said:
-        """Start `view` and wait for its first line of output, which is the address."""
+        """Start `view` and return its first line of output, which is the address."""
         key = tuple(words)
         if (known := self._views.pop(key, None)) is not None:
             known.end()

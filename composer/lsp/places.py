@@ -71,7 +71,7 @@ _PLACES = ("site", "body", "frame", "before", "after")
 
 
 def wanted_value(path: Path, forms: list[Form], around: Any) -> Wanted | None:
-    """Return the names that a value can be. `forms` are those of the mapping around it, `around` its data."""
+    """Return which names a value can be, or None. `forms` are those of the mapping around it, `around` its data."""
     path = without_variant(path)
     if not path:
         return None
@@ -89,7 +89,7 @@ def wanted_value(path: Path, forms: list[Form], around: Any) -> Wanted | None:
 
 
 def wanted_key(path: Path) -> Wanted | None:
-    """Return the names that the keys of the mapping at a path can be."""
+    """Return which names the keys of the mapping at a path can be, or None."""
     path = without_variant(path)
     if (inner := _in_place(path)) is not None:
         found = wanted_key(inner[1])
@@ -128,7 +128,7 @@ def without_variant(path: Path) -> Path:
 
 
 def _in_place(path: Path) -> tuple[Path, Path] | None:
-    """Return the part whose in-place recipe contains a path, and the path inside that recipe."""
+    """Return the part whose in-place recipe contains a path, and the path inside that recipe, or None."""
     length = (
         2
         if path[:2] == ("base", "model")
@@ -146,7 +146,7 @@ def own_part(path: Path) -> Path:
 
 
 def prefix_of(at: Path, plan: Plan | None) -> str | None:
-    """Return the prefix of the part at a path."""
+    """Return the prefix of the part at a path, or None."""
     step = part_at(at, plan)
     return None if step is None else step.prefix
 
@@ -196,7 +196,7 @@ def _fits(row: Path, path: Path) -> bool:
 
 
 def _selector(path: Path, forms: list[Form]) -> Wanted | None:
-    """Return the names that fit behind a tag of a selector, and behind the keys that narrow it down."""
+    """Return the names that fit behind a tag of a selector, or behind a key that narrows it down; None elsewhere."""
     last = str(path[-1])
     if not is_selector(forms):
         return None
@@ -210,7 +210,7 @@ def _selector(path: Path, forms: list[Form]) -> Wanted | None:
 
 
 def _of_mjcf(path: Path, forms: list[Form], around: Any) -> Wanted | None:
-    """Return the names that fit an MJCF attribute that refers to something, from the grammar."""
+    """Return the names that fit an MJCF attribute that refers to something, or None for any other attribute."""
     name = str(path[-2]) if isinstance(path[-1], int) and len(path) > 1 else str(path[-1])
     for kind in kinds_of(forms):
         attribute = kind.attributes.get(name)

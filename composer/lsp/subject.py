@@ -29,7 +29,7 @@ def wanted_as_value(question: Question) -> Wanted | None:
 
 
 def wanted_at(question: Question) -> Wanted | None:
-    """Return which names can be at the cursor."""
+    """Return which names can be at the cursor, or None if no names can."""
     found = wanted_as_value(question)
     if found is None and question.cursor.role in ("key", "either"):
         return wanted_key(question.path)
@@ -79,7 +79,7 @@ def declared_at(known: Known, analysis: Analysis) -> Iterator[Span]:
 
 
 def unit_of(known: Known, analysis: Analysis) -> Unit | None:
-    """Return the source of an element that is not in the composed model."""
+    """Return the source of an element that is not in the composed model, or None."""
     if known.node is None:
         return None
     root = known.node.getroottree().getroot()

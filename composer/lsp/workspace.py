@@ -63,7 +63,7 @@ class Workspace:
     def analyse(
         self, path: Path, text: str, texts: Mapping[str, bytes], before: Analysis | None = None
     ) -> Analysis:
-        """Analyse a recipe with the texts of the editor. What it lacks now is taken from the analysis `before`."""
+        """Return the analysis of a recipe with the texts of the editor. What it lacks now is taken from `before`."""
         with unsaved({**texts, os.path.realpath(path): text.encode("utf-8", "replace")}):
             return self._analysed(path, text, texts, before or Analysis(path, self.folder, text))
 

@@ -35,7 +35,10 @@ def with_key(tree: Mapping, lines: Lines[str], file: str, path: Path, value: str
 
 
 def with_item(tree: Mapping, lines: Lines[str], file: str, key: str, value: str) -> Change | None:
-    """Return the change that appends a value to the list below a key of the recipe, and creates the list if needed."""
+    """Return the change that appends a value to the list below a key of the recipe, or None.
+
+    The list is created if needed.
+    """
     found = tree.entries.get(key)
     if found is None:
         return _added(tree, lines, file, f"{key}: [{value}]", top=True)

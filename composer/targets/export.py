@@ -16,10 +16,10 @@ MJCF = ".xml"
 
 
 def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
-    """Read the file `model` and write what the target `name` reads into the folder `out`.
+    """Write what the target `name` reads of the file `model` into the folder `out`.
 
-    It is called by `composer.engine.call`. The answer has the losses, the differences between the plain text and
-    the model (with any, no file is written), the names of the elements by kind, and, if MuJoCo can read what was
+    It is called by `composer.engine.call`. It returns the losses, the differences between the plain text and the
+    model (with any, no file is written), the names of the elements by kind, and, if MuJoCo can read what was
     written, its index.
     """
     model, out = Path(argument["model"]), Path(argument["out"])

@@ -95,7 +95,7 @@ def _geoms(editing: Editing, body: Node, written: Mapping[str, Any], at: Path) -
 def _measured(
     editing: Editing, wanted: Mapping[Node, Collection[Node]], density: float, at: Path
 ) -> tuple[Survey, Mapping[Node, Node]]:
-    """What MuJoCo makes of a copy of the model in which the bodies have nothing but these geoms at that density."""
+    """Return what MuJoCo measures in a copy of the model in which the bodies have only these geoms, at that density."""
     unit = editing.linking.flat()
     aside = Sink()
     with without_keys(unit.root):

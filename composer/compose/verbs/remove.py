@@ -59,7 +59,7 @@ def _take_out(editing: Editing, node: Node) -> None:
 
 
 def _named(node: Node) -> list[Left]:
-    """What goes, as it is listed: everything in the body tree, elsewhere the element as a whole."""
+    """Return what is removed, for lists: each element in the body tree, elsewhere the element as a whole."""
     section = section_of(node)
     inside = node.iter("*") if section in ("worldbody", "default") else [node]
     found = []

@@ -27,7 +27,7 @@ def elements_at(path: Path, line: int, analysis: Analysis) -> list[Known]:
 
 
 def hover_in_model(path: Path, line: int, analyses: Iterable[Analysis]) -> Hover | None:
-    """Return what the element on a line becomes in each recipe."""
+    """Return what the element on a line becomes in each recipe, or None."""
     found = [(known, each) for each in analyses for known in elements_at(path, line, each)]
     if not found:
         return None
