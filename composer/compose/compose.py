@@ -24,7 +24,7 @@ from composer.compose.intervals import check_intervals
 from composer.compose.keyframe import write_keyframes
 from composer.compose.load import Key, Library, Loader, key_of
 from composer.compose.massless import check_mass
-from composer.compose.members import Hung, hung, placed
+from composer.compose.members import UnplacedRecord, placed_records, unplaced_records
 from composer.compose.reference_check import check_names, check_names_of_keys
 from composer.compose.section import append, set_default, set_singleton
 from composer.compose.subtree import PartRequest, wanted
@@ -133,7 +133,7 @@ class Composer:
         self.subtrees: dict[tuple[str, KeyPath], Subtree] = {}
         self.edits: dict[tuple[str, KeyPath], EditOutcome] = {}
         self.cost = EditCost()
-        self.hung: dict[Node, list[Hung]] = {}
+        self.unplaced: dict[Node, list[UnplacedRecord]] = {}
         self.parts: dict[Node, str] = {}
 
     def compose(self, plan: Plan) -> Composed | None:
@@ -144,7 +144,7 @@ class Composer:
         if composed is None or self.context.sink.has_errors:
             return None
         shapes = () if self.workshop is None else self.workshop.made(composed.model.root)
-        members = placed(self.hung[composed.model.root], composed.model.root)
+        members = placed_records(self.unplaced[composed.model.root], composed.model.root)
         excluded = tuple(
             Excluded(str(node.get("body1")), str(node.get("body2")), why) for node, why in self.needless
         )
@@ -306,8 +306,8 @@ class Composer:
         if changes:
             changes.of_keys()
         roots = [base.root, *(unit.root for unit in units)]
-        self.hung[base.root] = hung(
-            plan, wanted(plan, stands), parts, [self.hung.get(root, []) for root in roots]
+        self.unplaced[base.root] = unplaced_records(
+            plan, wanted(plan, stands), parts, [self.unplaced.get(root, []) for root in roots]
         )
         if self.context.sink.error_count > before:
             return None
