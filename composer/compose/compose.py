@@ -45,7 +45,7 @@ from composer.link.source_check import STUMBLES, check_source, put_right
 from composer.plan.drawn import Drawn, Tabled
 from composer.plan.foreseen import EditOutcome, Excluded
 from composer.plan.part_record import PartRecord
-from composer.plan.plan import BASE, Plan, called
+from composer.plan.plan import BASE, Plan, part_name
 from composer.plan.steps.add_element import AddElement
 from composer.plan.steps.append_element import AppendElement
 from composer.plan.steps.draw_values import DrawValues
@@ -246,7 +246,7 @@ class Composer:
         """Return the plan with only the parts that could be read, in which more faults can be found."""
         kept = [step for step, unit in zip(plan.parts, units, strict=True) if unit is not None]
         self.context.sink.suppress_about(
-            called(step, plan.separator) for step in plan.parts if step not in kept
+            part_name(step, plan.separator) for step in plan.parts if step not in kept
         )
         return replace(plan, parts=tuple(kept))
 
@@ -336,7 +336,7 @@ class Composer:
     def _note_parts(self, plan: Plan, units: list[Unit]) -> None:
         """Record the part of each element before the units are joined. A nested recipe has already recorded its own."""
         for step, unit in zip(plan.parts, units, strict=True):
-            name = called(step, plan.separator)
+            name = part_name(step, plan.separator)
             for node in unit.root.iter("*"):
                 inner = self.parts.get(node)
                 self.parts[node] = f"{name}/{inner}" if inner else name

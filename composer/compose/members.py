@@ -15,7 +15,7 @@ from composer.link.placing import read_pose
 from composer.numerics.pose import Pose
 from composer.plan.drawn_arrays import arrays_of_draw
 from composer.plan.part_record import IN_PLACE, PartRecord, of_part
-from composer.plan.plan import BASE, Plan, called
+from composer.plan.plan import BASE, Plan, part_name
 from composer.plan.steps.draw_values import DrawValues
 from composer.plan.steps.set_default import SetDefault
 from composer.plan.steps.set_singleton import SetSingleton
@@ -50,7 +50,7 @@ def unplaced_records(
     base, *others = wanted
     found = [_own(each, base) for each in _of_base(plan, base, inner[0])]
     for step, each, part, below in zip(plan.parts, others, parts, inner[1:], strict=True):
-        name = called(step, plan.separator)
+        name = part_name(step, plan.separator)
         if isinstance(each.model, Plan):
             moved = [_moved(member, name, part, plan.separator, _cut(each)) for member in below]
             found += [_own(member, each) for member in moved]

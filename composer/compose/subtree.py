@@ -12,7 +12,7 @@ from composer.diagnostics.span import Span
 from composer.document.node import locate
 from composer.link.linking import Measure
 from composer.link.request import KeyPolicy
-from composer.plan.plan import BASE, Plan, called, stands_in_world
+from composer.plan.plan import BASE, Plan, part_name, stands_in_world
 from composer.recipe.drop import Drop
 from composer.recipe.edit import Edit
 from composer.recipe.fault import Path
@@ -61,7 +61,7 @@ def wanted(plan: Plan, stands: bool) -> Iterator[PartRequest]:
     for step in plan.parts:
         part = step.attachment
         span = locate(document, (*step.at, "subtree"))
-        keyframes = "merge" if called(step, plan.separator) in asked else part.keyframes
+        keyframes = "merge" if part_name(step, plan.separator) in asked else part.keyframes
         inside = stands and stands_in_world(part)
         yield PartRequest(step.model, part.subtree, step.at, keyframes, span, inside, part.drop, part.edit)
 

@@ -10,7 +10,7 @@ from composer.grammar import GRAMMAR
 from composer.lsp.cursor import Path
 from composer.lsp.language import Form, kinds_of
 from composer.lsp.names import Known, Names
-from composer.plan.plan import BASE, AttachPart, Plan, called
+from composer.plan.plan import BASE, AttachPart, Plan, part_name
 from composer.recipe.keyframe import FROM, VECTORS
 from composer.recipe.select import NARROWING
 from composer.tree.names import WORLD
@@ -154,7 +154,7 @@ def prefix_of(at: Path, plan: Plan | None) -> str | None:
 def part_called(at: Path, plan: Plan | None) -> str:
     """Return the name of the part at a path, as keyframes and selectors write it."""
     step = part_at(at, plan)
-    return called(step, plan.separator) if step is not None and plan is not None else str(at[-1])
+    return part_name(step, plan.separator) if step is not None and plan is not None else str(at[-1])
 
 
 def part_of_reference(path: Path, plan: Plan) -> str | None:

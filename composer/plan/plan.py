@@ -270,7 +270,7 @@ def _walk(place: Place) -> Iterator[Place]:
                 part.model,
                 plan,
                 part,
-                part=above + called(part, plan.separator),
+                part=above + part_name(part, plan.separator),
                 prefix=place.prefix + part.prefix,
                 others=place.others,
                 keys=keys + part.prefix if keys is not None and policy == "prefix" else keys,
@@ -280,7 +280,7 @@ def _walk(place: Place) -> Iterator[Place]:
         )
 
 
-def called(part: AttachPart, separator: str) -> str:
+def part_name(part: AttachPart, separator: str) -> str:
     """Return a part's name in its recipe: the prefix, or the key if it has no prefix."""
     return part.prefix.removesuffix(separator) or str(part.at[-1])
 
