@@ -27,7 +27,7 @@ from composer.compose.massless import check_mass
 from composer.compose.members import UnplacedRecord, placed_records, unplaced_records
 from composer.compose.reference_check import check_names, check_names_of_keys
 from composer.compose.section import append, set_default, set_singleton
-from composer.compose.subtree import PartRequest, wanted
+from composer.compose.subtree import PartRequest, part_requests
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
@@ -160,7 +160,7 @@ class Composer:
         self._look(plan, True)
 
     def _look(self, plan: Plan, stands: bool) -> None:
-        for each in wanted(plan, stands):
+        for each in part_requests(plan, stands):
             if each.body is not None or each.drop:
                 self.unit_of(plan, replace(each, edit=()))
             elif isinstance(each.model, Plan):
@@ -224,7 +224,7 @@ class Composer:
         """Return the base and the parts, or None after a reported error if they have too many elements together."""
         units: list[Unit | None] = []
         elements, text, limits = 0, 0, in_force()
-        for each in wanted(plan, stands):
+        for each in part_requests(plan, stands):
             unit = self._unit(plan, each)
             if unit is not None:
                 check_size(unit, self.context.sink, attached_size(unit))
@@ -254,7 +254,7 @@ class Composer:
         """Attach the parts to the base, add the recipe's own elements, and return the result."""
         before = self.context.sink.error_count
         base.root.set("model", plan.name)
-        if plan.base.keyframes == "none" and BASE not in plan.asked:
+        if plan.base.keyframes == "none" and BASE not in plan.key_sources:
             remove_keys(base)
         self.watch([base, *units], plan)
         making = ElementBuilder(
@@ -307,7 +307,7 @@ class Composer:
             changes.of_keys()
         roots = [base.root, *(unit.root for unit in units)]
         self.unplaced[base.root] = unplaced_records(
-            plan, wanted(plan, stands), parts, [self.unplaced.get(root, []) for root in roots]
+            plan, part_requests(plan, stands), parts, [self.unplaced.get(root, []) for root in roots]
         )
         if self.context.sink.error_count > before:
             return None
@@ -409,7 +409,7 @@ def _empty(plan: Plan) -> Unit:
 def _request(plan: Plan) -> Request:
     return Request(
         plan.separator, plan.conflict, plan.settled, plan.base.keyframes,
-        requested_keys=plan.asked if plan.keyframes else None,
+        requested_keys=plan.key_sources if plan.keyframes else None,
         isolated_tags=frozenset(_top_tags(plan)),
         adds_mass=_adds_mass(plan),
     )  # fmt: skip

@@ -130,7 +130,7 @@ class Plan:
         return tuple(step for step in self.steps if isinstance(step, WriteKeyframe))
 
     @property
-    def asked(self) -> frozenset[str]:
+    def key_sources(self) -> frozenset[str]:
         """The parts, by path, from whose keys other keys are made."""
         return frozenset(part for step in self.keyframes for part in step.key.sources)
 
