@@ -50,7 +50,7 @@ def _settings(plan: Plan, composer: Composer, stands: bool) -> Unit:
         if each.is_written:
             set_value(unit, each.path, each.value)
     making = ElementBuilder(
-        plan.document, plan.file, composer.context.sink, plan.readings,
+        plan.document, plan.file, composer.context.sink, plan.angle_context,
         "radian", unit.settings.eulerseq, composer.context.folder, unit.file, unit.origins,
         composer.context.door_of_text,
     )  # fmt: skip

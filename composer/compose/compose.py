@@ -258,7 +258,7 @@ class Composer:
             remove_keys(base)
         self.watch([base, *units], plan)
         making = ElementBuilder(
-            plan.document, plan.file, self.context.sink, plan.readings,
+            plan.document, plan.file, self.context.sink, plan.angle_context,
             "radian", base.settings.eulerseq, self.context.folder, base.file, base.origins,
             self.context.door_of_text,
         )  # fmt: skip

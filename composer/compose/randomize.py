@@ -23,7 +23,7 @@ from composer.expr.angle import Angle
 from composer.expr.value import Value
 from composer.grammar.degrees import is_in_degrees
 from composer.numerics.stream import bits
-from composer.plan.angle_context import Reading
+from composer.plan.angle_context import AngleSettings
 from composer.plan.drawn import Drawn, Tabled
 from composer.plan.plan import BASE
 from composer.plan.steps.draw_values import DrawValues
@@ -102,7 +102,7 @@ class _Draws:
         turned = [True] * len(items)
         if unit is None and entry.operation != "scale":
             unit, turned = (
-                {"degree": "deg", "radian": "rad"}.get(self._reading.angle or ""),
+                {"degree": "deg", "radian": "rad"}.get(self._angle_settings.angle or ""),
                 self._angles(node),
             )
         written = [
@@ -119,7 +119,7 @@ class _Draws:
         kind = kind_of(node)
         return Tabled(
             first, step.field, name_of(node), _place(node), kind.tag, kind.family or kind.tag,
-            self._numbers(node, len(first.columns())), angles, self._reading.angle,
+            self._numbers(node, len(first.columns())), angles, self._angle_settings.angle,
         )  # fmt: skip
 
     def _numbers(self, node: Node, count: int) -> tuple[Sequence[Value], ...]:
@@ -183,8 +183,8 @@ class _Draws:
         return f"{self.identity(parent) if parent.tag != 'worldbody' else 'world'} {node.tag}#{number}"
 
     @property
-    def _reading(self) -> Reading:
-        return self.editing.making.readings.at(self.step.field.drawn_at)
+    def _angle_settings(self) -> AngleSettings:
+        return self.editing.making.angle_context.at(self.step.field.drawn_at)
 
     def _values(self, node: Node) -> Values:
         return Values(self.editing, node, 0, self.step.field.drawn_at)
@@ -301,7 +301,7 @@ class _Draws:
         """Report an angle that is drawn without a unit."""
         entry = self.step.field
         drawing = entry.drawing
-        if entry.operation == "scale" or drawing.unit is not None or self._reading.angle is not None:
+        if entry.operation == "scale" or drawing.unit is not None or self._angle_settings.angle is not None:
             return
         if not any(self._angles(node)) or drawing.is_whole:
             return
@@ -355,7 +355,7 @@ class _Draws:
         entry = self.step.field
         unit = entry.drawing.unit
         if unit is None and is_angle and entry.operation != "scale":
-            unit = "deg" if self._reading.angle == "degree" else "rad"
+            unit = "deg" if self._angle_settings.angle == "degree" else "rad"
         name, _ = attribute_and_index(entry.attr)
         return unit, "deg" if is_in_degrees(str(node.tag), name) else "rad"
 

@@ -171,7 +171,7 @@ def _in_its_unit(values: Values, attribute: Attribute, index: int | None, meant:
     place = index or 0
     in_degrees = is_in_degrees(str(values.node.tag), attribute.name)
     if place in values.angles(attribute, place + 1):
-        in_degrees = values.editing.making.readings.at(values.at).angle == "degree"
+        in_degrees = values.editing.making.angle_context.at(values.at).angle == "degree"
     return angle.in_unit("deg" if in_degrees else "rad")
 
 

@@ -11,7 +11,7 @@ from composer.diagnostics.span import Span
 from composer.document.node import Mapping as Located
 from composer.expr.value import Value
 from composer.plan.added_places import AddedPlace, added_places
-from composer.plan.angle_context import Readings
+from composer.plan.angle_context import AngleContext
 from composer.plan.drawn import Drawn
 from composer.plan.steps.draw_values import DrawValues
 from composer.plan.steps.edit_elements import EditElements
@@ -86,7 +86,7 @@ class Plan:
     document: Located
     separator: str
     conflict: Literal["error", "warning", "merge"]
-    readings: Readings
+    angle_context: AngleContext
     base: LoadBase
     parts: tuple[AttachPart, ...]
     steps: tuple[Step, ...]

@@ -102,13 +102,13 @@ def _number(
             refuse(editing, node, Fault("wrong-type", "a factor has no unit", at))
         return float(given)
     if is_angle:
-        reading = making.readings.at(at)
-        if not isinstance(given, Angle) and given != 0 and reading.angle is None:
+        settings = making.angle_context.at(at)
+        if not isinstance(given, Angle) and given != 0 and settings.angle is None:
             help = f"write `{given}deg` or `{given}rad`, or `angle: degree` at the top of the recipe"
             message = f"`{attribute.name}` of {editing.called(node)} is an angle and {given} has no unit"
             refuse(editing, node, Fault("bare-angle", message, at, help=help))
         radians = numbers.joint_radians if attribute.angle == "joint" else numbers.orientation_radians
-        return making.turned(given, reading, radians)
+        return making.turned(given, settings, radians)
     unit = "deg" if is_in_degrees(str(node.tag), attribute.name) else "rad"
     return given.in_unit(unit) if isinstance(given, Angle) else float(given)
 
@@ -117,7 +117,7 @@ def _check_sequence(values: Values, at: Path) -> None:
     """Report Euler angles that the model and the recipe turn in different sequences."""
     editing, node = values.editing, values.node
     making = editing.making
-    sequence = making.readings.at(at).eulerseq
+    sequence = making.angle_context.at(at).eulerseq
     if sequence != making.model_eulerseq:
         sequences = f"the sequence `{making.model_eulerseq}`, the recipe in `{sequence}`"
         message = f"`euler` of {editing.called(node)} turns in {sequences}"

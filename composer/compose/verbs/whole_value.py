@@ -53,7 +53,7 @@ def _read(values: Values, attribute: Attribute, written: Any, at: Path) -> Value
     given = values.of(written, at, values.now(attribute))
     faults: list[Fault] = []
     read = read_value(attribute, given, at, editing.called(node), faults)
-    if read is not None and attribute.angle is not None and editing.making.readings.at(at).angle is None:
+    if read is not None and attribute.angle is not None and editing.making.angle_context.at(at).angle is None:
         joint = joint_type(node, editing.classes) if attribute.angle == "joint" else None
         bare = bare_angle(attribute, read, joint, at, editing.called(node))
         faults += [bare] if bare is not None else []
