@@ -105,7 +105,9 @@ def concrete(plan: Plan) -> list[object]:
     for each in plan.plans():
         scope = [[name, repr(value)] for name, value in sorted(each.scope.items())]
         values = list(_values(each.document, ""))
-        read = [[file, reading.angle, reading.eulerseq] for file, reading in each.readings.others.items()]
+        read = [
+            [file, settings.angle, settings.eulerseq] for file, settings in each.angle_context.others.items()
+        ]
         sources = [_source(each.base.model), *(_source(part.model) for part in each.parts)]
         found.append([each.name, str(each.path), scope, values, read, sources])
     return found

@@ -10,7 +10,7 @@ from composer.compose.compose import Composer
 from composer.compose.elements import ElementBuilder
 from composer.compose.load import Library
 from composer.compose.section import set_singleton
-from composer.compose.subtree import PartRequest, wanted
+from composer.compose.subtree import PartRequest, part_requests
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.link.adopting import common_settings, of_base
@@ -38,7 +38,7 @@ def adopted_settings(plan: Plan, context: Context, library: Library) -> tuple[Ad
 
 def _settings(plan: Plan, composer: Composer, stands: bool) -> Unit:
     """Return a unit with only the settings of a plan's model."""
-    base, *parts = [_of(each, plan, composer) for each in wanted(plan, stands)]
+    base, *parts = [_of(each, plan, composer) for each in part_requests(plan, stands)]
     found, _ = common_settings(
         asked := opinions(base),
         [(step.prefix or part.label, opinions(part)) for step, part in zip(plan.parts, parts, strict=True)],
@@ -50,7 +50,7 @@ def _settings(plan: Plan, composer: Composer, stands: bool) -> Unit:
         if each.is_written:
             set_value(unit, each.path, each.value)
     making = ElementBuilder(
-        plan.document, plan.file, composer.context.sink, plan.readings,
+        plan.document, plan.file, composer.context.sink, plan.angle_context,
         "radian", unit.settings.eulerseq, composer.context.folder, unit.file, unit.origins,
         composer.context.door_of_text,
     )  # fmt: skip

@@ -105,13 +105,13 @@ def _place(step: AttachPart, making: ElementBuilder) -> Place:
         offset["quat"] = _numbers(attachment.quat)
         note("quat", "quat")
     elif attachment.euler is not None:
-        reading = making.readings.at((*step.at, "euler"))
-        angles = [in_radians(angle, reading) for angle in attachment.euler]
-        offset["quat"] = numbers.text(quat_from_euler(angles, reading.eulerseq))
+        settings = making.angle_context.at((*step.at, "euler"))
+        angles = [in_radians(angle, settings) for angle in attachment.euler]
+        offset["quat"] = numbers.text(quat_from_euler(angles, settings.eulerseq))
         note("quat", "euler")
     elif attachment.axisangle is not None:
         *axis, angle = attachment.axisangle
-        radians = in_radians(angle, making.readings.at((*step.at, "axisangle")))
+        radians = in_radians(angle, making.angle_context.at((*step.at, "axisangle")))
         offset["quat"] = _text(quat_from_axisangle([plain(each) for each in axis], radians))
         note("quat", "axisangle")
     elif attachment.xyaxes is not None:
@@ -141,7 +141,7 @@ def _mated(place: Place, step: AttachPart, unit: Unit, making: ElementBuilder) -
     if not named:
         _no_mate(step, unit, making)
         return place
-    reading = (unit.settings.angle == "degree", unit.settings.eulerseq)
+    settings = (unit.settings.angle == "degree", unit.settings.eulerseq)
     element = min(named, key=lambda each: _MATES.index(each.tag))
     if (scaled := scaled_above(element)) is not None:
         making.sink.error(
@@ -155,7 +155,7 @@ def _mated(place: Place, step: AttachPart, unit: Unit, making: ElementBuilder) -
     outer = element.getparent()
     assert outer is not None
     own = effective_pose(element, unit.classes) if element.tag == "site" else element
-    mate = pose_in_world(outer, *reading) @ read_pose(own, *reading)
+    mate = pose_in_world(outer, *settings) @ read_pose(own, *settings)
     moved = read_pose(place.offset, False, "xyz") @ mate.inverse()
     return _computed(place, moved, "mate", step, making)
 

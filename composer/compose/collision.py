@@ -15,6 +15,7 @@ from lxml.etree import _Element as Node
 from composer.compose.edit_values import Unusable
 from composer.compose.editing import Editing
 from composer.compose.mesh_asset import write_file
+from composer.compose.refuse import refuse
 from composer.compose.workshop import Asked, Record
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.fault import Fault
@@ -243,17 +244,3 @@ def _free(editing: Editing, namespace: str, name: str) -> str:
         number += 1
         free = f"{name}_{number}"
     return free
-
-
-def refuse(editing: Editing, node: Node, fault: Fault) -> None:
-    """Report what is wrong with one element, and leave the entry."""
-    note = Note(f"{editing.called(node)} is written here", editing.span_of(node))
-    editing.sink.error(
-        fault.code,
-        fault.message,
-        editing.span(fault.at),
-        notes=(*fault.notes, note),
-        help=fault.help,
-        subjects=(*editing.subjects(node),),
-    )
-    raise Unusable

@@ -24,10 +24,10 @@ from composer.compose.intervals import check_intervals
 from composer.compose.keyframe import write_keyframes
 from composer.compose.load import Key, Library, Loader, key_of
 from composer.compose.massless import check_mass
-from composer.compose.members import Hung, hung, placed
+from composer.compose.members import UnplacedRecord, placed_records, unplaced_records
 from composer.compose.reference_check import check_names, check_names_of_keys
 from composer.compose.section import append, set_default, set_singleton
-from composer.compose.subtree import PartRequest, wanted
+from composer.compose.subtree import PartRequest, part_requests
 from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
@@ -46,7 +46,7 @@ from composer.link.submodels import add_submodel
 from composer.plan.drawn import Drawn, Tabled
 from composer.plan.foreseen import EditOutcome, Excluded
 from composer.plan.part_record import PartRecord
-from composer.plan.plan import BASE, Plan, called
+from composer.plan.plan import BASE, Plan, part_name
 from composer.plan.steps.add_element import AddElement
 from composer.plan.steps.append_element import AppendElement
 from composer.plan.steps.draw_values import DrawValues
@@ -134,7 +134,7 @@ class Composer:
         self.subtrees: dict[tuple[str, KeyPath], Subtree] = {}
         self.edits: dict[tuple[str, KeyPath], EditOutcome] = {}
         self.cost = EditCost()
-        self.hung: dict[Node, list[Hung]] = {}
+        self.unplaced: dict[Node, list[UnplacedRecord]] = {}
         self.parts: dict[Node, str] = {}
 
     def compose(self, plan: Plan) -> Composed | None:
@@ -145,7 +145,7 @@ class Composer:
         if composed is None or self.context.sink.has_errors:
             return None
         shapes = () if self.workshop is None else self.workshop.made(composed.model.root)
-        members = placed(self.hung[composed.model.root], composed.model.root)
+        members = placed_records(self.unplaced[composed.model.root], composed.model.root)
         excluded = tuple(
             Excluded(str(node.get("body1")), str(node.get("body2")), why) for node, why in self.needless
         )
@@ -161,7 +161,7 @@ class Composer:
         self._look(plan, True)
 
     def _look(self, plan: Plan, stands: bool) -> None:
-        for each in wanted(plan, stands):
+        for each in part_requests(plan, stands):
             if each.body is not None or each.drop:
                 self.unit_of(plan, replace(each, edit=()))
             elif isinstance(each.model, Plan):
@@ -225,7 +225,7 @@ class Composer:
         """Return the base and the parts, or None after a reported error if they have too many elements together."""
         units: list[Unit | None] = []
         elements, text, limits = 0, 0, in_force()
-        for each in wanted(plan, stands):
+        for each in part_requests(plan, stands):
             unit = self._unit(plan, each)
             if unit is not None:
                 check_size(unit, self.context.sink, attached_size(unit))
@@ -247,7 +247,7 @@ class Composer:
         """Return the plan with only the parts that could be read, in which more faults can be found."""
         kept = [step for step, unit in zip(plan.parts, units, strict=True) if unit is not None]
         self.context.sink.suppress_about(
-            called(step, plan.separator) for step in plan.parts if step not in kept
+            part_name(step, plan.separator) for step in plan.parts if step not in kept
         )
         return replace(plan, parts=tuple(kept))
 
@@ -255,11 +255,11 @@ class Composer:
         """Attach the parts to the base, add the recipe's own elements, and return the result."""
         before = self.context.sink.error_count
         base.root.set("model", plan.name)
-        if plan.base.keyframes == "none" and BASE not in plan.asked:
+        if plan.base.keyframes == "none" and BASE not in plan.key_sources:
             remove_keys(base)
         self.watch([base, *units], plan)
         making = ElementBuilder(
-            plan.document, plan.file, self.context.sink, plan.readings,
+            plan.document, plan.file, self.context.sink, plan.angle_context,
             "radian", base.settings.eulerseq, self.context.folder, base.file, base.origins,
             self.context.door_of_text,
         )  # fmt: skip
@@ -307,8 +307,8 @@ class Composer:
         if changes:
             changes.of_keys()
         roots = [base.root, *(unit.root for unit in units)]
-        self.hung[base.root] = hung(
-            plan, wanted(plan, stands), parts, [self.hung.get(root, []) for root in roots]
+        self.unplaced[base.root] = unplaced_records(
+            plan, part_requests(plan, stands), parts, [self.unplaced.get(root, []) for root in roots]
         )
         if self.context.sink.error_count > before:
             return None
@@ -337,7 +337,7 @@ class Composer:
     def _note_parts(self, plan: Plan, units: list[Unit]) -> None:
         """Record the part of each element before the units are joined. A nested recipe has already recorded its own."""
         for step, unit in zip(plan.parts, units, strict=True):
-            name = called(step, plan.separator)
+            name = part_name(step, plan.separator)
             for node in unit.root.iter("*"):
                 inner = self.parts.get(node)
                 self.parts[node] = f"{name}/{inner}" if inner else name
@@ -410,7 +410,7 @@ def _empty(plan: Plan) -> Unit:
 def _request(plan: Plan) -> Request:
     return Request(
         plan.separator, plan.conflict, plan.settled, plan.base.keyframes,
-        requested_keys=plan.asked if plan.keyframes else None,
+        requested_keys=plan.key_sources if plan.keyframes else None,
         isolated_tags=frozenset(_top_tags(plan)),
         adds_mass=_adds_mass(plan),
     )  # fmt: skip

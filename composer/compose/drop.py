@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from lxml.etree import _Element as Node
 
 from composer.compose.editing import Editing
-from composer.compose.remove import remove
 from composer.compose.select import counted
+from composer.compose.verbs.remove import remove
 from composer.link.subtree import Left
 from composer.recipe.drop import Drop
 from composer.recipe.fault import Path

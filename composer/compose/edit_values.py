@@ -140,7 +140,7 @@ class Values:
     def turned_out(self, attribute: Attribute, values: list[float]) -> list[float]:
         """Return numbers of the model with their angles in the recipe's unit."""
         making = self.editing.making
-        wanted = making.readings.at(self.at).angle or "radian"
+        wanted = making.angle_context.at(self.at).angle or "radian"
         if wanted == making.model_angle:
             return values
         turning = self.angles(attribute, len(values))

@@ -23,7 +23,7 @@ from composer.grammar.format import to_text
 from composer.link import numbers
 from composer.link.angles import in_sequence
 from composer.numerics.pose import quat_from_euler
-from composer.plan.angle_context import Reading, Readings
+from composer.plan.angle_context import AngleContext, AngleSettings
 from composer.reading.door import Door
 from composer.recipe.element import Element, Single, Value
 from composer.recipe.reader import CONFIG
@@ -36,7 +36,7 @@ from composer.tree.origin import Origins
 class ElementBuilder:
     """Turns a recipe's elements into nodes of one model, and keeps what it has made so far.
 
-    `readings` has the units of the recipe's bare angles, `model_angle` is the unit of the model's. Paths of files
+    `angle_context` has the units of the recipe's bare angles, `model_angle` is the unit of the model's. Paths of files
     in messages are relative to `folder`. `door_of_text` returns the door for a recipe in a folder, which decides
     which files it may name.
 
@@ -50,7 +50,7 @@ class ElementBuilder:
     document: Located
     file: str
     sink: Sink
-    readings: Readings
+    angle_context: AngleContext
     model_angle: str
     model_eulerseq: str
     folder: Path
@@ -75,15 +75,15 @@ class ElementBuilder:
         is_value = element.tag == CONFIG and attribute == "value"  # `config: {KEY: VALUE}`
         return locate(self.document, element.at, key=not is_value)
 
-    def reading_of(self, element: Element, attribute: str) -> Reading:
+    def angle_settings_of(self, element: Element, attribute: str) -> AngleSettings:
         """Return how an attribute of an element is read. In a fragment, it is read as the fragment is."""
         path = (*element.at, attribute)
-        written = self.readings.others and find(self.document, path) is not None
-        return self.readings.at(path if written else (*element.at, "xml"))
+        written = self.angle_context.others and find(self.document, path) is not None
+        return self.angle_context.at(path if written else (*element.at, "xml"))
 
-    def turned(self, value: object, reading: Reading, radians: Callable[[float], float]) -> float:
+    def turned(self, value: object, settings: AngleSettings, radians: Callable[[float], float]) -> float:
         """Return an angle in the model's unit. `radians` converts degrees as MuJoCo does for this attribute."""
-        return _in(value, reading, self.model_angle, radians)
+        return _in(value, settings, self.model_angle, radians)
 
     def span_of(self, node: Node, attribute: str | None = None) -> Span:
         """Return where a node, or the value of its attribute, is written. A fragment is searched for its place."""
@@ -193,7 +193,7 @@ def _set(node: Node, element: Element, attribute: Attribute, value: object, maki
         _set_euler(node, element, name, value, making)
     elif attribute.angle == "orientation-axisangle" and isinstance(value, tuple):
         *axis, angle = value
-        inner = making.turned(angle, making.reading_of(element, name), numbers.orientation_radians)
+        inner = making.turned(angle, making.angle_settings_of(element, name), numbers.orientation_radians)
         node.set(name, numbers.text([*map(float, axis), inner]))
     elif attribute.angle == "joint":
         # The `range` of a hinge is an angle and that of a slide is not: of `range="0 90"` in degrees MuJoCo 4.0 makes 0
@@ -209,21 +209,21 @@ def _set(node: Node, element: Element, attribute: Attribute, value: object, maki
 
 def _set_euler(node: Node, element: Element, name: str, value: object, making: ElementBuilder) -> None:
     assert isinstance(value, tuple)
-    reading = making.reading_of(element, name)
-    turned = [making.turned(angle, reading, numbers.orientation_radians) for angle in value]
-    if reading.eulerseq == making.model_eulerseq:
+    settings = making.angle_settings_of(element, name)
+    turned = [making.turned(angle, settings, numbers.orientation_radians) for angle in value]
+    if settings.eulerseq == making.model_eulerseq:
         node.set(name, numbers.text(turned))
     elif node.tag != "replicate":
-        radians = [in_radians(angle, reading) for angle in value]
-        node.set("quat", numbers.text(quat_from_euler(radians, reading.eulerseq)))
+        radians = [in_radians(angle, settings) for angle in value]
+        node.set("quat", numbers.text(quat_from_euler(radians, settings.eulerseq)))
     # The schema has no `quat` for a `<replicate>`: only a turn about one axis can be written in another sequence.
-    elif (moved := in_sequence(turned, reading.eulerseq, making.model_eulerseq)) is not None:
+    elif (moved := in_sequence(turned, settings.eulerseq, making.model_eulerseq)) is not None:
         node.set(name, numbers.text(moved))
     else:
         making.sink.error(
             "not-supported",
-            f"`{name}` of a `replicate` turns about several axes in the sequence `{reading.eulerseq}`, the model reads "
-            f"`{making.model_eulerseq}`",
+            f"`{name}` of a `replicate` turns about several axes in the sequence `{settings.eulerseq}`, "
+            f"the model reads `{making.model_eulerseq}`",
             making.span(element, name),
             help="give each axis a `replicate` of its own",
         )
@@ -236,14 +236,14 @@ def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> 
         values = value if isinstance(value, tuple) else (value,)
         kind = joint_type(node)
         angular = kind == "hinge" or (kind == "ball" and name in ("range", "springyield"))
-        reading = making.reading_of(element, name)
+        settings = making.angle_settings_of(element, name)
         as_length = numbers.text([float(_plain(v, "radian")) for v in values])  # type: ignore[arg-type]
-        as_angle = numbers.text([making.turned(v, reading, numbers.joint_radians) for v in values])
+        as_angle = numbers.text([making.turned(v, settings, numbers.joint_radians) for v in values])
         node.set(name, as_angle if angular else as_length)
         if as_angle != as_length and next(node.iterancestors("default"), None) is not None:
             making.of_classes.append((node, element, name, angular))
         bare = [at for at, v in enumerate(values) if not isinstance(v, Angle) and v != 0]
-        if angular and bare and reading.angle is None:
+        if angular and bare and settings.angle is None:
             number = values[bare[0]]
             making.sink.error(
                 "bare-angle",
@@ -274,18 +274,18 @@ def joint_attributes(element: Element, making: ElementBuilder) -> dict[str, str]
 
 
 def in_radians(
-    value: object, reading: Reading, radians: Callable[[float], float] = numbers.orientation_radians
+    value: object, settings: AngleSettings, radians: Callable[[float], float] = numbers.orientation_radians
 ) -> float:
     """Return an angle in radians. `radians` converts degrees as MuJoCo does for this attribute."""
-    return _in(value, reading, "radian", radians)
+    return _in(value, settings, "radian", radians)
 
 
-def _in(value: object, reading: Reading, unit: str, radians: Callable[[float], float]) -> float:
+def _in(value: object, settings: AngleSettings, unit: str, radians: Callable[[float], float]) -> float:
     """Return an angle in `unit`. An angle without a unit is in the recipe's unit."""
     if isinstance(value, Angle):
         number, written = value.value, "degree" if value.unit == "deg" else "radian"
     else:
-        number, written = float(value), reading.angle or unit  # type: ignore[arg-type]  # a bare one is 0
+        number, written = float(value), settings.angle or unit  # type: ignore[arg-type]  # a bare one is 0
     if written == unit:
         return number
     return radians(number) if unit == "radian" else number / numbers.RADIANS_PER_DEGREE

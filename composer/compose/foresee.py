@@ -19,9 +19,9 @@ from composer.tree.adopted import Adopted
 
 
 def foresee(plan: Plan, context: Context) -> Foreseen:
-    """What is left behind, what edits touch, what the parts agree on; faults go to the context's sink.
+    """Return what the plan will remove, what edits select, and on what the parts agree. Errors go to the sink.
 
-    The model is composed where edits or contacts ask for it, once; else no more is read than is looked at.
+    The model is composed once, if edits or contacts need it. Otherwise only the sources that matter are read.
     """
     library: Library = {}
     composer = Composer(context, measure_with(context), library=library)
@@ -40,7 +40,7 @@ def foresee(plan: Plan, context: Context) -> Foreseen:
 
 
 def _composed_aside(plan: Plan, context: Context, library: Library) -> Composed | None:
-    """The model for what touches in it; of one that is at fault there is nothing to say here."""
+    """Return the composed model for the bodies that touch. Its errors are not reported here."""
     aside = replace(context, sink=Sink())
     with engine.Session() as session:
         measure = measure_with(aside, session=session)

@@ -293,8 +293,8 @@ class _Writing:
         return [each and f"{moves} {each}" for each in words]
 
     def _angle(self, vector: str, value: Single, words: str, path: tuple[str, ...]) -> float:
-        reading = self.making.readings.at((*self.step.key.at, vector, *path))
-        if reading.angle is None and not isinstance(value, Angle) and value != 0:
+        settings = self.making.angle_context.at((*self.step.key.at, vector, *path))
+        if settings.angle is None and not isinstance(value, Angle) and value != 0:
             self.making.sink.error(
                 "bare-angle",
                 f"{words} and {shown(value)} has no unit",
@@ -303,7 +303,7 @@ class _Writing:
             )
         # Keys are in radians in any model: `<key qpos="90"/>` of a hinge is 90 in MuJoCo 4.0 under `angle="degree"`,
         # too.
-        return in_radians(value, reading, numbers.joint_radians)
+        return in_radians(value, settings, numbers.joint_radians)
 
     def _wrong_width(
         self, vector: str, name: str, slot: Slot, entry: Entry, width: int, path: tuple[str, ...]

@@ -15,7 +15,7 @@ from composer.link.placing import read_pose
 from composer.numerics.pose import Pose
 from composer.plan.drawn_arrays import arrays_of_draw
 from composer.plan.part_record import IN_PLACE, PartRecord, of_part
-from composer.plan.plan import BASE, Plan, called
+from composer.plan.plan import BASE, Plan, part_name
 from composer.plan.steps.draw_values import DrawValues
 from composer.plan.steps.set_default import SetDefault
 from composer.plan.steps.set_singleton import SetSingleton
@@ -33,24 +33,24 @@ _WITHOUT_ELEMENTS = frozenset({"option", "visual", "statistic", "size", "keyfram
 
 
 @dataclass(frozen=True, slots=True)
-class Hung:
-    """A member whose place is still an element of the tree; `content` is None for the world."""
+class UnplacedRecord:
+    """The record of a part whose place is still an element of the tree. `content` is None for the world."""
 
     member: PartRecord
     content: Node | None
 
 
-def hung(
-    plan: Plan, wanted: Iterable[PartRequest], parts: Iterable[Part], inner: Sequence[list[Hung]]
-) -> list[Hung]:
-    """The members of a plan: its own sources and those of the recipes in it, in the order of a manifest.
+def unplaced_records(
+    plan: Plan, wanted: Iterable[PartRequest], parts: Iterable[Part], inner: Sequence[list[UnplacedRecord]]
+) -> list[UnplacedRecord]:
+    """Return the records of a plan: those of its own sources and of nested recipes, in the manifest's order.
 
-    `wanted` and `inner`, the members of each that is a recipe itself, have the base first and then the parts.
+    `wanted` and `inner`, the records of each request that is a nested recipe, have the base first and then the parts.
     """
     base, *others = wanted
     found = [_own(each, base) for each in _of_base(plan, base, inner[0])]
     for step, each, part, below in zip(plan.parts, others, parts, inner[1:], strict=True):
-        name = called(step, plan.separator)
+        name = part_name(step, plan.separator)
         if isinstance(each.model, Plan):
             moved = [_moved(member, name, part, plan.separator, _cut(each)) for member in below]
             found += [_own(member, each) for member in moved]
@@ -60,11 +60,11 @@ def hung(
                 name, part.prefix, each.model,
                 keys=keys, welded=part.weld, stands=each.stands, obscure=_cut_urdf(each), subtree=each.body,
             )  # fmt: skip
-            found.append(_own(Hung(member, part.content), each))
+            found.append(_own(UnplacedRecord(member, part.content), each))
     return _changed(plan, found)
 
 
-def _own(each: Hung, wanted: PartRequest) -> Hung:
+def _own(each: UnplacedRecord, wanted: PartRequest) -> UnplacedRecord:
     """Return a member with the changes that the edits of its part, and the elements left out, make."""
     member = with_edits(each.member, wanted.edit)
     dropped = {each.section for each in wanted.drop}
@@ -72,7 +72,7 @@ def _own(each: Hung, wanted: PartRequest) -> Hung:
         member = replace(member, keys=None)
     if not dropped <= _WITHOUT_ELEMENTS:
         member = replace(member, reduced="the recipe leaves out elements")
-    return Hung(member, each.content)
+    return UnplacedRecord(member, each.content)
 
 
 def _cut(wanted: PartRequest) -> str | None:
@@ -83,14 +83,14 @@ def _cut_urdf(wanted: PartRequest) -> str | None:
     return _cut(wanted) if isinstance(wanted.model, Source) and wanted.model.format == "urdf" else None
 
 
-def placed(found: Iterable[Hung], root: Node) -> tuple[PartRecord, ...]:
-    """Return the members with their places read from the finished model."""
+def placed_records(found: Iterable[UnplacedRecord], root: Node) -> tuple[PartRecord, ...]:
+    """Return the records with the places of the parts, read from the finished model."""
     settings = read_settings(root)
     degrees, sequence = settings.angle == "degree", settings.eulerseq
     return tuple(_place(each, degrees, sequence) for each in found)
 
 
-def _of_base(plan: Plan, base: PartRequest, inner: list[Hung]) -> Iterator[Hung]:
+def _of_base(plan: Plan, base: PartRequest, inner: list[UnplacedRecord]) -> Iterator[UnplacedRecord]:
     without_keys = base.keyframes == "none"
     if isinstance(base.model, Plan):
         for each in inner:
@@ -100,16 +100,16 @@ def _of_base(plan: Plan, base: PartRequest, inner: list[Hung]) -> Iterator[Hung]
                 keys=None if without_keys else each.member.keys,
                 obscure=each.member.obscure or _cut(base),
             )
-            yield Hung(member, each.content)
+            yield UnplacedRecord(member, each.content)
     elif base.model is not None:
         keys = None if without_keys else ""
         member = PartRecord(
             BASE, "", base.model, keys=keys, stands=base.stands, obscure=_cut_urdf(base), subtree=base.body
         )
-        yield Hung(member, None)
+        yield UnplacedRecord(member, None)
 
 
-def _moved(each: Hung, name: str, part: Part, separator: str, cut: str | None) -> Hung:
+def _moved(each: UnplacedRecord, name: str, part: Part, separator: str, cut: str | None) -> UnplacedRecord:
     """Return a member of a nested recipe as a member of the outer recipe."""
     member = each.member
     keys = member.keys
@@ -127,10 +127,10 @@ def _moved(each: Hung, name: str, part: Part, separator: str, cut: str | None) -
         welded=member.welded or part.weld,
         obscure=member.obscure or cut,
     )
-    return Hung(member, part.content if each.content is None else each.content)
+    return UnplacedRecord(member, part.content if each.content is None else each.content)
 
 
-def _changed(plan: Plan, found: list[Hung]) -> list[Hung]:
+def _changed(plan: Plan, found: list[UnplacedRecord]) -> list[UnplacedRecord]:
     """Return the members with the changes that the recipe's own settings make."""
     for step in plan.steps:
         if isinstance(step, SetDefault):
@@ -148,16 +148,18 @@ def _changed(plan: Plan, found: list[Hung]) -> list[Hung]:
                 found = [_with(each, arrays_of("lengthrange")) for each in found]
             for name in sorted(_RESHAPING & written.keys()):
                 reason = f"the recipe sets `compiler.{name}`, which takes elements away"
-                found = [Hung(replace(each.member, obscure=reason), each.content) for each in found]
+                found = [UnplacedRecord(replace(each.member, obscure=reason), each.content) for each in found]
     written_keys = tuple(step.key.name for step in plan.keyframes)
     found = [
-        Hung(replace(each.member, replaced_keys=(*each.member.replaced_keys, *written_keys)), each.content)
+        UnplacedRecord(
+            replace(each.member, replaced_keys=(*each.member.replaced_keys, *written_keys)), each.content
+        )
         for each in found
     ]
     prefixes = {each.member.prefix for each in found}
     for each_edit in (step.edit for step in plan.edits):
         found = [
-            Hung(with_edits(each.member, [each_edit]), each.content)
+            UnplacedRecord(with_edits(each.member, [each_edit]), each.content)
             if reaches(each_edit.select, each.member.prefix, prefixes)
             else each
             for each in found
@@ -175,12 +177,12 @@ def _longest(name: str, prefixes: Iterable[str]) -> str:
     return max((prefix for prefix in prefixes if name.startswith(prefix)), key=len, default="")
 
 
-def _with(each: Hung, arrays: Iterable[str]) -> Hung:
+def _with(each: UnplacedRecord, arrays: Iterable[str]) -> UnplacedRecord:
     changed = tuple(sorted({*each.member.changed, *arrays}))
-    return Hung(replace(each.member, changed=changed), each.content)
+    return UnplacedRecord(replace(each.member, changed=changed), each.content)
 
 
-def _place(each: Hung, degrees: bool, sequence: str) -> PartRecord:
+def _place(each: UnplacedRecord, degrees: bool, sequence: str) -> PartRecord:
     pose: Pose | None = IN_PLACE
     node = each.content
     while node is not None and node.tag in ("frame", "replicate"):

@@ -1,4 +1,4 @@
-"""The edits and draws of a whole recipe, in two rounds: those of keys come last, once the keys are laid out."""
+"""The edits and draws of a whole recipe, in two rounds. Those about keys come last, when the keys are laid out."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from composer.plan.steps.edit_elements import EditElements
 if TYPE_CHECKING:
     from composer.compose.workshop import Workshop
 
-# What is wrong whatever the missing things are: a name, an attribute or a selector that can mean nothing.
+# Errors that do not depend on what is missing: a name, an attribute or a selector that is wrong in any model.
 _CERTAIN = ("selector", "unknown-name", "unknown-attribute")
 _UNNAMING = {"remove", "rename"}  # after which an element does not have its name any more
 _SECTIONS_WITHOUT_NAMES = ("edit", "randomize", "check", "keyframe")
@@ -37,7 +37,7 @@ _SECTIONS_WITHOUT_NAMES = ("edit", "randomize", "check", "keyframe")
 
 @dataclass(frozen=True, slots=True)
 class Changes:
-    """The changes that a recipe makes to its model; draws are appended to `drawn` and `tabled`."""
+    """The edits and draws of a recipe on its model. Draws are appended to `drawn` and `tabled`."""
 
     plan: Plan
     linking: Linking
@@ -50,14 +50,15 @@ class Changes:
     tabled: list[Tabled] = field(default_factory=list)
 
     def of_elements(self) -> None:
-        """All but those of keys."""
+        """Carry out all edits and draws, except for those about keys."""
         self._edit(of_keys=False)
         self._draw(of_keys=False)
 
     def in_doubt(self) -> bool:
-        """Edits of a model that lacks what is at fault elsewhere: those of one name, and what is wrong in any case.
+        """Carry out edits on a model that lacks what has errors elsewhere, to find more errors.
 
-        Whether the elements have the names then that keys call them by.
+        Only edits that select one name are carried out, and only errors that do not depend on what is missing are
+        reported. Return whether the elements have the names to which keys refer.
         """
         making, own = self.making, self.making.sink
         making.sink = self.linking.sink = aside = own.fork()
@@ -82,7 +83,7 @@ class Changes:
         return True
 
     def of_keys(self) -> None:
-        """Those of keys; edits come before the keys that the recipe writes itself."""
+        """Carry out edits and draws about keys. The edits do not change the keys that the recipe itself writes."""
         if any(is_of_keys(step) for step in self.plan.edits):
             places = self._taken_out()
             self._edit(of_keys=True)
@@ -94,7 +95,7 @@ class Changes:
         replaced = lay_out_replaced(self.linking) if of_keys else []
         for step in self.plan.edits:
             if is_of_keys(step) == of_keys:
-                # What else is done to a key that the recipe writes anew would be lost.
+                # Any other change to a key that the recipe replaces would be lost.
                 stand_ins = replaced if _UNNAMING & step.edit.verbs.keys() else []
                 replaced = self._edited_beside(step, editing, stand_ins) if stand_ins else replaced
                 if not stand_ins:
@@ -107,7 +108,7 @@ class Changes:
             self.outcomes[self.plan.place_of(step.edit.at)] = outcome
 
     def _draw(self, of_keys: bool) -> None:
-        """On the model as it is after all edits."""
+        """Write draws into the model after all edits."""
         editing = self._editing()
         for step in self.plan.draws:
             if is_of_keys(step) == of_keys:
@@ -129,7 +130,10 @@ class Changes:
         )
 
     def _edited_beside(self, step: EditElements, editing: Editing, keys: list[Node]) -> list[Node]:
-        """Carry out an edit with keys in the model that are replaced afterwards; gives those that still are."""
+        """Carry out an edit on a model that also has the keys which are replaced later.
+
+        Return those of them that are still to be replaced: an edit may have removed or renamed some.
+        """
         names = [str(key.get("name")) for key in keys]
         self.linking.base.section("keyframe").extend(keys)
         for key in keys:
@@ -146,7 +150,7 @@ class Changes:
         return left
 
     def _taken_out(self) -> list[tuple[Node, Node]]:
-        """The keys that the recipe writes, taken out of the model, each with what stands in its place."""
+        """Take the recipe's own keys out of the model. Return each with the comment that marks its place."""
         names = {key.name for key in self.linking.keys.written}
         places: list[tuple[Node, Node]] = []
         for key in keys_of(self.linking.base):
@@ -183,7 +187,7 @@ def _section(key: Node) -> Node:
 
 
 def _declared(document: Located) -> Iterator[str]:
-    """Every text in a recipe that may be the name of something which does not exist for another fault."""
+    """Yield every text that may be the name of something that does not exist because of another error."""
     for section, (_, value) in document.entries.items():
         if section not in _SECTIONS_WITHOUT_NAMES:
             yield from texts(value)

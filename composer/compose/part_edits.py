@@ -73,7 +73,7 @@ class OwnEdits:
         plan, unit = self.plan, self.unit
         unit.origins.texts[plan.file] = plan.path
         making = ElementBuilder(
-            plan.document, plan.file, self.context.sink, plan.readings,
+            plan.document, plan.file, self.context.sink, plan.angle_context,
             unit.settings.angle, unit.settings.eulerseq, self.context.folder, unit.file, unit.origins,
             self.context.door_of_text,
         )  # fmt: skip

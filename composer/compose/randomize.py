@@ -1,4 +1,4 @@
-"""Step: draw the values of a field of `randomize` for a sample and write them into a model."""
+"""Step: write the draws of one field of `randomize` for a sample into a model."""
 
 from __future__ import annotations
 
@@ -10,19 +10,20 @@ from typing import Any, Literal
 
 from lxml.etree import _Element as Node
 
-from composer.compose.edit import Change
 from composer.compose.edit_cost import of_draws
 from composer.compose.edit_values import Unusable, Values
 from composer.compose.editing import Editing
 from composer.compose.mass import Masses
 from composer.compose.select import counted
+from composer.compose.verbs.change import Change
+from composer.compose.verbs.operation import OPERATIONS
 from composer.compose.zeros import only_zeros, report_only_zeros
 from composer.diagnostics.diagnostic import Note
 from composer.expr.angle import Angle
 from composer.expr.value import Value
 from composer.grammar.degrees import is_in_degrees
 from composer.numerics.stream import bits
-from composer.plan.angle_context import Reading
+from composer.plan.angle_context import AngleSettings
 from composer.plan.drawn import Drawn, Tabled
 from composer.plan.plan import BASE
 from composer.plan.steps.draw_values import DrawValues
@@ -36,10 +37,10 @@ from composer.tree.selector import XPATH
 
 
 def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[Tabled]]:
-    """Give every selected element what is drawn for it. What cannot be is reported, once a field.
+    """Write the draw of every selected element, and report at most one error for the field.
 
-    For sample 0 nothing is written: the draws of all others are looked at, so that a fault is known before they are
-    built, and given where a table is made of them.
+    For sample 0 nothing is written. Instead, the draws of all other samples are checked, so that errors are known
+    before those samples are built, and they are returned if a table of draws is wanted.
     """
     entry = step.field
     assert entry.select is not None
@@ -81,25 +82,27 @@ class _Draws:
     numbers: dict[Node, dict[Node, int]] = field(default_factory=dict)
 
     def write(self, node: Node, index: int) -> Drawn:
-        """Change an element by the sample's draw."""
+        """Write the sample's draw onto an element, and return it as in the manifest."""
         step, entry = self.step, self.step.field
         self.check(node, (step.sample,))
         drawn = self._drawn(node, step.sample)
         at = (*entry.at, "attr")
         written = self._with_unit(node, drawn)
         self.editing.linking.notes.drawn.setdefault(node, {})[entry.name] = written
-        Change(self.editing, entry.operation, self.masses).carry_out(node, index, {entry.attr: written}, at)
+        Change(self.editing, OPERATIONS[entry.operation], self.masses).carry_out(
+            node, index, {entry.attr: written}, at
+        )
         return self._stated(node, drawn)
 
     def _with_unit(self, node: Node, drawn: Any) -> Any:
-        """The draw as it would be written beside the attribute, of whose file bare angles need not be."""
+        """Return the draw as a recipe would write it, with a unit on angles."""
         entry = self.step.field
         unit: str | None = entry.drawing.unit
         items = drawn if isinstance(drawn, list) else [drawn]
         turned = [True] * len(items)
         if unit is None and entry.operation != "scale":
             unit, turned = (
-                {"degree": "deg", "radian": "rad"}.get(self._reading.angle or ""),
+                {"degree": "deg", "radian": "rad"}.get(self._angle_settings.angle or ""),
                 self._angles(node),
             )
         written = [
@@ -116,11 +119,11 @@ class _Draws:
         kind = kind_of(node)
         return Tabled(
             first, step.field, name_of(node), _place(node), kind.tag, kind.family or kind.tag,
-            self._numbers(node, len(first.columns())), angles, self._reading.angle,
+            self._numbers(node, len(first.columns())), angles, self._angle_settings.angle,
         )  # fmt: skip
 
     def _numbers(self, node: Node, count: int) -> tuple[Sequence[Value], ...]:
-        """What is drawn for each number of an attribute in all samples, as `_stated` has it."""
+        """Return the draws of all samples for each number of an attribute, in the units of the manifest."""
         samples, drawing = range(1, self.step.samples + 1), self.step.field.drawing
         if drawing.is_whole:
             stated = {id(each): self._in_radians(node, each) for each in drawing.values}
@@ -148,7 +151,7 @@ class _Draws:
         )  # fmt: skip
 
     def drawn_by(self, node: Node) -> str:
-        """What the draws of an element go by: itself, its body or its part."""
+        """Return the identity on which the draws of an element depend: that of the element, its body or its part."""
         per = self.step.field.per
         if per == "part":
             return self.editing.parts.get(node, BASE)
@@ -158,15 +161,15 @@ class _Draws:
         return self.identity(node)
 
     def identity(self, node: Node) -> str:
-        """What an element's draws go by: its name, or else what it stands in and its number there.
+        """Return the name of an element, or the identity of its parent and its number there.
 
-        Of those without a name only such as have none either are counted.
+        Only elements without a name are counted.
         """
         name = name_of(node)
         if name:
             select = self.step.field.select
             return f"{node.tag} {name}" if select is not None and select.tag == XPATH else name
-        # Not by its place in the model: what is added elsewhere must not change what is drawn for it.
+        # Not its place in the model: an element that is added elsewhere must not change its draws.
         parent = parent_of(node)
         if parent is None:
             return str(node.tag)
@@ -180,8 +183,8 @@ class _Draws:
         return f"{self.identity(parent) if parent.tag != 'worldbody' else 'world'} {node.tag}#{number}"
 
     @property
-    def _reading(self) -> Reading:
-        return self.editing.making.readings.at(self.step.field.drawn_at)
+    def _angle_settings(self) -> AngleSettings:
+        return self.editing.making.angle_context.at(self.step.field.drawn_at)
 
     def _values(self, node: Node) -> Values:
         return Values(self.editing, node, 0, self.step.field.drawn_at)
@@ -189,7 +192,7 @@ class _Draws:
     # -- what is drawn -----------------------------------------------------------------------------------------
 
     def _drawn(self, node: Node, sample: int) -> Any:
-        """Return the draw in the recipe's unit: a number, a list with one for each component, or the choice."""
+        """Return the draw in the recipe's unit: a number, a list with a number for each component, or the choice."""
         entry = self.step.field
         _, subscript = attribute_and_index(entry.attr)
 
@@ -204,7 +207,7 @@ class _Draws:
         return one(0) if count is None else [one(place) for place in range(count)]
 
     def _all_drawn(self, node: Node, samples: Sequence[int], place: int) -> Sequence[Any]:
-        """The number at one place of what is drawn, in each of the samples."""
+        """Return the number at one place of the draw, for each of the samples."""
         entry, (component, of) = self.step.field, self._component(place)
         return entry.drawing.draw_all(
             self.step.seed, samples, entry.stream, self._stream(node), component, of
@@ -214,11 +217,11 @@ class _Draws:
         return "" if self.step.field.per == "sample" else self.drawn_by(node)
 
     def _component(self, place: int) -> tuple[int, int]:
-        """What the number at a place is called by its bits, and whose parameters it has."""
+        """Return for the number at a place which component its random bits and its parameters belong to."""
         _, subscript = attribute_and_index(self.step.field.attr)
         if subscript is None:
             return place, place
-        # Fields of a group go together, whichever number of its attribute each is about.
+        # Fields of a group share their draws, even if they are about different numbers of their attributes.
         return (subscript if self.step.field.group is None else 0), 0
 
     def _count(self, node: Node) -> int | None:
@@ -249,7 +252,7 @@ class _Draws:
     # -- whether it can be ---------------------------------------------------------------------------------------
 
     def check(self, node: Node, samples: Sequence[int]) -> None:
-        """Report the first of the samples whose draw makes a number that has no meaning; raises `Unusable`."""
+        """Report the first sample whose draw makes a number that has no meaning. Raises `Unusable`."""
         entry = self.step.field
         name, subscript = attribute_and_index(entry.attr)
         kind = kind_of(node)
@@ -285,7 +288,7 @@ class _Draws:
                 one if entry.operation == "set" else one * base if entry.operation == "scale" else one + base
             )
             # MuJoCo 4.0 refuses a negative mass or size, but takes a negative damping, armature, stiffness or friction
-            # without a word.
+            # silently.
             if number < 0:
                 called = self.editing.called(node)
                 message = (
@@ -298,7 +301,7 @@ class _Draws:
         """Report an angle that is drawn without a unit."""
         entry = self.step.field
         drawing = entry.drawing
-        if entry.operation == "scale" or drawing.unit is not None or self._reading.angle is not None:
+        if entry.operation == "scale" or drawing.unit is not None or self._angle_settings.angle is not None:
             return
         if not any(self._angles(node)) or drawing.is_whole:
             return
@@ -314,7 +317,7 @@ class _Draws:
             self._fault("bare-angle", message, node, help=help)
 
     def _angles(self, node: Node) -> list[bool]:
-        """Return which of the drawn numbers are angles."""
+        """Return for each drawn number whether it is an angle."""
         name, subscript = attribute_and_index(self.step.field.attr)
         attribute = kind_of(node).attributes.get(name)
         if attribute is None or attribute.angle is None:
@@ -324,7 +327,7 @@ class _Draws:
         return [n in angles for n in (range(count) if subscript is None else (subscript,))]
 
     def _in_radians(self, node: Node, drawn: Any) -> Value:
-        """The draw as the manifest has it: angles in radians, but for what MuJoCo has in degrees."""
+        """Return the draw as in the manifest: angles are in radians, except for those that MuJoCo has in degrees."""
         if not isinstance(drawn, list):
             return self._one_in_radians(node, drawn, any(self._angles(node)[:1]))
         turned = [*self._angles(node), *[False] * len(drawn)]
@@ -348,11 +351,11 @@ class _Draws:
     def _units(
         self, node: Node, is_angle: bool
     ) -> tuple[Literal["deg", "rad"] | None, Literal["deg", "rad"]]:
-        """What a number that is drawn is in, None where it has no unit, and what the manifest has."""
+        """Return the unit of a drawn number, None if it has none, and the unit of the same number in the manifest."""
         entry = self.step.field
         unit = entry.drawing.unit
         if unit is None and is_angle and entry.operation != "scale":
-            unit = "deg" if self._reading.angle == "degree" else "rad"
+            unit = "deg" if self._angle_settings.angle == "degree" else "rad"
         name, _ = attribute_and_index(entry.attr)
         return unit, "deg" if is_in_degrees(str(node.tag), name) else "rad"
 
@@ -365,7 +368,7 @@ class _Draws:
 
 
 def _place(node: Node) -> tuple[str, int, int] | None:
-    """Of an element in a body: the body, which one of its elements of that tag it is, and how many there are."""
+    """Return the name of an element's body, its index among those of its tag there, and their number; None outside."""
     body = parent_of(node)
     if body is None or body.tag not in ("body", "worldbody"):
         return None

@@ -11,9 +11,9 @@ from composer.plan.plan import AttachPart
 def copy_pose(step: AttachPart, making: ElementBuilder) -> Pose:
     """The pose of a copy in the frame of the first one; each axis stands in the frame of the one before it."""
     pose = Pose()
-    reading = making.readings.at((*step.at, "replicate"))
+    settings = making.angle_context.at((*step.at, "replicate"))
     for number, axis in zip(step.copy, step.attachment.replicate, strict=True):
         x, y, z = (plain(value) for value in axis.offset)
-        angles = tuple(in_radians(angle, reading) for angle in axis.euler)
-        pose = pose @ row(axis.count, (x, y, z), angles, reading.eulerseq)[number]
+        angles = tuple(in_radians(angle, settings) for angle in axis.euler)
+        pose = pose @ row(axis.count, (x, y, z), angles, settings.eulerseq)[number]
     return pose

@@ -1,4 +1,4 @@
-"""Steps: write the recipe's entries for MJCF's sections."""
+"""Steps: write the recipe's own entries for the sections of MJCF."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from composer.tree.references import unresolved
 
 
 def set_singleton(step: SetSingleton, linking: Linking, making: ElementBuilder) -> None:
-    """`option`, `visual` and the like: what the recipe says is written last, so that it holds."""
+    """Write `option`, `visual` and the like. The recipe is written last, so its values win."""
     node = linking.base.section(step.section)
     update(node, step.element, GRAMMAR.section(step.section), making)
 
 
 def set_default(step: SetDefault, linking: Linking, making: ElementBuilder) -> None:
-    """Set a class, creating it where there is none; `main` is the base's own top class."""
+    """Write the settings of a class, and create the class if needed. `main` is the base's own top class."""
     name = (linking.base_class or MAIN) if step.name == MAIN else step.name
     found = linking.names.find("default", name)
     if found is None and name in (MAIN, linking.base_class):
@@ -84,7 +84,7 @@ def append(step: AppendElement, linking: Linking, making: ElementBuilder) -> Non
     child = kind.children[step.element.tag]
     node = make(step.element, child, making)
     if step.section == "extension":
-        # The instances of one plugin stand in one element, whoever declares them.
+        # All instances of a plugin are in one element, whichever part declares them.
         existing = next((plugin for plugin in section if plugin.get("plugin") == node.get("plugin")), None)
         if existing is not None:
             existing.extend(list(node))
@@ -103,6 +103,6 @@ def _has_class(kind: ElementType, linking: Linking) -> bool:
     attribute = kind.attributes.get("class")
     if attribute is None or attribute.since is None:
         return attribute is not None
-    # `<texture class="c"/>` is an error in MuJoCo before 3.17, where no class sets anything of a texture either.
+    # `<texture class="c"/>` is an error before MuJoCo 3.17, in which classes have no settings for textures either.
     top = _class_node(linking, str(linking.base_class))
     return kind.tag in linking.request.isolated_tags or next(top.iterchildren(kind.tag), None) is not None

@@ -1,4 +1,4 @@
-"""Find the elements that the selector of an edit means, and report when there are none or too many."""
+"""Find the elements that the selector of an edit means, and report if there are none or the wrong number."""
 
 from __future__ import annotations
 
@@ -35,7 +35,10 @@ _SHOWN = 12
 
 
 def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | None:
-    """The elements, or None where the selector itself is at fault, which is reported; nothing is reported of none."""
+    """Return the selected elements, or None if the selector itself has an error, which is reported.
+
+    No elements are not an error here.
+    """
     selection = _selection(editing)
     if not editing.cost.allows(of_selecting(selector, editing.root), editing.sink, editing.span(path)):
         return None
@@ -65,9 +68,9 @@ def counted(
     counted_at: Path,
     values: float = 1,
 ) -> list[Node]:
-    """The elements, if there are as many as there must be; that there are not is reported.
+    """Return the selected elements. Report if their number is wrong; the result is empty then.
 
-    `values` is how many are to be written for each.
+    `values` is how many values are written on each element, which counts towards the limit on edits.
     """
     found = select(editing, selector, path)
     if found is None:
@@ -138,7 +141,7 @@ def _holds(editing: Editing, selection: Selection, node: Node, selector: Selecto
 
 
 def _is_of_others(node: Node, selector: Selector, scope: Mapping[str, Value]) -> bool:
-    """Whether the condition is about an attribute that other elements of the family have, and this one cannot."""
+    """Return whether the condition uses an attribute that other elements of the family can have, but not this one."""
     missing = _names_in(str(selector.where)) - scope.keys() - kind_of(node).attributes.keys()
     return bool(missing) and not missing.isdisjoint(_attributes_of(selector.tag))
 
@@ -159,7 +162,7 @@ def _attributes_of(family: str) -> frozenset[str]:
 
 
 def _in_its_unit(values: Values, attribute: Attribute, index: int | None, meant: Any) -> Any:
-    """What is asked for, angles with a unit in that in which the element's value is looked at."""
+    """Return what a condition compares with; angles are in the unit in which the element's value is given."""
     if isinstance(meant, list):
         return [_in_its_unit(values, attribute, n, each) for n, each in enumerate(meant)]
     angle = Angle.read(meant) if isinstance(meant, str) else None
@@ -168,12 +171,12 @@ def _in_its_unit(values: Values, attribute: Attribute, index: int | None, meant:
     place = index or 0
     in_degrees = is_in_degrees(str(values.node.tag), attribute.name)
     if place in values.angles(attribute, place + 1):
-        in_degrees = values.editing.making.readings.at(values.at).angle == "degree"
+        in_degrees = values.editing.making.angle_context.at(values.at).angle == "degree"
     return angle.in_unit("deg" if in_degrees else "rad")
 
 
 def _nothing(editing: Editing, selector: Selector, path: Path) -> None:
-    """Report that nothing is meant, and which part of the selector it is that nothing fits."""
+    """Report that nothing is selected, and which part of the selector nothing matches."""
     help = fix = None
     if selector.tag != XPATH:
         written = editing.span((*path, selector.tag))
@@ -200,7 +203,7 @@ def _nothing(editing: Editing, selector: Selector, path: Path) -> None:
 
 
 def _existing(editing: Editing, selector: Selector) -> Iterable[Note]:
-    """What there is of the tag; or if the names fit, that it is the rest of the selector that does not."""
+    """Return notes about what exists: elements of the tag, or, if the name matches, what excludes them."""
     if selector.tag == XPATH:
         return ()
     selection = _selection(editing)

@@ -7,10 +7,11 @@ from typing import Any
 
 from lxml.etree import _Element as Node
 
-from composer.compose.collision import mesh_called, refuse
+from composer.compose.collision import mesh_called
 from composer.compose.edit_values import Unusable
 from composer.compose.editing import Editing
 from composer.compose.mesh_asset import write_file
+from composer.compose.refuse import refuse
 from composer.compose.workshop import Asked, Record
 from composer.diagnostics.fault import Fault
 from composer.link.inertia import has_mass

@@ -12,7 +12,7 @@ from composer.diagnostics.span import Span
 from composer.document.node import locate
 from composer.link.linking import Measure
 from composer.link.request import KeyPolicy
-from composer.plan.plan import BASE, Plan, called, stands_in_world
+from composer.plan.plan import BASE, Plan, part_name, stands_in_world
 from composer.recipe.drop import Drop
 from composer.recipe.edit import Edit
 from composer.recipe.fault import Path
@@ -51,17 +51,20 @@ class PartRequest:
         return found
 
 
-def wanted(plan: Plan, stands: bool) -> Iterator[PartRequest]:
-    """The base of a plan and its parts, in their order; `stands` says it of the plan as a whole."""
+def part_requests(plan: Plan, stands: bool) -> Iterator[PartRequest]:
+    """Yield the requests for the base of a plan and for its parts, in their order.
+
+    `stands` says whether the model of the plan is fixed in the world.
+    """
     base, document = plan.base, plan.document
     span = locate(document, ("base", "subtree"))
-    asked = plan.asked
-    keyframes: KeyPolicy = "merge" if BASE in asked else base.keyframes
+    key_sources = plan.key_sources
+    keyframes: KeyPolicy = "merge" if BASE in key_sources else base.keyframes
     yield PartRequest(base.model, base.subtree, (BASE,), keyframes, span, stands, base.drop, base.edit)
     for step in plan.parts:
         part = step.attachment
         span = locate(document, (*step.at, "subtree"))
-        keyframes = "merge" if called(step, plan.separator) in asked else part.keyframes
+        keyframes = "merge" if part_name(step, plan.separator) in key_sources else part.keyframes
         inside = stands and stands_in_world(part)
         yield PartRequest(step.model, part.subtree, step.at, keyframes, span, inside, part.drop, part.edit)
 

@@ -1,4 +1,4 @@
-"""Step: a URDF source becomes a unit, and what is missing is reported as for the files of other models."""
+"""Step: read a URDF source as a unit, and report missing files as for other models."""
 
 from __future__ import annotations
 
@@ -29,9 +29,10 @@ if TYPE_CHECKING:
 def urdf_unit(
     source: Source, context: Context, session: Session | None, span: Span | None, *, stands: bool = True
 ) -> Unit | None:
-    """The unit of a URDF file or a xacro template; faults go to the sink and give None.
+    """Return the unit of a URDF file or xacro template, or None after a reported error.
 
-    `span` is where the recipe asks for it. What `stands` in the world loses its root link to it, as it does alone.
+    `span` is the place in the recipe that refers to it. If the robot `stands` in the world, its root link is merged
+    with the world, as MuJoCo does for a URDF alone.
     """
     beside = _Beside(context, span)
     reader = UrdfReader(
@@ -42,7 +43,7 @@ def urdf_unit(
 
 @dataclass(frozen=True, slots=True)
 class _Beside:
-    """What only the caller knows: the recipe that asks, and how files that are missing are reported."""
+    """What only the caller knows: where the recipe refers to the file, and how missing files are reported."""
 
     context: Context
     asked: Span | None

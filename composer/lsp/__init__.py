@@ -1,1 +1,1 @@
-"""A language server: what is known of recipes and of the inside of the models, while they are being written."""
+"""A language server: completion, hover, navigation and actions for recipes that are being edited."""

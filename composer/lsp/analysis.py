@@ -1,4 +1,4 @@
-"""What is known of one recipe: found in the text as it is now, and in the last one that could be read."""
+"""What an analysis found in one recipe: in its current text, or in the last text that could be read."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Analysis:
-    """A recipe, analysed. Nothing in it changes.
+    """The result of analysing a recipe. It never changes.
 
-    `tree`, `plan` and `traced` are of this text where it has them, otherwise of the last one that had; `is_current` and
-    `is_composed` say which of the two. `found` is what is to be reported, `files` are all that were read. `names` are
-    those of the model. `composed` is the plan that
-    `traced` was composed of. `tree_of`, `plan_of` and `model_of` are the texts that these three were found in.
+    `tree`, `plan` and `traced` are those of the current text, or of the last text that had one; `is_current` and
+    `is_composed` say which. `tree_of`, `plan_of` and `model_of` are the texts in which they were found. `found` has
+    the diagnostics, `files` all files that were read, and `names` the names in the model. `composed` is the plan
+    from which `traced` was composed.
     """
 
     path: Path
@@ -50,7 +50,7 @@ class Analysis:
 
     @cached_property
     def file(self) -> str:
-        """The recipe as spans name it."""
+        """Return the path of the recipe as spans write it."""
         return shown(self.path, self.folder)
 
     @property
@@ -62,7 +62,7 @@ class Analysis:
         return self.plan.separator if self.plan is not None else "/"
 
     def now(self, span: Span, of: str) -> Span | None:
-        """A place in an earlier text of the recipe as it is in this one; None where that may have changed."""
+        """Return the current place of something in an earlier text, or None if it may have changed since."""
         if span.file != self.file or of == self.text:
             return span
         lines = moved(lines_of(of), self.lines)
@@ -73,7 +73,7 @@ class Analysis:
 
 
 def shown(path: Path, folder: Path) -> str:
-    """A path as spans name it, where it is that of a context with this folder."""
+    """Return a path as spans write it in a context with this folder."""
     from composer.context import Context
 
     return Context(folder=folder, environment={}).shown(path)

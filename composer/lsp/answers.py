@@ -1,4 +1,4 @@
-"""What providers answer: plain data with places as spans. Only `protocol` makes messages of it."""
+"""The answers of providers: plain data whose places are spans. Only `protocol` converts them to messages."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from composer.diagnostics.span import Span
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """Text in place of a stretch; a span that is empty is a place to insert at."""
+    """A replacement of a stretch of text. With an empty span, the text is inserted there."""
 
     span: Span
     text: str
@@ -18,10 +18,10 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """Something to write. `rank` sorts what is offered, the smallest first; `doc` is Markdown.
+    """One completion. Items with a smaller `rank` come first; `doc` is Markdown.
 
-    `insert` is what is written in place of the word, where that is not the label. `again` asks the editor to complete
-    at once what comes behind it.
+    `insert` replaces the word, if it is not the label itself. With `again`, the editor asks for completions again
+    right after it has inserted the item.
     """
 
     label: str
@@ -35,7 +35,7 @@ class Item:
 
 @dataclass(frozen=True, slots=True)
 class Hover:
-    """Markdown about what stands at a place."""
+    """Markdown about what is at a place."""
 
     text: str
     span: Span | None = None
@@ -43,7 +43,7 @@ class Hover:
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """A change that is offered for a diagnostic, or for a place; `is_preferred` where it is most likely meant."""
+    """A change that is offered for a diagnostic or a place. `is_preferred` marks the most likely one."""
 
     title: str
     changes: tuple[Change, ...]
@@ -54,7 +54,7 @@ class Action:
 
 @dataclass(frozen=True, slots=True)
 class Symbol:
-    """A line of the outline."""
+    """An entry of the outline."""
 
     name: str
     kind: str
@@ -66,7 +66,7 @@ class Symbol:
 
 @dataclass(frozen=True, slots=True)
 class Hint:
-    """Text that is shown behind a place, as if it were written there."""
+    """Text that an editor shows after a place, as if it were written there."""
 
     span: Span
     text: str
@@ -75,7 +75,7 @@ class Hint:
 
 @dataclass(frozen=True, slots=True)
 class Lens:
-    """A command above a line; `arguments` go with it."""
+    """A command that is shown above a line; `arguments` are passed to it."""
 
     span: Span
     title: str
@@ -85,7 +85,7 @@ class Lens:
 
 @dataclass(frozen=True, slots=True)
 class Fold:
-    """Lines that can be folded away, from 0."""
+    """A range of lines that can be folded, counted from 0."""
 
     first: int
     last: int
@@ -94,7 +94,7 @@ class Fold:
 
 @dataclass(frozen=True, slots=True)
 class Rename:
-    """All that follows from a new name, or why it cannot be."""
+    """All changes that a new name needs, or the reason why it is refused."""
 
     changes: tuple[Change, ...] = ()
     refusal: str = ""
@@ -102,7 +102,7 @@ class Rename:
 
 @dataclass(frozen=True, slots=True)
 class Completion:
-    """What is offered at a place, and the stretch of the line that it replaces."""
+    """The completions at a place, and the stretch of the line that they replace."""
 
     items: tuple[Item, ...] = ()
     span: Span | None = None

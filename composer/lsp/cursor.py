@@ -1,7 +1,7 @@
-"""Where in a recipe a cursor stands, found from the text alone: half-written recipes are seldom YAML.
+"""Where a cursor is in a recipe, found from the text alone, because a half-written recipe is seldom valid YAML.
 
-Indentation and brackets up to the cursor say it, as a person reads them. What stands behind the cursor counts only for
-the end of the word that it is in.
+Indentation and brackets before the cursor decide, as they do for a human reader. Text after the cursor counts only
+as the rest of the word at the cursor.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ _CLOSING = {"{": "}", "[": "]"}
 
 @dataclass(frozen=True, slots=True)
 class Cursor:
-    """What a cursor is at.
+    """What is being written at a cursor.
 
-    `path` leads to the mapping whose key is being written (`key`), to the value that is (`value`), or to a place where
-    a value or the first key of a mapping may come (`either`); `text` is inside of a block of text or a comment. The
-    word goes from column `start` to `end`, from 0, quotes aside; `word` is what of it stands before the cursor.
-    `written` are the keys of that mapping before the cursor. `line` counts from 0.
+    `path` leads to the mapping whose key is being written (`key`), to the value that is being written (`value`), or
+    to a place for a value or a first key (`either`). The kind `text` means that the cursor is in a block of text or
+    a comment. The word covers the columns from `start` to `end`, counted from 0 and without quotes; `word` is the
+    part of it before the cursor. `written` are the keys of the mapping before the cursor. `line` is counted from 0.
     """
 
     path: Path
@@ -46,7 +46,7 @@ class Cursor:
 
 @dataclass(slots=True)
 class _Frame:
-    """An open mapping or list: its indent, or its bracket, and the step that the next value belongs to."""
+    """An open mapping or list: its indent or bracket, and the step to its next value."""
 
     indent: int
     is_list: bool
@@ -57,7 +57,7 @@ class _Frame:
 
 
 def cursor_at(lines: Sequence[str], line: int, column: int) -> Cursor:
-    """What a cursor before a character is at; both count from 0.
+    """Return what is being written at a place. `line` and `column` are counted from 0.
 
     >>> cursor_at(["attach:", "  gripper:", "    site: att"], 2, 13).path
     ('attach', 'gripper', 'site')
@@ -78,7 +78,7 @@ class _Scan:
     # -- whole lines -------------------------------------------------------------------------------------------
 
     def line(self, text: str) -> None:
-        """Take in a line that ends before the cursor."""
+        """Process a line that ends before the cursor."""
         stripped = text.strip()
         indent = len(text) - len(text.lstrip(" "))
         if self.block is not None:
@@ -99,7 +99,7 @@ class _Scan:
         return bool(self.stack) and bool(self.stack[-1].bracket)
 
     def begin(self, text: str, at: int) -> int:
-        """Enter the lists and mappings that begin on a line of block style; gives where the value begins."""
+        """Enter the lists and mappings that begin on a line in block style. Return the column of the value."""
         while True:
             rest = text[at:]
             if rest == "-" or rest.startswith(("- ", "-\t")):
@@ -130,12 +130,12 @@ class _Scan:
         self.stack[-1].keys.append(key)
 
     def leave(self, indent: int) -> None:
-        """Close what is deeper than an indent."""
+        """Close everything that is indented deeper than this."""
         while self.stack and self.stack[-1].indent > indent:
             self.stack.pop()
 
     def value(self, text: str, at: int) -> None:
-        """Take in the value on a line, from a column on."""
+        """Process the value on a line, from a column on."""
         properties = _PROPERTIES.match(text, at)
         at = properties.end() if properties else at
         rest = text[at:]
@@ -151,7 +151,10 @@ class _Scan:
     # -- brackets ----------------------------------------------------------------------------------------------
 
     def flow(self, text: str, at: int) -> tuple[int, str]:
-        """Take in text between brackets; gives where the last word begins, quote aside, and its quote if open."""
+        """Process text in brackets.
+
+        Return the column at which its last word begins, without the quote, and the quote if it is still open.
+        """
         begin, quote = at, ""
         indent = self.stack[-1].indent if self.stack else 0
         while at < len(text):
@@ -215,18 +218,18 @@ class _Scan:
         return self.as_key(cursor, text) if role == "either" else cursor
 
     def has_begun(self, before: str, indent: int, at: int) -> bool:
-        """Whether a word stands alone on the line: a key without its colon, or a value below its key."""
+        """Return whether a word is the first on its line: a key without its colon, or a value below its key."""
         return at == indent and not before[at:].startswith("-")
 
     def of_key(self, text: str, line: int, column: int, at: int) -> Cursor:
-        """A word at the beginning of a line: a key, unless the key above has no value and may get this one."""
+        """Return the cursor at a word at the start of a line: a key, unless the key above still needs a value."""
         self.settle(at)
         role: Role = "either" if self.is_open(at) else "key"
         end = at + len(re.match(r"[^\s:#]*", text[at:]).group())  # type: ignore[union-attr]
         return self.as_key(self.word(text, line, column, at, max(end, column), role), text)
 
     def as_key(self, cursor: Cursor, text: str) -> Cursor:
-        """Of a word that may be a key: whether its colon is there already."""
+        """Return the cursor, with the information whether the colon of the key is already written."""
         rest = text[cursor.end + len(cursor.quote) :].lstrip()
         return replace(cursor, has_colon=rest.startswith(":"))
 
@@ -237,7 +240,7 @@ class _Scan:
         return self.as_key(self.word(text, line, column, column, end, role), text)
 
     def settle(self, indent: int) -> None:
-        """Close what a word at an indent cannot belong to."""
+        """Close everything that a word with this indent cannot belong to."""
         self.leave(indent)
         while self.stack and self.stack[-1].is_list and self.stack[-1].indent >= indent:
             self.stack.pop()
@@ -245,7 +248,7 @@ class _Scan:
             self.stack.pop()
 
     def is_open(self, indent: int) -> bool:
-        """Whether the innermost step waits for a value that is indented so."""
+        """Return whether the innermost step still needs a value and the indent fits one."""
         return bool(self.stack) and self.stack[-1].indent < indent and not self.stack[-1].has_value
 
     def in_brackets(self, text: str, at: int, line: int, column: int) -> Cursor:
@@ -284,7 +287,7 @@ class _Scan:
         return tuple(frame.step for frame in self.stack if frame.step is not None)
 
     def holder(self) -> Path:
-        """The path of the mapping that the next key belongs to."""
+        """Return the path of the mapping to which the next key belongs."""
         frames = self.stack
         if frames and not frames[-1].is_list:
             frames = frames[:-1]
@@ -303,7 +306,7 @@ def _unquoted(word: str) -> str:
 
 
 def _comment(before: str) -> int | None:
-    """Where a comment begins that the text ends in; quotes are heeded."""
+    """Return where the comment at the end of a text begins, or None. A `#` in quotes is no comment."""
     quote = ""
     for at, character in enumerate(before):
         if quote:
@@ -316,7 +319,7 @@ def _comment(before: str) -> int | None:
 
 
 def _end_of_value(text: str, column: int) -> int:
-    """Where a plain value ends that goes to the end of the line, or to a comment."""
+    """Return where a plain value ends: at a comment, or at the end of the line."""
     found = re.search(r"\s+#", text[column:])
     end = column + found.start() if found else len(text)
     return column + len(text[column:end].rstrip())

@@ -1,4 +1,4 @@
-"""The documents that an editor has open, and when they are looked at: at once, and by MuJoCo after a pause."""
+"""The documents that are open in an editor, and when they are analysed: at once, and with MuJoCo after a pause."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ _MODEL = re.compile(r"<mujoco[\s>]")
 
 @dataclass(eq=False)
 class Document:
-    """An open file. `kind` is what it is: a recipe, a model, or neither of the two (yet).
+    """An open file. `kind` is `recipe`, `model`, or empty as long as it is neither.
 
-    `done` is the number of the text that was analysed, of `count` that there were; `version` is what the editor calls
-    the newest text, `seen` the one that was analysed.
+    The texts of a document are numbered: `count` is the newest one, and `done` the one that was analysed. `version`
+    is the editor's own number of the newest text, `seen` that of the analysed one.
     """
 
     path: Path
@@ -56,9 +56,10 @@ class Document:
 
 
 class Desk:
-    """Open documents by path. `publish` is called with a file and what is reported in it, `log` with what went wrong.
+    """The open documents by path.
 
-    All of it runs in the thread of the loop, but for the work of `Workspace` and `Verifier`, which have one each.
+    `publish` is called with a file and its diagnostics, and `log` with an error message. Everything runs in the
+    thread of the event loop, except for `Workspace` and `Verifier`, which have one thread each.
     """
 
     def __init__(
@@ -79,7 +80,7 @@ class Desk:
     # -- documents ---------------------------------------------------------------------------------------------
 
     def take(self, path: Path, text: str, version: int | None = None) -> None:
-        """A document was opened."""
+        """Add a document that an editor has opened."""
         self.documents[path] = Document(path, text, _kind(path, text), version)
         self._touched(path)
 
@@ -99,7 +100,7 @@ class Desk:
             self.changed_on_disk([path])
 
     def changed_on_disk(self, paths: Iterable[Path]) -> None:
-        """Look again at the recipes that use any of these files."""
+        """Analyse the recipes again that use any of these files."""
         for path in paths:
             self._touched(path, itself=False)
 
@@ -113,7 +114,7 @@ class Desk:
                 self._start(document)
 
     def texts(self, but: Path | None = None) -> dict[str, bytes]:
-        """What editors have, by real path."""
+        """Return the texts of the open documents as bytes, by real path."""
         return {
             os.path.realpath(each.path): each.text.encode("utf-8", "replace")
             for each in self.documents.values()
@@ -123,7 +124,7 @@ class Desk:
     # -- analysis ----------------------------------------------------------------------------------------------
 
     async def analysed(self, path: Path, newest: bool = False) -> Analysis | None:
-        """What is known of an open recipe: the last there is, or that of its text as it is now."""
+        """Return the latest analysis of an open recipe. With `newest`, wait for that of the current text."""
         document = self.documents.get(path)
         if document is None or document.kind != "recipe":
             return None
@@ -134,13 +135,13 @@ class Desk:
         return document.analysis
 
     async def including(self, path: Path) -> list[Analysis]:
-        """The recipes of the workspace that speak of a recipe, and so may include it."""
+        """Return the recipes of the workspace that mention a recipe, and so may include it."""
         return await asyncio.get_running_loop().run_in_executor(
             self._analysing, self.workspace.including, path, self.texts()
         )
 
     async def using(self, path: Path) -> list[Analysis]:
-        """The open recipes that use a model."""
+        """Return the open recipes that use a model."""
         found = []
         for document in list(self.documents.values()):
             analysis = await self.analysed(document.path, newest=True)
@@ -185,7 +186,7 @@ class Desk:
             document.timer = loop.call_later(PAUSE, lambda: loop.create_task(self._verify(document)))
 
     async def _verify(self, document: Document) -> None:
-        """Ask MuJoCo; the answer to a text that has changed meanwhile is not used."""
+        """Build with MuJoCo. The result is dropped if the text has changed in the meantime."""
         analysis, count, texts = document.analysis, document.count, self.texts(document.path)
         if analysis is None or not analysis.is_composed or not self._are_saved(analysis, texts):
             return
@@ -201,7 +202,7 @@ class Desk:
             self._report_recipe(document)
 
     def _are_saved(self, analysis: Analysis, texts: Mapping[str, bytes]) -> bool:
-        """Whether the models that a recipe uses are on the disk as they are in the editor: MuJoCo reads the disk."""
+        """Return whether all models of a recipe are saved as the editor has them. MuJoCo reads the files on disk."""
         used = {os.path.realpath(each) for each in analysis.files if each.suffix.lower() not in RECIPES}
         return all(is_saved(path, text) for path, text in texts.items() if path in used)
 
@@ -218,7 +219,7 @@ class Desk:
         self._report(document.path, by_file(found, analysis.file, uses_of(analysis)))
 
     def _report(self, path: Path, files: Mapping[str, list[Diagnostic]]) -> None:
-        """Publish what changed: what several recipes find in one file is shown together."""
+        """Publish the diagnostics that changed. Those that several recipes report in one file are merged."""
         before = self._reported.get(path, {})
         self._reported[path] = dict(files)
         for file in dict.fromkeys([*before, *files]):
@@ -228,12 +229,12 @@ class Desk:
             self._reported.pop(path, None)
 
     def found(self, path: Path) -> list[Diagnostic]:
-        """What is reported in a file."""
+        """Return the diagnostics of a file."""
         file = shown(path, self.folder)
         return [each for reported in self._reported.values() for each in reported.get(file, ())]
 
     async def shut(self) -> None:
-        """End what runs; nothing is answered any more."""
+        """Stop all work. Requests get no answers after this."""
         for document in self.documents.values():
             if document.timer is not None:
                 document.timer.cancel()

@@ -1,4 +1,4 @@
-"""Commands of mjcompose that an editor asks for: each in a process of its own, which ends with the server."""
+"""Commands of mjcompose that an editor starts. Each runs in its own process, which ends with the server."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from composer.processes.process import Process
 
 @dataclass(frozen=True, slots=True)
 class Said:
-    """What a command printed, and whether it did what it should."""
+    """The output of a command, and whether the command succeeded."""
 
     text: str
     ok: bool
 
 
 class Errands:
-    """Runs commands in a folder. A `view` stays until another one of the same model is asked for, or the end."""
+    """Runs commands in a folder. A `view` runs until the same model is viewed again, or the server ends."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self._views: dict[tuple[str, ...], Process] = {}
 
     async def run(self, verb: str, recipe: str, cell: str | None = None) -> Said:
-        """Run `view`, `build` or `check` on a recipe, or on a cell of its matrix."""
+        """Run `view`, `build` or `check` for a recipe, or for one cell of its matrix."""
         words = [verb, recipe, *(("--pick", cell) if cell is not None else ())]
         if verb == "build":
             words += ["-o", str(self.folder / "build" / f"{cell or Path(recipe).stem}.zip")]
@@ -41,7 +41,7 @@ class Errands:
         return Said(out.strip() or f"{words[0]}: done", process.returncode == 0)
 
     def _view(self, words: list[str]) -> Said:
-        """Start it, and wait for its first line, which is the address."""
+        """Start `view` and return its first line of output, which is the address."""
         key = tuple(words)
         if (known := self._views.pop(key, None)) is not None:
             known.end()
@@ -59,7 +59,7 @@ class Errands:
         )  # fmt: skip
 
     def end(self) -> None:
-        """End every `view`."""
+        """Stop every `view`."""
         for process in self._views.values():
             with contextlib.suppress(OSError):
                 process.end()

@@ -1,4 +1,4 @@
-"""What the files of a workspace are: as editors have them, and as they stand on the disk."""
+"""The state of the files in a workspace: unsaved in an editor, or as they are on disk."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Mark = tuple[int, int, int] | int | None
 
 
 def marks(files: Iterable[Path], texts: Mapping[str, bytes]) -> dict[Path, Mark]:
-    """The marks of files; `texts` are those that editors have, by their real paths."""
+    """Return a mark for each file, which changes with its content. `texts` are unsaved texts by real path."""
     return {file: _mark(file, texts) for file in files}
 
 
@@ -28,7 +28,7 @@ def _mark(file: Path, texts: Mapping[str, bytes]) -> Mark:
 
 
 def is_saved(path: str, text: bytes) -> bool:
-    """Whether the disk has the text of an editor."""
+    """Return whether the file on disk has the same text as the editor."""
     try:
         return read_regular(path) == text
     except OSError:

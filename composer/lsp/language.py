@@ -1,4 +1,4 @@
-"""What the language has at a place of a recipe: the JSON Schema of recipes, walked along a path."""
+"""What the language allows at a place of a recipe: a walk along a path through the JSON Schema of recipes."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ _MOST = 400
 
 @cache
 def whole() -> Schema:
-    """The schema of a recipe; it takes a moment to make."""
+    """Return the schema of a recipe. The first call takes a moment, because the schema is made then."""
     return recipe_schema()
 
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """One way in which a value may be written. `role` is what the schema calls it, such as `element.geom`."""
+    """One way to write a value. `role` is its name in the schema, such as `element.geom`."""
 
     schema: Schema
     role: str = ""
@@ -42,7 +42,7 @@ class Form:
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """A key that a mapping may have."""
+    """A key that a mapping can have."""
 
     name: str
     doc: str
@@ -51,7 +51,7 @@ class Key:
 
 
 def forms_at(path: Path, data: Any = None) -> list[Form]:
-    """The ways in which the value at a path may be written, in a recipe with this data.
+    """Return the ways in which the value at a path can be written, in a recipe with this data.
 
     >>> [key.name for key in keys_of(forms_at(("attach", "arm"))) if key.required]
     ['model']
@@ -64,13 +64,13 @@ def forms_at(path: Path, data: Any = None) -> list[Form]:
 
 
 def forms_below(forms: list[Form], step: str | int, data: Any) -> list[Form]:
-    """The ways in which a value may be written that stands in one of these forms; `data` is what stands there."""
+    """Return the ways in which a value inside of one of these forms can be written. `data` is the outer value."""
     below = [found for form in forms for found in _step(form, step)]
     return [each for found in below for each in _spread(found, data)]
 
 
 def keys_of(forms: list[Form]) -> list[Key]:
-    """The keys that a mapping of these forms may have, in the order of the language."""
+    """Return the keys that a mapping of these forms can have, in the order of the language."""
     found: dict[str, Key] = {}
     required = {name for form in forms for name in form.schema.get("required", ())}
     for form in forms:
@@ -85,7 +85,7 @@ def keys_of(forms: list[Form]) -> list[Key]:
 
 
 def words_of(forms: list[Form]) -> dict[str, str]:
-    """The words that a value of these forms may be, each with what it means."""
+    """Return the fixed words that a value of these forms can be, each with its meaning."""
     found: dict[str, str] = {}
     for form in forms:
         schema = form.schema
@@ -100,7 +100,7 @@ def words_of(forms: list[Form]) -> dict[str, str]:
 
 
 def doc_of(path: Path, data: Any = None) -> str:
-    """What the language says of the key that a path ends with."""
+    """Return the description of the key at the end of a path."""
     for key in keys_of(forms_at(path[:-1], data)):
         if key.name == path[-1]:
             return key.doc
@@ -108,7 +108,7 @@ def doc_of(path: Path, data: Any = None) -> str:
 
 
 def kinds_of(forms: list[Form]) -> list[ElementType]:
-    """The elements of MJCF that a mapping of these forms is."""
+    """Return the MJCF elements that a mapping of these forms can be."""
     found: dict[str, ElementType] = {}
     for form in forms:
         match = _ELEMENT.fullmatch(form.role)
@@ -147,12 +147,12 @@ def _step(form: Form, step: str | int) -> Iterator[Form]:
 
 
 def _carried(form: Form, step: str) -> str:
-    """The role of what has no name of its own in the schema: an attribute of an element."""
+    """Return the role of an attribute of an element, which has no name of its own in the schema."""
     return f"{form.role}@{step}" if form.role else ""
 
 
 def _spread(form: Form, data: Any) -> Iterator[Form]:
-    """A form with all that it refers to, without what the data rules out."""
+    """Yield a form and all that it refers to, without the alternatives that the data excludes."""
     waiting, count = [form], 0
     while waiting and count < _MOST:
         each, count = waiting.pop(0), count + 1
@@ -183,7 +183,7 @@ def _is_type(types: str | list[str], data: Any) -> bool:
 
 
 def _holds(condition: Schema, data: Any) -> bool:
-    """Whether data fulfils the condition of an `if`, of which the schema has three kinds."""
+    """Return whether the data fulfils the condition of an `if`. The schema has three kinds of conditions."""
     if "type" in condition and not _is_type(condition["type"], data):
         return False
     if "const" in condition and data != condition["const"]:

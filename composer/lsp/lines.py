@@ -14,7 +14,7 @@ _UNITS: dict[str, Callable[[str], int]] = {
 
 
 def lines_of(text: str) -> list[str]:
-    r"""The lines without their ends; `splitlines` takes more characters for one than editors and YAML do.
+    r"""Return the lines without their ends. `str.splitlines` also splits at characters that editors and YAML do not.
 
     >>> lines_of("a\r\nb\u2028c\n")
     ['a', 'b\u2028c', '']
@@ -23,7 +23,7 @@ def lines_of(text: str) -> list[str]:
 
 
 def units(line: str, column: int, encoding: str = "utf-16") -> int:
-    """How many units of an encoding stand before a character, counted from 0; one behind the end is at the end.
+    """Return how many units of an encoding precede a character, counted from 0. Past the end counts as the end.
 
     >>> units("🤖: x", 1)
     2
@@ -35,7 +35,7 @@ def units(line: str, column: int, encoding: str = "utf-16") -> int:
 
 
 def column_of(line: str, count: int, encoding: str = "utf-16") -> int:
-    """The character, counted from 0, before which there are that many units.
+    """Return the character, counted from 0, that this many units precede.
 
     >>> column_of("🤖: x", 2), column_of("ab", 9)
     (1, 2)
@@ -51,7 +51,9 @@ def column_of(line: str, count: int, encoding: str = "utf-16") -> int:
 
 
 def moved(old: Sequence[str], new: Sequence[str]) -> dict[int, int]:
-    """Where lines of a text stand in a later one, both from 0; lines in between that may have changed are left out.
+    """Return for the lines of a text where they are in a later text, both counted from 0.
+
+    Lines that may have changed are left out.
 
     >>> moved(["a", "b", "c"], ["a", "x", "y", "c"])
     {0: 0, 2: 3}

@@ -1,4 +1,4 @@
-"""What a selector matches, in the model as it was composed last."""
+"""The elements that a selector matches in the model that was composed last."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def selector_around(question: Question) -> tuple[Path, dict[str, Any]] | None:
-    """The selector that a cursor is in, the innermost one: its path and what is written there."""
+    """Return the innermost selector around a cursor: its path and what is written there."""
     path = question.path
     for length in range(len(path), 0, -1):
         written = question.at(path[:length])
@@ -39,7 +39,7 @@ def is_selector(path: Path, written: dict[str, Any]) -> bool:
 
 
 def matches(path: Path, written: dict[str, Any], analysis: Analysis) -> list[Node] | None:
-    """The elements that a selector means; None where that is not known. Conditions of `where` are not looked at."""
+    """Return the elements that a selector matches, or None if that is not known. `where` is not evaluated."""
     selector = read_selector({**written, **({"where": {}} if "where" in written else {})}, path, "", [])
     if selector is None:
         return None
@@ -62,7 +62,7 @@ def _selected(
 
 
 def _parts(analysis: Analysis) -> dict[Node, str]:
-    """The part that each element came from, with the innermost last."""
+    """Return the path of the part that each element came from."""
     traced = analysis.traced
     if traced is None:
         return {}
@@ -75,6 +75,6 @@ def _parts(analysis: Analysis) -> dict[Node, str]:
 
 
 def label(node: Node) -> str:
-    """What a list calls an element."""
+    """Return the name of an element for lists."""
     name = name_of(node)
     return f"`{name}`" if name else f"an unnamed `<{node.tag}>`"

@@ -1,4 +1,4 @@
-"""The names in a model, with what they are and where: as it was composed last, and of parts that it lacks."""
+"""The names in a model and what they are: from the model that was composed last, and from parts that it lacks."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _TELLING = ("type", "pos", "joint", "tendon", "site", "file", "range")
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """A name. `part` is what the recipe calls the part that it is of, `holder` the body that it is in."""
+    """A name. `part` is the path of its part, and `holder` the body that contains it."""
 
     name: str
     namespace: str
@@ -36,7 +36,7 @@ class Known:
 
     @property
     def detail(self) -> str:
-        """What it is and where, on one line.
+        """Return in one line what the name is and where.
 
         >>> Known("tcp", "site", "site", "arm", "wrist", "pos 0 0 0.1").detail
         'site of arm, in wrist, pos 0 0 0.1'
@@ -50,8 +50,7 @@ class Known:
 class Names:
     """The names of a model by namespace, in the order of the model, and the paths of its parts.
 
-    `sources` has what parts that are MJCF call their own elements, by the path of the part; `prefixes` what stands
-    before the names of each part.
+    `sources` has the units of the parts, by their paths, and `prefixes` the prefix of each part.
     """
 
     known: dict[str, dict[str, Known]] = field(default_factory=dict)
@@ -66,7 +65,10 @@ class Names:
         return self.known.get(namespace, {}).get(name)
 
     def own(self, part: str) -> Names:
-        """The names of a part in its own words: those of its source, or of the model below its prefix."""
+        """Return the names of a part without its prefix.
+
+        They come from its source, or from the model, of which those below the prefix are taken.
+        """
         found: dict[str, dict[str, Known]] = {}
         if (unit := self.sources.get(part)) is not None:
             for each in _of_root(unit.root, "", []):
@@ -81,9 +83,9 @@ class Names:
 
 
 def names_of(plan: Plan, traced: Traced | None, composed: Plan | None, library: Library) -> Names:
-    """The names of a model that was composed, and those of the parts of a plan that it does not have.
+    """Return the names of a composed model, and those of the parts of a plan that it lacks.
 
-    `composed` is the plan of that model, which may be an earlier one.
+    `composed` is the plan of that model, which may be older than `plan`.
     """
     places = [place for place in plan.walk() if place.model is not None and place.part]
     parts = sorted(((place.prefix, place.part) for place in places), key=_longest)
@@ -109,7 +111,7 @@ def _longest(prefix: tuple[str, str]) -> int:
 
 
 def _identity(place: Place) -> tuple[str, object]:
-    """What a part is made of, as far as its names go."""
+    """Return a value that changes whenever the names of a part may change."""
     return place.prefix, place.model.path if isinstance(place.model, Source) else None
 
 

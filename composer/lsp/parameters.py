@@ -1,4 +1,4 @@
-"""The parameters and variants of a recipe, as its text has them."""
+"""The parameters and variants of a recipe, as its text declares them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,10 @@ from composer.sources.fetching import Fetching
 
 @dataclass(frozen=True, slots=True)
 class Settable:
-    """A parameter, or an axis of variants: its default as it is written, its values where it has a choice."""
+    """A parameter or an axis of variants.
+
+    It has its default as it is written, and the allowed values if they are listed.
+    """
 
     name: str
     kind: str
@@ -33,7 +36,7 @@ class Settable:
 
     @property
     def detail(self) -> str:
-        """What it is, on one line.
+        """Return a description in one line.
 
         >>> Settable("reach", "parameter", "0.45", unit="m").detail
         'parameter, default 0.45 m'
@@ -44,7 +47,7 @@ class Settable:
 
 
 def settables(data: Any) -> dict[str, Settable]:
-    """The parameters and axes that a recipe declares, by name; what is half written is left out."""
+    """Return the declared parameters and axes by name. Half-written declarations are left out."""
     found: dict[str, Settable] = {}
     if not isinstance(data, dict):
         return found
@@ -65,13 +68,13 @@ def settables(data: Any) -> dict[str, Settable]:
 
 
 def of_nested(at: Path, question: Question) -> dict[str, Settable]:
-    """Those of the recipe that the part at a path is made of."""
+    """Return the parameters and axes of the nested recipe of the part at a path."""
     tree = nested_document(at, question)
     return {} if tree is None else settables(to_python(tree))
 
 
 def nested_document(at: Path, question: Question) -> Mapping | None:
-    """The tree of the recipe that the part at a path is made of."""
+    """Return the tree of the nested recipe of the part at a path, or None."""
     analysis = question.analysis
     if analysis.plan is None:
         return None
@@ -89,7 +92,7 @@ def _entries(data: dict[str, Any], section: str) -> list[tuple[str, Any]]:
 
 
 def text(value: Any) -> str:
-    """A value as a recipe writes it.
+    """Return a value as YAML.
 
     >>> text(None), text(True), text([1, 2.5])
     ('', 'true', '[1, 2.5]')
@@ -104,7 +107,7 @@ def text(value: Any) -> str:
 
 
 def parameter_at(question: Question) -> tuple[str, Path | None] | None:
-    """The parameter or variant at the cursor, and the part whose it is where it is set for one."""
+    """Return the parameter or variant at the cursor, and the part to which it belongs where it is set for one."""
     cursor = question.cursor
     if cursor.role in ("key", "either") and cursor.whole:
         if cursor.path in (("params",), ("variants",), ("matrix", "axes")) or cursor.path[-1:] == ("when",):
@@ -121,7 +124,7 @@ def parameter_at(question: Question) -> tuple[str, Path | None] | None:
 
 
 def names_in(template: str) -> list[tuple[str, int, int]]:
-    """The names in a text with `${…}`, and their characters in it; none where it cannot be read."""
+    """Return the names in a text with `${…}`, with the columns that they cover. A text with errors has none."""
     try:
         return [(each.name, each.start, each.end) for each in Template.parse(template).names()]
     except ExpressionError:
@@ -129,13 +132,13 @@ def names_in(template: str) -> list[tuple[str, int, int]]:
 
 
 def parameter_uses(name: str, tree: Node | None) -> list[Span]:
-    """Where a recipe uses a parameter or variant of its own: in expressions, `when` and the matrix."""
+    """Return the places where a recipe uses one of its own parameters or variants."""
     found = [span for _, node in scalars(tree) for each, span in _names_of(node) if each == name]
     return [*_keys(tree, (), name), *found]
 
 
 def _names_of(node: Scalar) -> Iterator[tuple[str, Span]]:
-    """The names in the expressions of a value, each with its place."""
+    """Yield the names in the expressions of a value, each with its place."""
     if node.block is None:
         begin = node.span.column + (0 if node.plain else 1)
         for name, start, end in names_in(_written(node)):
@@ -162,7 +165,7 @@ def _keys(node: Node | None, path: Path, name: str) -> list[Span]:
 
 
 def _written(node: Scalar) -> str:
-    """A value as its characters stand in the file, as far as that can be told: without escapes it is its text."""
+    """Return the characters of a value in the file. They are known only for a value without escapes."""
     span = node.span
     width = (span.end_column or span.column) - span.column
     return node.text if width in (len(node.text), len(node.text) + 2) else ""

@@ -1,4 +1,4 @@
-"""Which names fit a place of a recipe: of what namespaces, and whether in the words of a part."""
+"""Which names are allowed at a place of a recipe: their namespaces, and whether they are names inside a part."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from composer.grammar import GRAMMAR
 from composer.lsp.cursor import Path
 from composer.lsp.language import Form, kinds_of
 from composer.lsp.names import Known, Names
-from composer.plan.plan import BASE, AttachPart, Plan, called
+from composer.plan.plan import BASE, AttachPart, Plan, part_name
 from composer.recipe.keyframe import FROM, VECTORS
 from composer.recipe.select import NARROWING
 from composer.tree.names import WORLD
@@ -22,10 +22,11 @@ PART, KEY = "part", "key"
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """The names that fit: of these namespaces, the best one first, and of these tags where not of all.
+    """The names that are allowed at a place: those of these namespaces, the most likely one first.
 
-    `of` leads to the part in whose own words they are, `not_of` to the part that is itself out of the question. `part`
-    is what the part is called of which they are. A `pattern` may stand for several.
+    With `tags`, only elements with these tags are allowed. `of` is the path of the part inside which the names are
+    looked up, `not_of` that of a part which is not allowed itself. `part` is the name of the part from which the
+    names must come. With `pattern`, a pattern over names is allowed too.
     """
 
     namespaces: tuple[str, ...]
@@ -70,7 +71,7 @@ _PLACES = ("site", "body", "frame", "before", "after")
 
 
 def wanted_value(path: Path, forms: list[Form], around: Any) -> Wanted | None:
-    """The names that a value at a path may be; `forms` are those of the mapping around it, `around` its data."""
+    """Return which names a value can be, or None. `forms` are those of the mapping around it, `around` its data."""
     path = without_variant(path)
     if not path:
         return None
@@ -88,7 +89,7 @@ def wanted_value(path: Path, forms: list[Form], around: Any) -> Wanted | None:
 
 
 def wanted_key(path: Path) -> Wanted | None:
-    """The names that the keys of the mapping at a path may be."""
+    """Return which names the keys of the mapping at a path can be, or None."""
     path = without_variant(path)
     if (inner := _in_place(path)) is not None:
         found = wanted_key(inner[1])
@@ -104,7 +105,7 @@ def wanted_key(path: Path) -> Wanted | None:
 
 
 def fitting(wanted: Wanted, names: Names, plan: Plan | None) -> Iterator[tuple[int, Known]]:
-    """The names that fit, each with a rank, the best first."""
+    """Yield the names that are allowed, each with a rank. The most likely come first."""
     if wanted.of or wanted.part is not None:
         names = names.own(part_called(wanted.of, plan) if wanted.part is None else wanted.part)
     itself = prefix_of(wanted.not_of, plan) if wanted.not_of else None
@@ -122,12 +123,12 @@ def fitting(wanted: Wanted, names: Names, plan: Plan | None) -> Iterator[tuple[i
 
 
 def without_variant(path: Path) -> Path:
-    """The path inside a piece of recipe, where it is in one."""
+    """Return the path inside a variant's piece of recipe, or the path itself outside of variants."""
     return path[3:] if path[:1] == ("variants",) and len(path) > 3 else path
 
 
 def _in_place(path: Path) -> tuple[Path, Path] | None:
-    """The part whose recipe is written in place around a path, and the path in that recipe."""
+    """Return the part whose in-place recipe contains a path, and the path inside that recipe, or None."""
     length = (
         2
         if path[:2] == ("base", "model")
@@ -139,25 +140,25 @@ def _in_place(path: Path) -> tuple[Path, Path] | None:
 
 
 def own_part(path: Path) -> Path:
-    """The part whose own names a place takes; none where it takes final ones."""
+    """Return the path of the part whose own names a place uses, or an empty path where final names are used."""
     row = next((row for row in _OWN if _fits(row, path[: len(row)])), None)
     return () if row is None else path[: len(row) - 1]
 
 
 def prefix_of(at: Path, plan: Plan | None) -> str | None:
-    """What stands before the names of the part at a path."""
+    """Return the prefix of the part at a path, or None."""
     step = part_at(at, plan)
     return None if step is None else step.prefix
 
 
 def part_called(at: Path, plan: Plan | None) -> str:
-    """The path of the part at a path of the recipe, as keyframes and selectors have it."""
+    """Return the name of the part at a path, as keyframes and selectors write it."""
     step = part_at(at, plan)
-    return called(step, plan.separator) if step is not None and plan is not None else str(at[-1])
+    return part_name(step, plan.separator) if step is not None and plan is not None else str(at[-1])
 
 
 def part_of_reference(path: Path, plan: Plan) -> str | None:
-    """The path of the part whose model is named at a path of the recipe; None for any other place."""
+    """Return the path of the part whose `model` is at a path, or None for any other place."""
     path = without_variant(path)
     if path in (("base",), ("base", "model")):
         return BASE
@@ -172,7 +173,7 @@ def part_at(at: Path, plan: Plan | None) -> AttachPart | None:
 
 
 def namespaces_of(tag: str) -> tuple[str, ...]:
-    """The namespaces of the elements that a tag of a selector means."""
+    """Return the namespaces of the elements that a tag of a selector means."""
     found = {GRAMMAR.element(path).family for path in paths_of(tag)}
     return tuple(sorted(name for name in found if name))
 
@@ -186,7 +187,7 @@ def is_selector(forms: list[Form]) -> bool:
 
 
 def _itself(path: Path) -> Path:
-    """The part that cannot hang on itself."""
+    """Return the path of the part around a place, which cannot be attached to itself."""
     return path[:2] if len(path) == 3 and path[0] == "attach" and path[2] in _PLACES else ()
 
 
@@ -195,7 +196,7 @@ def _fits(row: Path, path: Path) -> bool:
 
 
 def _selector(path: Path, forms: list[Form]) -> Wanted | None:
-    """The names for a tag in a selector, and what narrows it down."""
+    """Return the names that fit behind a tag of a selector, or behind a key that narrows it down; None elsewhere."""
     last = str(path[-1])
     if not is_selector(forms):
         return None
@@ -209,7 +210,7 @@ def _selector(path: Path, forms: list[Form]) -> Wanted | None:
 
 
 def _of_mjcf(path: Path, forms: list[Form], around: Any) -> Wanted | None:
-    """What the grammar says of an attribute that refers to something."""
+    """Return the names that fit an MJCF attribute that refers to something, or None for any other attribute."""
     name = str(path[-2]) if isinstance(path[-1], int) and len(path) > 1 else str(path[-1])
     for kind in kinds_of(forms):
         attribute = kind.attributes.get(name)
@@ -231,7 +232,7 @@ def _of_mjcf(path: Path, forms: list[Form], around: Any) -> Wanted | None:
 
 
 def _by_type(attribute: str, around: Any) -> Wanted | None:
-    """The namespace that a sibling, such as `objtype`, names; all of them where it does not."""
+    """Return the namespace that a sibling such as `objtype` names, or all of them if it names none."""
     said = around.get(attribute) if isinstance(around, dict) else None
     namespace = GRAMMAR.objtypes.get(str(said or ""))
     if namespace is not None:

@@ -1,4 +1,4 @@
-"""From what providers answer to messages of the protocol; no other module but `server` knows its types."""
+"""Converts the answers of providers to messages. Only this module and `server` use the types of the protocol."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _SYMBOLS = {
 
 
 class Converter:
-    """Places in the units that the editor counts in. `lines` gives the lines of a file, `uri` its address."""
+    """Converts places to the units in which the editor counts. `lines` gives the lines of a file, `uri` its address."""
 
     def __init__(
         self, encoding: str, folder: Path, lines: Callable[[Path], list[str]], uri: Callable[[Path], str]
@@ -53,7 +53,7 @@ class Converter:
         return self._uri(self.path(span))
 
     def range(self, span: Span) -> lsp.Range:
-        """A span as a range; one without an end is the word that begins there."""
+        """Return a span as a range. A span without an end covers the word that begins there."""
         lines = self._lines(self.path(span))
         line = min(max(span.line - 1, 0), max(len(lines) - 1, 0))
         text = lines[line] if lines else ""
@@ -70,12 +70,12 @@ class Converter:
         )
 
     def column(self, lines: list[str], position: lsp.Position) -> int:
-        """The character of a position on its line, from 0."""
+        """Return the character of a position on its line, counted from 0."""
         text = lines[position.line] if position.line < len(lines) else ""
         return column_of(text, position.character, self.encoding)
 
     def meets(self, found: Diagnostic, path: Path, place: lsp.Range) -> bool:
-        """Whether a diagnostic is shown at a place of a file."""
+        """Return whether a diagnostic is shown at a place of a file."""
         own = self.diagnostic(found, path).range
         return own.start <= place.end and place.start <= own.end
 
@@ -85,7 +85,7 @@ class Converter:
     # -- answers -----------------------------------------------------------------------------------------------
 
     def diagnostic(self, found: Diagnostic, path: Path) -> lsp.Diagnostic:
-        """A diagnostic in a file; one without a place, or of another, stands on the first line."""
+        """Return a diagnostic in a file. One without a place in this file is shown on the first line."""
         span = found.span if found.span is not None and self.path(found.span) == path else None
         place = lsp.Range(lsp.Position(0, 0), lsp.Position(0, 0)) if span is None else self.range(span)
         related = [
@@ -160,7 +160,7 @@ class Converter:
 
 
 def _words(found: Diagnostic) -> str:
-    """The message, what exists, and what to do, as the terminal has them below one another."""
+    """Return the message, the notes and the help on lines of their own, as in a terminal."""
     notes = [note.message for note in found.listed() if note.span is None]
     help = [f"help: {found.help}"] if found.help else []
     return "\n".join([found.message, *notes, *help])

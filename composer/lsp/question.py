@@ -1,4 +1,4 @@
-"""What an editor asks about a place in a recipe."""
+"""The input of providers: a place in a recipe about which an editor asks."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from composer.lsp.repaired import repaired
 
 @dataclass(frozen=True)
 class Question:
-    """A place in a recipe, `lines` of which are the newest; what else is known is in the `analysis`.
+    """A place in a recipe. `lines` are those of the newest text; everything else is in the `analysis`.
 
-    `line` and `column` count from 0.
+    `line` and `column` are counted from 0.
     """
 
     analysis: Analysis
@@ -32,7 +32,7 @@ class Question:
 
     @cached_property
     def tree(self) -> Node | None:
-        """The tree of the text with the cursor."""
+        """Return the tree of the text with the cursor, or None."""
         return repaired(self.lines, self.cursor, self.analysis.tree)
 
     @cached_property
@@ -41,7 +41,7 @@ class Question:
 
     @cached_property
     def forms(self) -> list[Form]:
-        """What the language has at the path of the cursor."""
+        """Return what the language allows at the path of the cursor."""
         return forms_at(self.cursor.path, self.data)
 
     @property
@@ -49,12 +49,12 @@ class Question:
         return self.cursor.path
 
     def at(self, path: Path) -> Any:
-        """What stands at a path of the text with the cursor, as data; None where nothing does."""
+        """Return the data at a path of the text with the cursor, or None."""
         found = None if self.tree is None else find(self.tree, path)
         return None if found is None else to_python(found)
 
     @property
     def word(self) -> Span:
-        """The word that the cursor is in."""
+        """Return the word at the cursor."""
         cursor = self.cursor
         return Span(self.analysis.file, cursor.line + 1, cursor.start + 1, cursor.line + 1, cursor.end + 1)

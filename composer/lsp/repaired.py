@@ -1,4 +1,4 @@
-"""A tree of a recipe that is being written: the text with the line of the cursor made whole, or without it."""
+"""The tree of a recipe that is being written: the line of the cursor is completed or left out."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _CLOSING = {"{": "}", "[": "]"}
 
 
 def repaired(lines: Sequence[str], cursor: Cursor, last: Node | None) -> Node | None:
-    """The tree of the text, or of the least changed text that has one; otherwise the last one there was.
+    """Return the tree of the text after the smallest change that makes it readable, or the last known tree.
 
     >>> from composer.lsp.cursor import cursor_at
     >>> lines = ["sensor:", "  push: {type: force, site: "]
@@ -49,7 +49,7 @@ def _candidates(lines: list[str], cursor: Cursor) -> Iterator[str]:
 
 
 def _closers(line: str) -> str:
-    """The brackets that a line leaves open, closed."""
+    """Return the brackets that close those that a line leaves open."""
     waiting: list[str] = []
     quote = ""
     for character in line:

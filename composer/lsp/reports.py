@@ -1,4 +1,4 @@
-"""What is reported of an open recipe: what its text says at once, and what MuJoCo said last of it."""
+"""The diagnostics of an open recipe: those of its current text, and the latest ones from MuJoCo."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from composer.lsp.lines import moved
 def carried(
     found: Iterable[Diagnostic], file: str, old: Sequence[str], new: Sequence[str]
 ) -> tuple[Diagnostic, ...]:
-    """Diagnostics of an earlier text at their places in a new one, without those whose lines may have changed."""
+    """Return diagnostics of an earlier text at their places in a new one. Those on changed lines are left out."""
     if list(old) == list(new):
         return tuple(found)
     lines = moved(old, new)
@@ -42,7 +42,7 @@ def carried(
 
 
 def together(now: Sequence[Diagnostic], verified: Sequence[Diagnostic]) -> list[Diagnostic]:
-    """What the text says, and what MuJoCo said besides; where the text has errors there is no model to speak of."""
+    """Return the diagnostics of the text and those from MuJoCo. If the text has errors, there is no model to judge."""
     if any(each.severity is Severity.ERROR for each in now):
         return list(now)
     return [*now, *(each for each in verified if each not in now)]
@@ -51,10 +51,10 @@ def together(now: Sequence[Diagnostic], verified: Sequence[Diagnostic]) -> list[
 def by_file(
     found: Iterable[Diagnostic], own: str, uses: Mapping[str, Span] | None = None
 ) -> Mapping[str, list[Diagnostic]]:
-    """Diagnostics by the file that they are shown in; those without a place are shown in the recipe.
+    """Return diagnostics by the file in which they are shown. Those without a place are shown in the recipe.
 
-    What is found in a model is shown there, and where the recipe uses it: most editors show no faults of files that
-    are not open. `uses` says where that is, by file.
+    A diagnostic of a model is shown there and where the recipe uses the model, because most editors do not show the
+    diagnostics of files that are not open. `uses` gives the place of use, by file.
     """
     files: dict[str, list[Diagnostic]] = {own: []}
     for each in found:
@@ -69,12 +69,12 @@ def by_file(
 
 
 def _at_use(found: Diagnostic, span: Span, use: Span) -> Diagnostic:
-    """A diagnostic about a file, at the place that uses the file."""
+    """Return a diagnostic about a file at the place that uses the file."""
     return replace(found, span=use, notes=(Note("it is found here", span), *found.notes), fix=None)
 
 
 def uses_of(analysis: Analysis) -> dict[str, Span]:
-    """Where a recipe uses each file, the first place of several."""
+    """Return the first place at which a recipe uses each file."""
     found: dict[str, Span] = {}
     for place in analysis.plan.walk() if analysis.plan is not None else ():
         path = getattr(place.model, "path", None)

@@ -1,4 +1,4 @@
-"""The server: what editors ask, handed to the providers, over standard input and output."""
+"""The server: requests of an editor are passed to the providers, over standard input and output."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ _TRIGGERS = [":", " ", "/", "{", "[", "$", ",", ".", "*", '"', "'"]
 
 
 class Server(LanguageServer):
-    """What an editor talks to. Its desk stands once it has said in which folder it works."""
+    """The server of one editor. It has a desk once the editor has named its folder."""
 
     def __init__(self) -> None:
         super().__init__("mjcompose", __version__, text_document_sync_kind=lsp.TextDocumentSyncKind.Full)
@@ -66,7 +66,7 @@ class Server(LanguageServer):
         self.errands = Errands(folder)
 
     def path(self, uri: str) -> Path:
-        """The file of an address; what has none stands in the folder of the workspace under its name."""
+        """Return the file of an address. A document without a file gets a path in the folder of the workspace."""
         path = to_fs_path(uri) if uri.startswith("file:") else None
         found = Path(path) if path else self.desk.folder / uri.rpartition(":")[2].strip("/")
         self.uris[found] = uri
@@ -76,7 +76,7 @@ class Server(LanguageServer):
         return self.uris.get(path) or from_fs_path(str(path)) or ""
 
     def lines(self, path: Path) -> list[str]:
-        """The lines of a file, as an editor has it, or the disk."""
+        """Return the lines of a file as the editor or the disk has it."""
         document = self.desk.documents.get(path)
         if document is not None:
             return document.lines
@@ -92,15 +92,15 @@ class Server(LanguageServer):
         self.text_document_publish_diagnostics(lsp.PublishDiagnosticsParams(self.uri(path), shown, version))
 
     def say(self, text: str) -> None:
-        """Tell the log of the editor; a fault of a provider is one there, and never ends the server."""
+        """Write to the log of the editor. Errors of a provider are logged and do not end the server."""
         self.window_log_message(lsp.LogMessageParams(lsp.MessageType.Error, text))
 
     async def analysis(self, params: Any) -> Analysis | None:
-        """What is known of the text as it is now of the recipe that `params` name."""
+        """Return the analysis of the current text of the recipe that `params` names."""
         return await self.desk.analysed(self.path(params.text_document.uri), newest=True)
 
     async def question(self, params: Any, newest: bool = False) -> Question | None:
-        """What is asked about the place in `params`; None where no recipe is open there."""
+        """Return the question about the place in `params`, or None if no recipe is open there."""
         path = self.path(params.text_document.uri)
         analysis = await self.desk.analysed(path, newest)
         document = self.desk.documents.get(path)
@@ -116,7 +116,7 @@ Handler = Callable[[Server, Any], Awaitable[Any]]
 
 
 def _feature(name: str, options: Any = None) -> Callable[[Handler], Handler]:
-    """A handler for a request: what goes wrong in it is logged, and answered with nothing."""
+    """Return a decorator for a request handler. An exception in it is logged, and the answer is empty."""
 
     def decorate(handler: Handler) -> Handler:
         @functools.wraps(handler)
@@ -310,6 +310,6 @@ for _verb in COMMANDS:
 
 
 def serve() -> None:
-    """Serve one editor until it hangs up."""
+    """Serve one editor until it disconnects."""
     sys.setswitchinterval(_TURN)
     server.start_io()

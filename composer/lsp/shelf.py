@@ -1,4 +1,4 @@
-"""Source files that were read, kept from one analysis to the next for as long as they are as they were."""
+"""Source files that were read, kept between analyses for as long as they do not change."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ _MOST = 64
 
 
 class Shelf:
-    """A `Library` that forgets what has changed."""
+    """A `Library` that drops what has changed."""
 
     def __init__(self) -> None:
         self.library: Library = {}
         self._marks: dict[Key, dict[Path, Mark]] = {}
 
     def refresh(self, texts: Mapping[str, bytes]) -> None:
-        """Forget the units of which a file has changed; `texts` are those that editors have."""
+        """Drop the units of which a file has changed. `texts` are the unsaved texts of editors."""
         for key in [key for key, before in self._marks.items() if marks(before, texts) != before]:
             del self._marks[key]
             self.library.pop(key, None)
 
     def note(self, texts: Mapping[str, bytes]) -> None:
-        """Take up the marks of units that were read since."""
+        """Record the marks of the units that were read since the last call."""
         for key, unit in self.library.items():
             if key not in self._marks:
                 self._marks[key] = marks(_files(key, unit), texts)
@@ -37,7 +37,7 @@ class Shelf:
 
 
 def _files(key: Key, unit: Unit) -> set[Path]:
-    """The file of a unit and those that it includes; texts that are not paths are named by their file."""
+    """Return the file of a unit and those that it includes. Texts without a path of their own belong to their file."""
     return {
         key[0],
         *(text if isinstance(text, Path) else Path(name) for name, text in unit.origins.texts.items()),

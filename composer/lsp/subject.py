@@ -1,4 +1,4 @@
-"""What a cursor is on: names of elements, and where these are written."""
+"""The elements whose names are at a cursor, and where they are written."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from composer.tree.unit import Unit
 
 
 def wanted_as_value(question: Question) -> Wanted | None:
-    """What names the value at the cursor may be."""
+    """Return which names the value at the cursor can be."""
     path = question.path
     if question.cursor.role not in ("value", "either") or not path:
         return None
@@ -29,7 +29,7 @@ def wanted_as_value(question: Question) -> Wanted | None:
 
 
 def wanted_at(question: Question) -> Wanted | None:
-    """What names may stand at the cursor."""
+    """Return which names can be at the cursor, or None if no names can."""
     found = wanted_as_value(question)
     if found is None and question.cursor.role in ("key", "either"):
         return wanted_key(question.path)
@@ -37,7 +37,7 @@ def wanted_at(question: Question) -> Wanted | None:
 
 
 def named_at(question: Question) -> list[Known]:
-    """The elements that the name at the cursor means: those of the best kind, if it is a name and no pattern."""
+    """Return the elements that the name at the cursor means, of the most likely kind. A pattern means none."""
     wanted, name, analysis = wanted_at(question), question.cursor.whole.strip(), question.analysis
     if wanted is None or not name:
         return []
@@ -49,7 +49,7 @@ def named_at(question: Question) -> list[Known]:
 
 
 def part_named_at(question: Question) -> Path | None:
-    """The path of the part that the cursor names: at its key, or where another entry refers to it."""
+    """Return the path of the part that the cursor names: at its key, or where another entry refers to it."""
     cursor, plan = question.cursor, question.analysis.plan
     if cursor.role in ("key", "either") and cursor.path == ("attach",) and cursor.whole:
         return ("attach", cursor.whole)
@@ -61,7 +61,7 @@ def part_named_at(question: Question) -> Path | None:
 
 
 def declared_at(known: Known, analysis: Analysis) -> Iterator[Span]:
-    """Where an element is written: in a model, in this recipe or in another."""
+    """Yield where an element is written: in a model, in this recipe or in another one."""
     node, traced = known.node, analysis.traced
     if node is None:
         return
@@ -79,7 +79,7 @@ def declared_at(known: Known, analysis: Analysis) -> Iterator[Span]:
 
 
 def unit_of(known: Known, analysis: Analysis) -> Unit | None:
-    """The source that an element is of, where it was not composed."""
+    """Return the source of an element that is not in the composed model, or None."""
     if known.node is None:
         return None
     root = known.node.getroottree().getroot()
@@ -87,7 +87,7 @@ def unit_of(known: Known, analysis: Analysis) -> Unit | None:
 
 
 def in_model(known: Known, analysis: Analysis) -> Known:
-    """The same element as the composed model has it, where a part's own name was given."""
+    """Return the element in the composed model, given one with a name inside a part."""
     traced = analysis.traced
     if known.node is None or traced is None or known.node in traced.watch.lives:
         return known

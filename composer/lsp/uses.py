@@ -1,4 +1,4 @@
-"""Every place of a recipe that takes names, with what is written there."""
+"""All names in a recipe, with their places."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from composer.lsp.places import Wanted, wanted_key, wanted_value
 
 @dataclass(frozen=True, slots=True)
 class Use:
-    """A name as it is written, as a value or as a key, and what names may stand there."""
+    """A name in a recipe, as a value or a key, and the names that are allowed there."""
 
     text: str
     span: Span
@@ -25,7 +25,7 @@ class Use:
 
 
 def uses_in(tree: Node | None) -> Iterator[Use]:
-    """The names in a recipe, in the order of the text."""
+    """Yield the names in a recipe, in the order of the text."""
     if isinstance(tree, Mapping):
         data = to_python(tree)
         yield from _walk(tree, data, (), forms_at((), data), [], None)
@@ -53,7 +53,7 @@ def _walk(
 
 
 def scalars(node: Node | None, path: Path = ()) -> Iterator[tuple[Path, Scalar]]:
-    """Every value of a tree with its path."""
+    """Yield every value of a tree with its path."""
     if isinstance(node, Scalar):
         yield path, node
     elif isinstance(node, Sequence):

@@ -1,4 +1,4 @@
-"""MuJoCo's verdict on a recipe that is being written, and its checks: behind the keystrokes, in its own process."""
+"""MuJoCo's verdict on an open recipe and its checks, found in the background in a process of its own."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from composer.stages import Request, build
 
 
 class Verifier:
-    """Builds as `check` does, again and again, with one process of MuJoCo; used from one thread."""
+    """Builds recipes as `check` does, with one process of MuJoCo for all. It must be used from one thread only."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -28,7 +28,7 @@ class Verifier:
         self._session.close()
 
     def verify(self, path: Path, text: str, texts: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
-        """All that `check` would report."""
+        """Return all diagnostics that `check` would report."""
         context = Context(folder=self.folder, fetching=Fetching(offline=True))
         with unsaved({**texts, os.path.realpath(path): text.encode("utf-8", "replace")}):
             self._shelf.refresh(texts)

@@ -1,4 +1,4 @@
-"""The recipes that are open, and what is kept warm for them from one keystroke to the next."""
+"""The open recipes, and what is kept for them from one analysis to the next."""
 
 from __future__ import annotations
 
@@ -39,14 +39,14 @@ _RECIPE = re.compile(r"^(?:recipe|extends)\s*:", re.MULTILINE)
 
 
 def is_recipe(path: Path, text: str) -> bool:
-    """Whether a file is a recipe: YAML that says so, at its top or in its name."""
+    """Return whether a YAML file is a recipe: its text or its file name says so."""
     return path.suffix.lower() in RECIPES and bool(_RECIPE.search(text) or path.stem.endswith(".recipe"))
 
 
 class Workspace:
-    """Analyses recipes, one after the other, in one thread. `folder` is where paths are shown from.
+    """Analyses recipes one after another, in one thread. Paths are shown relative to `folder`.
 
-    Sources that have not changed are not read again. What is fetched has to be at hand: a keystroke fetches nothing.
+    Sources that have not changed are not read again. Nothing is fetched: remote sources must already be in the store.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -63,7 +63,7 @@ class Workspace:
     def analyse(
         self, path: Path, text: str, texts: Mapping[str, bytes], before: Analysis | None = None
     ) -> Analysis:
-        """What a recipe is, with the texts that editors have; what it lacks now is taken from `before`."""
+        """Return the analysis of a recipe with the texts of the editor. What it lacks now is taken from `before`."""
         with unsaved({**texts, os.path.realpath(path): text.encode("utf-8", "replace")}):
             return self._analysed(path, text, texts, before or Analysis(path, self.folder, text))
 
@@ -109,7 +109,7 @@ class Workspace:
         return None if composed is None else Traced(composed.model, watch, plan.separator, context.folder)
 
     def _files(self, plan: Plan | None, traced: Traced | None, context: Context) -> frozenset[Path]:
-        """The recipes and models that were read."""
+        """Return the recipes and models that were read."""
         found = {self.folder / each for each in context.recipes}
         if plan is not None:
             found |= {source.path for source in plan.sources()}
@@ -118,7 +118,7 @@ class Workspace:
         return frozenset(Path(os.path.normpath(each)) for each in found)
 
     def including(self, path: Path, texts: Mapping[str, bytes]) -> list[Analysis]:
-        """The recipes in the folder in which the name of a recipe occurs."""
+        """Return the recipes in the folder that contain the name of a recipe."""
         found = []
         for name in model_files(self.folder):
             other = self.folder / name
@@ -134,7 +134,7 @@ class Workspace:
         return found
 
     def check_model(self, path: Path, text: str) -> tuple[Diagnostic, ...]:
-        """What is wrong with an MJCF file by itself."""
+        """Return the diagnostics of an MJCF file by itself."""
         sink = Sink()
         unit = parse_text(
             text.encode("utf-8", "replace"),

@@ -1,4 +1,4 @@
-"""Text that is put into a recipe: a key into a mapping, an item into a list, in the style that is there."""
+"""Insert text into a recipe in its own style: a key into a mapping, or an item into a list."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from composer.lsp.cursor import Path
 
 
 def with_key(tree: Mapping, lines: Lines[str], file: str, path: Path, value: str) -> Change | None:
-    """The change that writes `path: value`, with what is missing of the way; None where the way is not a mapping.
+    """Return the change that writes `path: value` and the missing keys on the way.
 
-    A value that is there is replaced if it is on one line.
+    A value on one line is replaced. The result is None if the path leads through something that is no mapping.
 
     >>> from composer.diagnostics.sink import Sink
     >>> from composer.document import load
@@ -35,7 +35,10 @@ def with_key(tree: Mapping, lines: Lines[str], file: str, path: Path, value: str
 
 
 def with_item(tree: Mapping, lines: Lines[str], file: str, key: str, value: str) -> Change | None:
-    """The change that puts a value into the list below a key of the recipe, which is made where there is none."""
+    """Return the change that appends a value to the list below a key of the recipe, or None.
+
+    The list is created if needed.
+    """
     found = tree.entries.get(key)
     if found is None:
         return _added(tree, lines, file, f"{key}: [{value}]", top=True)
@@ -58,7 +61,7 @@ def _nested(path: Path, value: str) -> str:
 
 
 def _added(holder: Mapping, lines: Lines[str], file: str, text: str, top: bool) -> Change:
-    """An entry behind the last one of a mapping."""
+    """Return the change that adds an entry at the end of a mapping."""
     if not top and _is_flow(holder, lines):
         line, column = _end(holder, file)
         row = lines[line - 1]
@@ -80,7 +83,7 @@ def _is_flow(node: Node, lines: Lines[str]) -> bool:
 
 
 def _end(node: Node, file: str) -> tuple[int, int]:
-    """Where the last thing in a value ends."""
+    """Return where the last item of a value ends."""
     own = [span for span in spans(node) if span.file == file]
     return max((each.end_line or each.line, each.end_column or each.column) for each in own[1:] or own)
 

@@ -1,4 +1,4 @@
-"""The meaning of bare angles and of `euler`, for each file of a recipe and of the recipes that it extends."""
+"""What angles without a unit and `euler` mean, in each file of a recipe and of the recipes that it extends."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ SETTINGS = ("angle", "eulerseq")
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
-    """The reading of angles in a file.
+class AngleSettings:
+    """The settings of one file.
 
-    `angle` is the unit of bare angles (None: they are not allowed), `eulerseq` the sequence of `euler`.
+    `angle` is the unit of angles without a unit (None: they are not allowed), `eulerseq` the sequence of `euler`.
     """
 
     angle: str | None = None
@@ -27,44 +27,46 @@ class Reading:
 
 
 @dataclass(frozen=True, slots=True)
-class Readings:
-    """The reading of a recipe, and of those of its files that differ from the merged one."""
+class AngleContext:
+    """The settings of a merged recipe as a `whole`, and those of its files that differ from it."""
 
     document: Mapping
-    whole: Reading = Reading()
-    others: Map[str, Reading] = field(default_factory=dict)
+    whole: AngleSettings = AngleSettings()
+    others: Map[str, AngleSettings] = field(default_factory=dict)
 
-    def at(self, path: Path) -> Reading:
-        """Return the reading of the value at a path."""
+    def at(self, path: Path) -> AngleSettings:
+        """Return the settings for the value at a path."""
         return self.others.get(locate(self.document, path).file, self.whole) if self.others else self.whole
 
 
-def readings_of(
-    concrete: Concrete, document: Mapping, whole: Reading, files: Map[str, Node], sink: Sink
-) -> Readings:
-    """Return the readings of a concrete recipe's `document`; `files` has the settings of each file."""
-    others: dict[str, Reading] = {}
+def angle_context_of(
+    concrete: Concrete, document: Mapping, whole: AngleSettings, files: Map[str, Node], sink: Sink
+) -> AngleContext:
+    """Return the angle context of a concrete recipe's `document`. `files` has the settings of each file."""
+    others: dict[str, AngleSettings] = {}
     for file, said in files.items():
         node = Substitution(concrete.scope, concrete.parameters, frozenset(), sink).of(said)
         assert isinstance(node, Mapping)
         faults = [fault for fault in judge(node)[1] if fault.at[:1] in [(name,) for name in SETTINGS]]
         for fault in faults:
             sink.error(fault.code, fault.message, locate(node, fault.at, key=fault.key), help=fault.help)
-        read = whole if faults else Reading(**to_python(node))
+        read = whole if faults else AngleSettings(**to_python(node))
         if read != whole:
             others[file] = read
-    return Readings(document, whole, others)
+    return AngleContext(document, whole, others)
 
 
-def check_bare_angles(readings: Readings, sink: Sink) -> None:
+def check_bare_angles(angle_context: AngleContext, sink: Sink) -> None:
     """Report bare angles in files that do not set `angle` if another file does."""
-    if readings.whole.angle is None or all(each.angle is not None for each in readings.others.values()):
+    if angle_context.whole.angle is None or all(
+        each.angle is not None for each in angle_context.others.values()
+    ):
         return
-    document = readings.document
+    document = angle_context.document
     silent = Mapping(
         {name: each for name, each in document.entries.items() if name != "angle"}, document.span
     )
     for fault in judge(silent)[1]:
-        if fault.code == "bare-angle" and readings.at(fault.at).angle is None:
+        if fault.code == "bare-angle" and angle_context.at(fault.at).angle is None:
             message = f"{fault.message}, and its file does not say which"
             sink.error(fault.code, message, locate(document, fault.at), help=fault.help)

@@ -19,7 +19,7 @@ def expanded_text(plan: Plan) -> str:
     """Return YAML, each line with the file and line of its value as a comment."""
     read = [
         f"# in {file}: angle: {each.angle or 'none'}, eulerseq: {each.eulerseq}"
-        for file, each in plan.readings.others.items()
+        for file, each in plan.angle_context.others.items()
     ]
     written = [f"{text:<{_COLUMN}}  # {span.file}:{span.line}" for text, span in _lines(plan.document, "")]
     return "\n".join([*read, *written])

@@ -11,7 +11,7 @@ from composer.diagnostics.suggest import closest, renaming
 from composer.diagnostics.unknown import unknown_name
 from composer.document.node import Mapping as Located
 from composer.document.node import locate
-from composer.plan.plan import AttachPart, Plan, called
+from composer.plan.plan import AttachPart, Plan, part_name
 from composer.recipe.attach import RESERVED, Attachment
 from composer.recipe.checks.unchanged import Unchanged
 from composer.recipe.keyframe import FROM
@@ -137,7 +137,7 @@ def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> 
                 subjects=ring,
             )
     if reported:
-        sink.suppress_about(called(part, separator) for part in parts if part.prefix in reported)
+        sink.suppress_about(part_name(part, separator) for part in parts if part.prefix in reported)
     return tuple(part for part in parts if part.prefix not in reported)
 
 

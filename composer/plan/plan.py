@@ -11,7 +11,7 @@ from composer.diagnostics.span import Span
 from composer.document.node import Mapping as Located
 from composer.expr.value import Value
 from composer.plan.added_places import AddedPlace, added_places
-from composer.plan.angle_context import Readings
+from composer.plan.angle_context import AngleContext
 from composer.plan.drawn import Drawn
 from composer.plan.steps.draw_values import DrawValues
 from composer.plan.steps.edit_elements import EditElements
@@ -86,7 +86,7 @@ class Plan:
     document: Located
     separator: str
     conflict: Literal["error", "warning", "merge"]
-    readings: Readings
+    angle_context: AngleContext
     base: LoadBase
     parts: tuple[AttachPart, ...]
     steps: tuple[Step, ...]
@@ -130,7 +130,7 @@ class Plan:
         return tuple(step for step in self.steps if isinstance(step, WriteKeyframe))
 
     @property
-    def asked(self) -> frozenset[str]:
+    def key_sources(self) -> frozenset[str]:
         """The parts, by path, from whose keys other keys are made."""
         return frozenset(part for step in self.keyframes for part in step.key.sources)
 
@@ -270,7 +270,7 @@ def _walk(place: Place) -> Iterator[Place]:
                 part.model,
                 plan,
                 part,
-                part=above + called(part, plan.separator),
+                part=above + part_name(part, plan.separator),
                 prefix=place.prefix + part.prefix,
                 others=place.others,
                 keys=keys + part.prefix if keys is not None and policy == "prefix" else keys,
@@ -280,7 +280,7 @@ def _walk(place: Place) -> Iterator[Place]:
         )
 
 
-def called(part: AttachPart, separator: str) -> str:
+def part_name(part: AttachPart, separator: str) -> str:
     """Return a part's name in its recipe: the prefix, or the key if it has no prefix."""
     return part.prefix.removesuffix(separator) or str(part.at[-1])
 

@@ -15,7 +15,7 @@ from composer.diagnostics.span import Span
 from composer.document.node import Mapping, find, locate
 from composer.expand.expand import Concrete
 from composer.limits import advice, in_force
-from composer.plan.angle_context import Reading, Readings, check_bare_angles, readings_of
+from composer.plan.angle_context import AngleContext, AngleSettings, angle_context_of, check_bare_angles
 from composer.plan.concrete import Given, validated
 from composer.plan.drawn import Drawn
 from composer.plan.drawn_parameters import drawn_parameters
@@ -93,7 +93,7 @@ class _Found:
     recipe: Recipe
     document: Mapping
     concrete: Concrete | None
-    readings: Readings
+    angle_context: AngleContext
     at: KeyPath = ()
 
 
@@ -146,7 +146,9 @@ class _Planner:
                     return None
                 recipe, document, concrete = read
                 randomize = recipe.randomize
-        found = _Found(path, recipe, document, concrete, self._readings(path, recipe, document, concrete))
+        found = _Found(
+            path, recipe, document, concrete, self._angle_context(path, recipe, document, concrete)
+        )
         return self._assembled(
             found, (*outer, (key, span)), name or recipe.name or as_text(path.stem),
             randomize=randomize, sample=sample, drawn=drawn, source=source,
@@ -181,7 +183,7 @@ class _Planner:
             document=document,
             separator=recipe.separator,
             conflict=recipe.conflict,
-            readings=found.readings,
+            angle_context=found.angle_context,
             base=base,
             parts=parts,
             steps=steps,
@@ -246,15 +248,17 @@ class _Planner:
         self.sink.suppress_about(found.lost)
         return found.recipe, found.document, found.concrete
 
-    def _readings(self, path: Path, recipe: Recipe, document: Mapping, concrete: Concrete | None) -> Readings:
+    def _angle_context(
+        self, path: Path, recipe: Recipe, document: Mapping, concrete: Concrete | None
+    ) -> AngleContext:
         """Return how bare angles are read; a file without a setting allows none."""
-        whole = Reading(recipe.angle, recipe.eulerseq)
+        whole = AngleSettings(recipe.angle, recipe.eulerseq)
         files = self.context.recipes[path].said
         if concrete is None or len(files) < 2:
-            return Readings(document, whole)
-        readings = readings_of(concrete, document, whole, files, self.sink)
-        check_bare_angles(readings, self.sink)
-        return readings
+            return AngleContext(document, whole)
+        angle_context = angle_context_of(concrete, document, whole, files, self.sink)
+        check_bare_angles(angle_context, self.sink)
+        return angle_context
 
     def _base(self, found: _Found, inside: Outer) -> LoadBase | None:
         recipe, document = found.recipe, found.document
@@ -358,10 +362,10 @@ class _Planner:
         if recipe.separator != around.recipe.separator:
             self._separators("the model in place", recipe, around.recipe, model.span)
         own = {"angle", "eulerseq"} & model.entries.keys()
-        others = {} if own else around.readings.others
-        readings = Readings(read.document, Reading(recipe.angle, recipe.eulerseq), others)
+        others = {} if own else around.angle_context.others
+        angle_context = AngleContext(read.document, AngleSettings(recipe.angle, recipe.eulerseq), others)
         found = _Found(
-            around.path, recipe, read.document, around.concrete, readings, (*around.at, *at, "model")
+            around.path, recipe, read.document, around.concrete, angle_context, (*around.at, *at, "model")
         )
         return self._assembled(found, inside, recipe.name or str(at[-1]), at=found.at)
 

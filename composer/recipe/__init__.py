@@ -1,4 +1,4 @@
-"""The recipe language: models, their validation, and the JSON Schema of it all."""
+"""The recipe language: its models, their validation, and the JSON Schema."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Elements that are added under a body, a frame or the world."""
+"""The section `add`: elements under a body, a frame or the world."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ Target = tuple[Literal["world", "body", "frame"], str]
 
 @dataclass(frozen=True, slots=True)
 class Addition:
-    """One entry of `add`: an element and what it is added to.
+    """One entry of `add`: an element, and where it is added.
 
-    `to` is the name of the body or frame, `world` for the world. The place of the name is
-    `locate(node, (*at, "to"))`; for a frame, `locate(node, (*at, "to", "frame"))`.
+    `to` is the name of a body or frame, or `world`. The place of the name is `locate(node, (*at, "to"))`, and for a
+    frame `locate(node, (*at, "to", "frame"))`.
     """
 
     to_kind: Literal["world", "body", "frame"]
@@ -43,7 +43,7 @@ class Addition:
 
 @dataclass(frozen=True, slots=True)
 class Additions(Form):
-    """Marks the field `add`: a list of `{to: NAME, TAG: {…}}`. Gives a tuple of `Addition`."""
+    """Form of the field `add`: a list of `{to: NAME, TAG: {…}}`, read as a tuple of `Addition`."""
 
     def schema(self) -> Schema:
         return {"type": "array", "items": reference("addition")}
@@ -61,7 +61,7 @@ class Additions(Form):
 
 
 def addable(place: str) -> Mapping[str, ElementType]:
-    """The elements that can be added to the world, a body or a frame."""
+    """Return the elements that can be added to the world, a body or a frame."""
     return GRAMMAR.element("worldbody" if place == WORLD else place).children
 
 
@@ -87,7 +87,7 @@ def _addition(reader: Reader, value: Any, at: Path) -> Addition | None:
 def _element(
     reader: Reader, value: dict[str, Any], at: Path, kinds: Mapping[str, ElementType], place: str
 ) -> Element | None:
-    """The one element of an entry."""
+    """Return the one element of an entry, or None after a reported fault."""
     found = [name for name in value if name in kinds or name == FRAGMENT]
     for name in value:
         if name != TO and name not in found:
@@ -140,7 +140,7 @@ def _unknown(name: str, at: Path, kinds: Mapping[str, ElementType], place: str) 
 
 
 def _target(reader: Reader, value: Any, at: Path) -> Target | None:
-    """What the element is added to: a name, `world`, or `{frame: NAME}`."""
+    """Return where an element is added: a name, `world`, or `{frame: NAME}`."""
     kind: Literal["body", "frame"] = "body"
     if isinstance(value, dict) and list(value) == ["frame"]:
         kind, value, at = "frame", value["frame"], (*at, "frame")

@@ -1,4 +1,4 @@
-"""What to write instead of a value that is nearly one: help for those who come from XML, Python or a drawing."""
+"""Advice for values that are almost right, written as in XML, in Python or in a drawing."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ _SWITCHES = {
 }
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _WITH_UNIT = re.compile(rf"({_NUMBER})\s*([a-zA-Zµ]+)")
-# How other tools write what is `${…}` here.
+# How other tools write `${…}`.
 _TEMPLATE = re.compile(r"\$?[{(]{1,2}\s*([A-Za-z_][^{}()]*)[})]{1,2}|\$(\w+)")
 _PI = re.compile(rf"([-+])?(?:({_NUMBER})\s*\*\s*)?(?:np\.|math\.)?pi(?:\s*/\s*({_NUMBER}))?", re.IGNORECASE)
-# By how much a number in that unit is divided, and the unit that is usual in MJCF.
+# The divisor of a number in that unit, and the unit that MJCF expects.
 _UNITS = {
     "mm": (1e3, "metres"), "cm": (1e2, "metres"), "m": (1, "metres"),
     "us": (1e6, "seconds"), "µs": (1e6, "seconds"), "ms": (1e3, "seconds"), "s": (1, "seconds"),
@@ -43,7 +43,7 @@ _FORMS = {
 
 @dataclass(frozen=True, slots=True)
 class Advice:
-    """A help, and the exact text that it says to write, where there is one."""
+    """A help line, and the exact text that it recommends, if there is one."""
 
     help: str
     text: str | None = None
@@ -54,17 +54,20 @@ class Advice:
 
 
 def form_of(attribute: Attribute) -> str | None:
-    """How the numbers of an attribute are written, for those that many people write."""
+    """Return how the numbers of an attribute are written, for attributes that are often written wrongly."""
     form = _FORMS.get(attribute.name)
     count = len(form.split("]")[0].split(",")) if form else 0
     return form if attribute.type == "real" and attribute.max_length == count else None
 
 
 def instead(attribute: Attribute, value: object) -> Advice | None:
-    """What to write instead of `'0.5'`, `90 deg`, `45°`, `pi/2`, `10cm`, `yes`; None where nobody knows."""
+    """Return what to write instead of a value, or None if that is not known.
+
+    It knows `'0.5'`, `90 deg`, `45°`, `pi/2`, `10cm`, `yes` and the like.
+    """
     word = shown(value)
     if attribute.type == "bool" or "true" in attribute.keywords:
-        # YAML 1.1 read `yes` and `on` as booleans; YAML 1.2 has only `true` and `false`.
+        # YAML 1.1 reads `yes` and `on` as booleans; YAML 1.2 has only `true` and `false`.
         return _write(_WORDS.get(word.lower()) if isinstance(value, str) else None)
     if set(attribute.keywords) == {"enable", "disable"}:
         return _write(_SWITCHES.get(word.lower()))
@@ -76,7 +79,7 @@ def instead(attribute: Attribute, value: object) -> Advice | None:
 
 
 def item_instead(attribute: Attribute, item: object) -> Advice | None:
-    """The same for one of several numbers."""
+    """Return what to write instead of one number of a list, or None if that is not known."""
     if not isinstance(item, str):
         return None
     parts = items(item.replace(";", " "))
@@ -105,7 +108,7 @@ def _number(attribute: Attribute, text: str) -> Advice | None:
 
 
 def without_unit(text: str) -> Advice | None:
-    """What to write instead of `10cm`, `2ms`, `5kg`; None where the text is nothing of that kind."""
+    """Return what to write instead of `10cm`, `2ms` or `5kg`, or None for any other text."""
     found = _WITH_UNIT.fullmatch(text.strip())
     if found is None or found[2] not in _UNITS:
         return None
@@ -119,7 +122,7 @@ def _write(text: str | None) -> Advice | None:
 
 
 def without_space(text: str, keys: Collection[str]) -> str | None:
-    """A key and its value between which the space is missing, as they are meant.
+    """Return key and value of a text in which the space between them is missing, or None.
 
     >>> without_space("model:./arm.xml", ["model"])
     'model: ./arm.xml'
@@ -129,7 +132,7 @@ def without_space(text: str, keys: Collection[str]) -> str | None:
 
 
 def element_instead(kind: ElementType, value: object) -> str | None:
-    """A mapping to write instead of a lone value that says what is meant: `sphere`, `./bracket.stl`."""
+    """Return the mapping to write instead of a single value such as `sphere` or `./bracket.stl`, or None."""
     if isinstance(value, list):
         return "leave out the `-` or the brackets: this is one mapping"
     if not isinstance(value, str):

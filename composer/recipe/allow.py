@@ -1,4 +1,4 @@
-"""`allow`: the warnings that are meant to be there, by their codes."""
+"""`allow`: the codes of warnings that are intended."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ ALLOW = "allow"
 
 @dataclass(frozen=True, slots=True)
 class Allowed(Form):
-    """Marks a field `allow`: a list of codes. Gives a tuple of texts."""
+    """Form of a field `allow`: a list of codes, read as a tuple of texts."""
 
     def schema(self) -> Schema:
         return codes_schema()
@@ -30,7 +30,7 @@ class Allowed(Form):
 
 
 def read_codes(value: Any, at: Path, faults: list[Fault]) -> tuple[str, ...]:
-    """The codes of a list; what is not one is a fault."""
+    """Return the codes of a list. Anything else in it is a fault."""
     if not isinstance(value, list) or not value:
         got = "an empty list" if value == [] else kind_of(value)
         help = f"write `{ALLOW}: [{value}]`" if isinstance(value, str) else f"write `{ALLOW}: [convert-loss]`"
@@ -56,7 +56,7 @@ def read_codes(value: Any, at: Path, faults: list[Fault]) -> tuple[str, ...]:
 
 @definition("code")
 def code(_: str) -> Schema:
-    """The code of a warning."""
+    """Return the schema of a warning's code."""
     return {"enum": list(CODES)}
 
 

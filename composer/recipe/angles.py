@@ -1,4 +1,4 @@
-"""Angles that are written without a unit, in a recipe that does not say which unit it means."""
+"""Angles without a unit, in a recipe that does not set a unit of angles."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ FULL_TURN = 6.2832
 
 
 def bare_angle(attribute: Attribute, value: Value, joint: str | None, at: Path, owner: str) -> Fault | None:
-    """The fault of a value that is an angle, not zero, and has no unit.
+    """Return the fault of a value that is an angle, is not zero, and has no unit. None if there is none.
 
-    `joint` is the type of the joint that has the attribute; where that is None, attributes of joints are
-    left to whoever knows the classes.
+    `joint` is the type of the joint that has the attribute. If it is None, attributes of joints are not judged: the
+    caller has to look at their classes.
     """
     items = value if isinstance(value, tuple) else (value,)
     bare = [index for index in governed(attribute, len(items), joint) if _is_bare(items[index])]
     if not bare:
         return None
-    # An angle that is not a whole number and less than a turn was most likely meant in radians.
+    # A number with decimals that is at most a full turn in radians is most likely in radians.
     radians = any(not float(items[i]).is_integer() and abs(float(items[i])) <= FULL_TURN for i in bare)  # type: ignore[arg-type]
     unit, name = ("rad", "radian") if radians else ("deg", "degree")
     with_unit: list[Any] = [
@@ -42,7 +42,7 @@ def bare_angle(attribute: Attribute, value: Value, joint: str | None, at: Path, 
 
 
 def governed(attribute: Attribute, count: int, joint: str | None) -> range:
-    """Which of the numbers of an attribute are angles, by the type of the joint where it is one's.
+    """Return which numbers of an attribute are angles. `joint` is the type of the joint, for attributes of joints.
 
     >>> from composer.grammar import GRAMMAR
     >>> governed(GRAMMAR.element("site").attributes["axisangle"], 4, None)
@@ -58,5 +58,5 @@ def governed(attribute: Attribute, count: int, joint: str | None) -> range:
 
 
 def _is_bare(item: object) -> bool:
-    """Whether it is a number without a unit, and not zero."""
+    """Return whether a value is a number other than zero and has no unit."""
     return isinstance(item, int | float) and item != 0

@@ -1,4 +1,4 @@
-"""Where a key belongs that somebody wrote at the top of a recipe: help for those who forgot a level, or know MJCF."""
+"""Advice for a key at the top of a recipe that belongs elsewhere, for those who left out a level or know MJCF."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ _MODEL_FILES = (".xml", ".urdf", ".xacro", ".yaml", ".yml")
 
 
 def part_keys(data: Mapping[str, Any]) -> dict[str, Any]:
-    """What stands at the top of a recipe and only a part has."""
+    """Return the keys at the top of a recipe that only a part can have."""
     return {key: each for key, each in data.items() if key in _PART_KEYS and not isinstance(each, Mapping)}
 
 
 def belongs(name: str, value: Any, parts: Mapping[str, Any]) -> str | None:
-    """What to write instead of `name: value` at the top of a recipe; None if unknown.
+    """Return what to write instead of `name: value` at the top of a recipe, or None if that is not known.
 
-    `parts` is what stands there and only a part has.
+    `parts` are the keys at the top that only a part can have.
     """
     if isinstance(value, Mapping) and "model" in value and not closest(name, Recipe.model_fields):
         return f"a part goes under `attach`:\nattach:\n  {name}: {_flow(value)}"
@@ -47,7 +47,7 @@ def belongs(name: str, value: Any, parts: Mapping[str, Any]) -> str | None:
 
 
 def _in_section(name: str, value: Any) -> str | None:
-    """The section that has such an element or setting."""
+    """Return the section that has such an element or setting, or None."""
     if name in GRAMMAR.element("body").children:
         return f"write it in the list `add`: `add: [{{to: world, {name}: {_short(value)}}}]`"
     for tag, section in GRAMMAR.root.children.items():

@@ -1,4 +1,4 @@
-"""The parts of a recipe, by prefix."""
+"""The section `attach`: the parts of a recipe, by prefix."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def _restrict(schema: dict[str, Any]) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Prefix(Form):
-    """Marks the field `prefix`: what stands in place of the key; empty for no prefix and no separator."""
+    """Form of the field `prefix`, which replaces the key of a part. Empty means no prefix and no separator."""
 
     def schema(self) -> Schema:
         return {"type": "string", **_pattern("*")}
@@ -115,7 +115,7 @@ class Attachment(UsedModel):
 
     @property
     def place(self) -> tuple[str, str]:
-        """The kind and the name of what it hangs on; `world` without a name for the world."""
+        """Return kind and name of what the part is attached to; `world` without a name for the world."""
         named = ((kind, getattr(self, kind)) for kind in PLACES)
         return next(((kind, name) for kind, name in named if name is not None), ("world", ""))
 
@@ -144,7 +144,7 @@ def _nameless_copies(owner: str) -> Fault:
 
 @dataclass(frozen=True, slots=True)
 class Prefixes:
-    """Marks the field `attach`, a mapping from prefix to part: checks the prefixes."""
+    """Form of the field `attach`, a mapping from prefixes to parts. It checks the prefixes."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         parts = core_schema.dict_schema(core_schema.str_schema(), handler.generate_schema(Attachment))
@@ -162,13 +162,13 @@ class Prefixes:
 
 
 def _pattern(times: str) -> Schema:
-    """What `prefix_fault` finds, as far as a JSON Schema can say it; `times` is `*` where it may be empty, else `+`."""
+    """Return the rules of `prefix_fault` as a pattern of JSON Schema. `times` is `*` if it may be empty, else `+`."""
     message = f"expected a prefix: a name without spaces, and not `{RESERVED}`"
     return {"pattern": rf"^(?!{RESERVED}$)\S{times}$", "patternErrorMessage": message}
 
 
 def prefix_fault(prefix: str, context: Settings, at: tuple[str, ...] = (), key: bool = False) -> Fault | None:
-    """What is wrong with a prefix."""
+    """Return the fault of a prefix, or None."""
     separator = context.separator
     if prefix == RESERVED:
         message = f"`{RESERVED}` means the model to start from and is not a prefix"

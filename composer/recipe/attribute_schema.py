@@ -1,4 +1,4 @@
-"""JSON Schema of MJCF's attributes, from the grammar."""
+"""The JSON Schema of MJCF's attributes, from the grammar."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _NUMBER_PATTERN = f"^{ANGLE_PATTERN}$|{TEMPLATE_PATTERN}"
 _NUMBER_HINT = "expected a number, an angle such as 90deg or 1.57rad, or ${…}"
 _ITEMS = {"real": "number", "int": "integer"}
 
-# What many attributes share.
+# Schemas that many attributes share.
 SHARED: dict[str, Schema] = {
     "number": {
         "type": ["number", "string"],
@@ -47,7 +47,10 @@ SHARED: dict[str, Schema] = {
 
 
 def _shared(kind: str, lengths: str) -> Schema:
-    """One of `SHARED`, or a list of it: `3`, `1-2`, `1-` are the lengths in `number-3`, `number-1-2`, `number-1-`."""
+    """Return the schema of one of `SHARED`, or of a list of it.
+
+    `3`, `1-2` and `1-` are the lengths in `number-3`, `number-1-2` and `number-1-`.
+    """
     if not lengths:
         return dict(SHARED[kind])
     low, *rest = lengths.split("-")
@@ -63,9 +66,9 @@ for _kind in SHARED:
 
 
 def attribute_schema(attribute: Attribute) -> Schema:
-    """The values of an attribute in a recipe, with what is known to explain it.
+    """Return the schema of an attribute's values in a recipe, with an explanation.
 
-    The default is part of the explanation: of a `default` editors would write all into a new element.
+    The default is part of the explanation: editors would write every `default` into a new element.
     """
     schema = _values(attribute)
     remarks = ", ".join(_remarks(attribute))
@@ -76,7 +79,7 @@ def attribute_schema(attribute: Attribute) -> Schema:
 
 
 def _remarks(attribute: Attribute) -> Iterator[str]:
-    """What a value is, where its text does not say so itself."""
+    """Yield what the explanation of a value does not say."""
     if attribute.refers is not None:
         kind = {"default": "default class"}.get(attribute.refers, attribute.refers.removeprefix("attached:"))
         if kind not in attribute.doc or kind == attribute.doc:
@@ -123,8 +126,8 @@ def _numbers(attribute: Attribute, item: str) -> Schema:
 
 
 def _list(item: str, low: int) -> Schema:
-    """A list of numbers; one number stands for a list of one, `${…}` for any list."""
-    # Editors write a new list with dashes, which cannot stand in `{ }`, wherever they see `items` at the top.
+    """Return the schema of a list of numbers. One number is a list of one, and `${…}` is any list."""
+    # If `items` is at the top, editors write a new list with dashes, which is an error inside of `{ }`.
     schema: Schema = {"type": ["array", "string"], "allOf": [{"items": reference(item)}], "minItems": low}
     schema["defaultSnippets"] = [{"body": _snippet(low)}]
     single = SHARED[item]
@@ -135,12 +138,12 @@ def _list(item: str, low: int) -> Schema:
 
 
 def _snippet(count: int) -> str:
-    """What editors write for a new list: brackets with a place for each number."""
+    """Return what editors insert for a new list: brackets with a place for each number."""
     return "[" + ", ".join(f"${place}" for place in range(1, max(count, 1) + 1)) + "]"
 
 
 def _words(attribute: Attribute) -> list[Any]:
-    """The keywords, and what YAML makes of those that it does not read as text."""
+    """Return the keywords, including those that YAML does not read as text."""
     words: list[Any] = list(attribute.keywords)
     words += [word == "true" for word in attribute.keywords if word in ("true", "false")]
     return [*words, *(int(word) for word in attribute.keywords if word.isdigit())]

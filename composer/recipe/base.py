@@ -1,4 +1,4 @@
-"""The model that a recipe starts from."""
+"""The section `base`: the model that a recipe starts from."""
 
 from __future__ import annotations
 

@@ -17,9 +17,9 @@ from composer.recipe.shown import kind_of
 
 @dataclass(frozen=True, slots=True)
 class ByTag(Elements):
-    """A mapping from tags to mappings from names to elements: `asset`, `custom`, `deformable`.
+    """Form of a mapping from tags to mappings from names to elements: `asset`, `custom`, `deformable`.
 
-    Gives a tuple of `Element`, each with its name as an attribute.
+    It is read as a tuple of `Element`, each with its name as an attribute.
     """
 
     def content(self, reader: Reader, value: Any) -> tuple[Element, ...]:
@@ -44,7 +44,7 @@ class ByTag(Elements):
 
 @dataclass(frozen=True, slots=True)
 class Lists(Elements):
-    """A mapping from tags to lists of elements: `contact`. Gives a tuple of `Element`."""
+    """Form of a mapping from tags to lists of elements: `contact`. It is read as a tuple of `Element`."""
 
     def content(self, reader: Reader, value: Any) -> tuple[Element, ...]:
         elements: list[Element] = []

@@ -1,4 +1,4 @@
-"""What must hold of every model that is built."""
+"""The section `check`: conditions that every built model must meet."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ SEVERITIES = ("error", "warning")
 
 @dataclass(frozen=True, slots=True)
 class Checks(Form):
-    """Marks the field `check`: a mapping from a name to `{KIND: {…}}`. Gives a tuple of checks."""
+    """Form of the field `check`: a mapping from names to `{KIND: {…}}`, read as a tuple of checks."""
 
     def schema(self) -> Schema:
         kinds: dict[str, Any] = {"type": "object", "additionalProperties": False, "minProperties": 1}
@@ -137,7 +137,7 @@ def _check_severity(value: dict[str, Any], owner: str, at: Path, faults: list[Fa
 
 
 def _named(word: str) -> str:
-    """What to write where a kind of check stands in the place of a name."""
+    """Return what to write if a kind of check is used as a name."""
     return f"the key is a name that you choose: write `NAME: {{{word}: {KINDS[word].example}}}`"
 
 

@@ -1,4 +1,4 @@
-"""The section `contact`: pairs and excludes as MJCF has them, and those that follow from what parts are."""
+"""The section `contact`: pairs and excludes as in MJCF, and those that follow from parts and bodies."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ _MOST_SAMPLES = 1_000_000
 
 @dataclass(frozen=True, slots=True)
 class Collisions:
-    """Bodies that shall not touch (`exclude`), or geoms that shall (`collide`).
+    """Bodies that must not collide (`exclude`), or geoms that may (`collide`).
 
-    The two `sides` are names of parts or globs over bodies; none for what touches already, and for what is found by
-    itself, which has so many `samples` drawn by a `seed`. `at` is the path of what asks for it, from the top of the
-    recipe.
+    The two `sides` are names of parts or globs over bodies. They are empty for bodies that already touch, and for
+    bodies that are found with random configurations, of which `samples` are drawn with a `seed`. `at` is the path
+    of the entry from the top of the recipe.
     """
 
     what: Literal["exclude", "collide"]
@@ -42,7 +42,7 @@ class Collisions:
 
 @dataclass(frozen=True, slots=True)
 class Contacts(Lists):
-    """The lists of `contact`, with `exclude: touching` and `between`. Gives a tuple of `Element` and `Collisions`."""
+    """Form of `contact` with `exclude` and `collide`, read as a tuple of `Element` and `Collisions`."""
 
     def content(self, reader: Reader, value: Any) -> tuple[Any, ...]:
         if not isinstance(value, dict):
@@ -100,7 +100,7 @@ def _schema() -> Schema:
 
 
 def _found_schema() -> Schema:
-    """What is excluded without naming each pair: between two sides, or what need not collide."""
+    """Return the schema of an `exclude` that does not name each pair."""
     samples = {
         "type": "integer", "minimum": 1, "maximum": _MOST_SAMPLES,
         "description": f"in how many random poses nothing may touch (default: {SAMPLES})",
@@ -139,7 +139,7 @@ def _exclude(reader: Reader, value: Any, at: Path, top: Path) -> list[Collisions
 
 
 def _auto(reader: Reader, value: Mapping[str, Any], at: Path, top: Path) -> list[Collisions]:
-    """The entry of one `{auto: {samples: 5000, seed: 1}}`; none where it has faults."""
+    """Return the entry of one `{auto: {samples: 5000, seed: 1}}`, or None after a reported fault."""
     before = len(reader.faults)
     for key in value:
         if key != AUTO:
@@ -179,7 +179,7 @@ def _no_word(word: str, at: Path) -> Fault:
 def _between(
     reader: Reader, what: Literal["exclude", "collide"], value: Any, at: Path, top: Path
 ) -> list[Collisions]:
-    """The entry of one `{between: [ARM, TABLE]}`; none where it has faults."""
+    """Return the entry of one `{between: [ARM, TABLE]}`, or None after a reported fault."""
     example = f"write `{what}: {{{BETWEEN}: [ARM, TABLE]}}`, with names of parts or globs over bodies"
     before = len(reader.faults)
     if not isinstance(value, Mapping):

@@ -1,4 +1,4 @@
-"""`ctrl` of a key: numbers by actuator or by joint, and the controls that hold the key's pose."""
+"""`ctrl` of a key: numbers by actuator or joint, and controls that hold the pose of the key."""
 
 from __future__ import annotations
 
@@ -22,11 +22,10 @@ _ALL = "write `ctrl: hold` for all actuators, `ctrl: {ACTUATOR: hold}` for one"
 
 @dataclass(frozen=True, slots=True)
 class Controls:
-    """What of `ctrl` is not a number by actuator.
+    """The entries of `ctrl` other than numbers by actuator.
 
-    `hold` is what all actuators hold the pose with, None if they need not. `held` are the paths below `ctrl` of the
-    single ones that do, by actuator (`("grip",)`) or by joint (`("joint", "elbow")`). `joints` has the numbers by
-    joint.
+    `hold` is how all actuators hold the pose, or None. `held` has the paths below `ctrl` of those that do so
+    individually: by actuator (`("grip",)`) or by joint (`("joint", "elbow")`). `joints` has the numbers by joint.
     """
 
     hold: Way | None = None
@@ -37,7 +36,7 @@ class Controls:
 def read_controls(
     reader: Reader, value: Any, at: Path, owner: str
 ) -> tuple[Controls, dict[str, Any], dict[str, Any]] | None:
-    """The controls, with what is left to be read as numbers by actuator and by joint; None where nothing is."""
+    """Return the controls, and the mappings that are still to be read as numbers by actuator and by joint, or None."""
     if isinstance(value, str):
         if value == HOLD:
             return Controls("positions"), {}, {}
@@ -73,7 +72,7 @@ def _numbers(
     path: tuple[str, ...],
     held: list[tuple[str, ...]],
 ) -> dict[str, Any]:
-    """The entries that are not a `hold`; the paths of the others go to `held`."""
+    """Return the entries other than `hold`. The paths of those with `hold` are added to `held`."""
     left: dict[str, Any] = {}
     for name, item in value.items():
         if item == HOLD:
@@ -99,7 +98,7 @@ def _way(reader: Reader, value: str | bool, at: Path, owner: str) -> Way | None:
 
 
 def controls_schema(number: Schema, description: str) -> Schema:
-    """`hold`, or a mapping from actuators to numbers or `hold`, with `hold` and `joint` for all and by joint."""
+    """Return the schema: `hold`, or a mapping from actuators to numbers or `hold`, with `hold` and `joint`."""
     hold: Schema = {"const": HOLD, "description": "the control that holds the pose of the key"}
     entry: Schema = {"anyOf": [number, hold]}
     return {

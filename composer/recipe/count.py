@@ -1,4 +1,4 @@
-"""How many elements a selector must mean: `expect` and `optional` beside it."""
+"""How many elements a selector must match: `expect` and `optional` beside it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ COUNT = tuple(SCHEMAS)
 def read_count(
     value: dict[str, Any], at: Path, faults: list[Fault], owner: str = ""
 ) -> tuple[int | None, bool]:
-    """The count, None for any but none, and whether there may be none; `owner` is whose these are, in messages."""
+    """Return the number, None for at least one, and whether none is allowed. `owner` is the subject of messages."""
     expect, optional = value.get("expect"), value.get("optional", False)
     of = f" of {owner}" if owner else ""
     if "expect" in value and (isinstance(expect, bool) or not isinstance(expect, int) or expect < 0):

@@ -1,4 +1,4 @@
-"""Default classes."""
+"""The section `default`: default classes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ PARENT = "parent"
 
 @dataclass(frozen=True, slots=True)
 class DefaultClass:
-    """A default class: `element` is its `<default>` with the settings as children, `parent` as it is written.
+    """A default class. `element` is its `<default>` with the settings as children; `parent` is the written one.
 
     The place of the name is `locate(node, element.at, key=True)`.
     """
@@ -33,9 +33,9 @@ class DefaultClass:
 
 @dataclass(frozen=True, slots=True)
 class Defaults(Section):
-    """A mapping from class to its settings by tag: `finger: {parent: collision, geom: {friction: 1}}`.
+    """Form of a mapping from classes to settings by tag: `finger: {parent: collision, geom: {friction: 1}}`.
 
-    Gives a tuple of `DefaultClass`.
+    It is read as a tuple of `DefaultClass`.
     """
 
     def content(self, reader: Reader, value: Any) -> tuple[DefaultClass, ...]:

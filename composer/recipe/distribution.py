@@ -1,4 +1,4 @@
-"""A distribution as a recipe writes it: `uniform: [0.4, 1.2]`, `normal: {std: 0.01}`, `choice: [a, b]`."""
+"""Distributions as a recipe writes them: `uniform: [0.4, 1.2]`, `normal: {std: 0.01}`, `choice: [a, b]`."""
 
 from __future__ import annotations
 
@@ -57,8 +57,8 @@ _MANY = 64  # from so many draws on it pays to import numpy
 class Drawing:
     """A distribution for each component of a value.
 
-    `parameters` have one number for all components, or one for each, in `unit` if they are angles with one. Of a
-    `choice` there are `values` instead.
+    `parameters` have one number for all components, or one for each. Angles are in `unit`, if the recipe writes
+    one. A `choice` has `values` instead.
     """
 
     kind: str
@@ -68,23 +68,23 @@ class Drawing:
 
     @property
     def components(self) -> int | None:
-        """How many components a value must have; None where nothing says so."""
+        """Return how many components the value must have, or None for any number."""
         return next((len(each) for each in self.parameters.values() if len(each) > 1), None)
 
     @property
     def is_whole(self) -> bool:
-        """Whether one draw makes a whole value, of however many numbers."""
+        """Return whether one draw is a whole value with all its numbers."""
         return self.kind == CHOICE and not all(
             _is_number(each) or isinstance(each, Angle) for each in self.values
         )
 
     def of(self, component: int) -> Distribution:
-        """The distribution of one component's number; a choice has none."""
+        """Return the distribution of the number of one component. A choice has none."""
         numbers = tuple(each[component if len(each) > 1 else 0] for each in self.parameters.values())
         return _distribution(self.kind, numbers)
 
     def draw(self, bits: int, component: int) -> Any:
-        """One number, or what was chosen."""
+        """Return one number, or the chosen value."""
         if self.kind == CHOICE:
             return self.values[below(bits, len(self.values))]
         return self.of(component).draw(bits)
@@ -92,7 +92,10 @@ class Drawing:
     def draw_all(
         self, seed: int, samples: Sequence[int], stream: str, element: str, component: int, of: int
     ) -> Sequence[Any]:
-        """What `draw` makes for each of the samples: of the bits of `component`, with the parameters of another."""
+        """Return what `draw` returns for each of the samples.
+
+        The random bits are those of `component`, and the parameters those of `of`.
+        """
         if len(samples) < _MANY:
             return [self.draw(bits(seed, each, stream, element, component), of) for each in samples]
         from composer.numerics import many  # numpy
@@ -104,7 +107,7 @@ class Drawing:
         return array("q" if self.kind == "integers" else "d", numbers.tobytes())
 
     def extremes(self, component: int) -> tuple[float, ...]:
-        """The least and the greatest number that may be drawn, or all there are to choose from."""
+        """Return the least and the greatest number that can be drawn, or all values of a choice."""
         if self.kind == CHOICE:
             return tuple(float(each) for each in self.values if _is_number(each))
         return self.of(component).support
@@ -125,7 +128,7 @@ class Drawing:
 
 @lru_cache(maxsize=256)
 def _distribution(kind: str, numbers: tuple[float, ...]) -> Distribution:
-    """Made once, for some compute what all their draws need."""
+    """Return the distribution. It is cached, because some compute what all their draws need."""
     if kind in INTERVALS:
         return INTERVALS[kind](*numbers)  # type: ignore[arg-type]  # those of Integers are whole
     return BELLS[kind][0](*numbers)
@@ -133,14 +136,14 @@ def _distribution(kind: str, numbers: tuple[float, ...]) -> Distribution:
 
 @dataclass(slots=True)
 class Reading:
-    """Reads one distribution; what is wrong goes to the faults. `owner` is whose it is, as messages call it."""
+    """Reads one distribution and adds to the faults. `owner` is the subject of messages."""
 
     owner: str
     operation: Operation
     faults: list[Fault]
 
     def read(self, kind: str, value: Any, at: Path) -> Drawing | None:
-        """The distribution that is written behind `kind`, or None where that is wrong."""
+        """Return the distribution that is written behind `kind`, or None after a reported fault."""
         before = len(self.faults)
         if kind == CHOICE:
             return self._choice(value, at)
@@ -208,7 +211,7 @@ class Reading:
         return [(key, given[key], (*at, key)) for key in keys if key in given]
 
     def _numbers(self, value: Any, kind: str, at: Path) -> tuple[float | Angle, ...]:
-        """One number for all components, or one for each."""
+        """Return one number for all components, or one for each."""
         items = value if isinstance(value, list) else [value]
         found: list[float | Angle] = []
         for place, item in enumerate(items):
@@ -263,7 +266,7 @@ class Reading:
 
 
 def _fault_of(distribution: Distribution) -> str | None:
-    """What is wrong with the numbers of a distribution."""
+    """Return what is wrong with the numbers of a distribution, or None."""
     if (
         isinstance(distribution, Uniform | LogUniform | Integers | TruncNormal)
         and distribution.low > distribution.high
@@ -281,7 +284,7 @@ def _fault_of(distribution: Distribution) -> str | None:
     return None
 
 
-# What statisticians and other tools call them.
+# Names that statisticians and other tools use.
 _SYMBOLS = {"mu": "mean", "sigma": "std", "stddev": "std", "sd": "std", "low": "min", "high": "max"}
 
 
@@ -296,5 +299,5 @@ def _in(value: float | Angle, unit: str | None) -> float:
 
 
 def inner_kinds(value: Mapping[str, Any]) -> Iterator[str]:
-    """The distributions that a mapping names."""
+    """Return the distributions that a mapping names."""
     return (kind for kind in KINDS if kind in value)

@@ -1,4 +1,4 @@
-"""One field of `randomize`: an attribute of some elements, or a parameter, and the distribution it is drawn from."""
+"""One field of `randomize`: an attribute of some elements, or a parameter, and its distribution."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ _SIGNS = {"set": "=", "scale": "×", "offset": "+"}
 
 @dataclass(frozen=True, slots=True)
 class DrawField:
-    """A field by its name. Either `select` and `attr` are given, or `param`; `at` is its path in the recipe.
+    """A field with its name. Either `select` and `attr` are set, or `param`. `at` is its path in the recipe.
 
-    `operation` says what becomes of a draw: it is the value, a factor of it, or is added to it.
+    `operation` says how a draw is used: as the value, as a factor, or as an offset.
     """
 
     name: str
@@ -50,18 +50,18 @@ class DrawField:
 
     @property
     def stream(self) -> str:
-        """What its random numbers go by: the field, or the group, whose fields have the same ones."""
+        """Return the name of its random numbers: the field itself, or its group, in which all fields share them."""
         return self.name if self.group is None else f"group {self.group}"
 
     @property
     def drawn_at(self) -> Path:
-        """The path to the distribution."""
+        """Return the path to the distribution."""
         between = () if self.operation == "set" else (self.operation,)
         return (*self.at, *between, self.drawing.kind)
 
     @property
     def words(self) -> str:
-        """What is drawn, for what, and from which distribution: what `plan` prints."""
+        """Return in one line what is drawn, for what, and from which distribution, as `plan` prints it."""
         what = f"the parameter {self.param}" if self.param is not None else f"{self.attr} of {self.select}"
         shared = {"sample": ", one for all", "body": ", one a body", "part": ", one a part"}.get(self.per, "")
         grouped = f", with the others of {self.group}" if self.group is not None else ""
@@ -69,7 +69,7 @@ class DrawField:
 
 
 def must_not_be_negative(attribute: str, component: int) -> bool:
-    """Whether a negative number has no meaning there.
+    """Return whether a negative number has no meaning there.
 
     >>> must_not_be_negative("damping", 0), must_not_be_negative("damping", 1), must_not_be_negative("pos", 0)
     (True, False, False)
@@ -78,7 +78,7 @@ def must_not_be_negative(attribute: str, component: int) -> bool:
 
 
 def read_field(name: str, value: Any, bare_angles: bool, faults: list[Fault]) -> DrawField | None:
-    """The field, or None where something in it is wrong; paths of faults start with its name."""
+    """Return the field, or None after a reported fault. The paths of faults start with the field's name."""
     owner, before = f"field `{name}`", len(faults)
     if not isinstance(value, dict):
         example = f'{name}: {{select: {{geom: "**"}}, attr: friction, uniform: [0.5, 1]}}'
@@ -132,7 +132,7 @@ def _unknown(name: str, value: dict[str, Any]) -> Iterator[Fault]:
 
 
 def _subject(name: str, value: dict[str, Any], meant: set[str]) -> Iterator[Fault]:
-    """What is drawn: an attribute of what is selected, or a parameter. `meant` are keys that are misspelt."""
+    """Yield the faults in `select`, `attr` and `param`, which say what is drawn. `meant` are misspelled keys."""
     if "param" in meant:
         return
     if "param" in value:
@@ -153,7 +153,7 @@ def _subject(name: str, value: dict[str, Any], meant: set[str]) -> Iterator[Faul
 def _written(
     name: str, value: dict[str, Any], meant: set[str], faults: list[Fault]
 ) -> tuple[Operation, str | None, dict[str, Any], Path]:
-    """The operation, the kind of the distribution, and the mapping that has it with its path."""
+    """Return the operation, the kind of the distribution or None, and the mapping that contains it with its path."""
     given = [key for key in (*KINDS, *OPERATIONS) if key in value]
     if not given and meant.isdisjoint((*KINDS, *OPERATIONS)) and all(key in KEYS for key in value):
         help = f"write for instance `uniform: {EXAMPLES['uniform']}`, or `scale: {{uniform: …}}` for a factor"
@@ -195,7 +195,7 @@ def _keys_of(value: Any) -> str:
 def _check_attribute(
     field: DrawField, selector: Selector, at: Path, bare_angles: bool, faults: list[Fault]
 ) -> None:
-    """What the grammar says of the attribute, and of the numbers that may be drawn for it."""
+    """Report an attribute, or numbers drawn for it, that the grammar does not allow."""
     name, index = attribute_and_index(field.attr)
     kinds = kinds_of(selector.tag)
     is_mass = name == MASS and any(kind.path == "body" for kind in kinds)
@@ -233,7 +233,7 @@ def _check_attribute(
 
 
 def _like(field: DrawField) -> Any:
-    """A value of the form that the draws have."""
+    """Return a value of the same form as the draws."""
     drawing = field.drawing
     number: Any = 1 if drawing.kind == "integers" else 0.5
     if drawing.unit is not None:
@@ -246,7 +246,7 @@ def _like(field: DrawField) -> Any:
 
 
 def _check_range(field: DrawField, name: str, index: int | None, at: Path, faults: list[Fault]) -> None:
-    """That a bounded distribution has no numbers without a meaning; unbounded ones are looked at draw by draw."""
+    """Report a bounded distribution with numbers that have no meaning. The draws of others are checked one by one."""
     drawing = field.drawing
     for component in range(drawing.components or 1):
         lowest = min((each for each in drawing.extremes(component) if abs(each) != float("inf")), default=0.0)

@@ -1,4 +1,4 @@
-"""What is left out of a model: the entries of `drop`, each a section, a tag or a selector."""
+"""Entries of `drop`: what is left out of a model, by section, tag or selector."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of
 from composer.tree.selector import EVERYTHING, Selector, known_tags, paths_of
 
-# Without these nothing else of a model can be read.
+# Without these, nothing else in a model can be read.
 _KEPT = ("worldbody", "compiler")
 
 
 @dataclass(frozen=True, slots=True)
 class Drop:
-    """One entry: a whole section, or what a selector means. `index` is its place in the list.
+    """One entry: a whole section, or a selector. `index` is its place in the list.
 
-    `expect` is how many elements there must be, None for any number but none, which `optional` allows.
+    `expect` is the number of elements, None for at least one; with `optional`, none is allowed.
     """
 
     section: str | None
@@ -44,7 +44,7 @@ class Drop:
 
 @dataclass(frozen=True, slots=True)
 class Drops(Form):
-    """Marks a field `drop`: `[light, contact, {geom: "visual_*"}]`. Gives a tuple of `Drop`."""
+    """Form of a field `drop`: `[light, contact, {geom: "visual_*"}]`, read as a tuple of `Drop`."""
 
     def schema(self) -> Schema:
         return drops()

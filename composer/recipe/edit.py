@@ -1,4 +1,4 @@
-"""Changes to the model: the entries of `edit`, each a selector and what is done to what it selects."""
+"""Entries of `edit`: each has a selector, and verbs for the elements that it selects."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ _KNOWN = ("select", *VERBS, *COUNT, "id", "allow", "when")
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """One entry. `verbs` has what is done, in the order in which it is done; `at` is the path to the entry.
+    """One entry. `verbs` has the values of the verbs in the order in which they run; `at` is the path to the entry.
 
-    Values are as they are written: `${…}` in them is evaluated for each element.
+    Values are as written: `${…}` in them is evaluated for each element.
     """
 
     select: Selector
@@ -44,7 +44,7 @@ class Edit:
 
     @property
     def words(self) -> str:
-        """What `plan` prints for the entry, on one line."""
+        """Return the entry on one line, as `plan` prints it."""
         return (
             f"edit {self.select}: {'; '.join(VERBS[name].words(each) for name, each in self.verbs.items())}"
         )
@@ -52,7 +52,7 @@ class Edit:
 
 @dataclass(frozen=True, slots=True)
 class Edits(Form):
-    """Marks a field `edit`: a list of entries. Gives a tuple of `Edit`."""
+    """Form of a field `edit`: a list of entries, read as a tuple of `Edit`."""
 
     def schema(self) -> Schema:
         return edits()

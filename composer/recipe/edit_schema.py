@@ -1,4 +1,4 @@
-"""JSON Schema of `edit` and `drop`."""
+"""The JSON Schema of `edit` and `drop`."""
 
 from __future__ import annotations
 
@@ -42,18 +42,18 @@ check_rows("the JSON Schema of selectors in composer/recipe/edit_schema.py", _NA
 
 
 def edits() -> Schema:
-    """The list `edit`."""
+    """Return the schema of the list `edit`."""
     return {"type": "array", "items": reference("edit")}
 
 
 def drops() -> Schema:
-    """The list `drop`."""
+    """Return the schema of the list `drop`."""
     return {"type": "array", "items": {"anyOf": [_TEXT, reference("dropped")]}}
 
 
 @definition("edit")
 def edit(_: str) -> Schema:
-    """One entry of `edit`."""
+    """Return the schema of one entry of `edit`."""
     verbs = {name: {**verb.schema(), "description": verb.description} for name, verb in VERBS.items()}
     first = ("select", *COUNTS)
     properties: Schema = {**{name: OWN[name] for name in first}, **verbs, **OWN}
@@ -68,14 +68,14 @@ def edit(_: str) -> Schema:
 
 
 def _alone(verb: str) -> Schema:
-    """The condition that no other verb is written beside one."""
+    """Return the condition that no other verb is written beside this one."""
     others = dict.fromkeys((name for name in VERBS if name != verb), False)
     then = {"properties": others, "errorMessage": f"`{verb}` stands alone"}
     return {"if": {"required": [verb]}, "then": then}
 
 
 def _by_tag() -> list[Schema]:
-    """Conditions on an entry of `edit`: what its verbs may name, by the tag that is selected."""
+    """Return conditions on the attributes that verbs may name, by the tag of the selector."""
     conditions: list[Schema] = []
     for tag in TAGS:
         forms = {name: verb.schema_of_tag(tag) for name, verb in VERBS.items() if verb.schema_of_tag}
@@ -92,7 +92,7 @@ def _where_selected(tag: str, forms: dict[str, Schema]) -> Schema:
 
 @definition("selector")
 def selector(_: str) -> Schema:
-    """A mapping from a tag to a glob, and what narrows it down."""
+    """Return the schema of a mapping from a tag to a glob, with the keys that narrow it down."""
     return {
         "type": "object",
         "properties": dict(_NARROWING),
@@ -104,7 +104,7 @@ def selector(_: str) -> Schema:
 
 @definition("dropped")
 def dropped(_: str) -> Schema:
-    """A selector in `drop`, with how many elements it must mean."""
+    """Return the schema of a selector in `drop`, with the number of elements."""
     schema = selector("")
     schema["properties"] |= COUNTS
     schema["propertyNames"] = {"enum": [*COUNTS, *schema["propertyNames"]["enum"]]}

@@ -1,4 +1,4 @@
-"""An element of MJCF as a recipe has it."""
+"""Elements of MJCF in a recipe."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ Value = Single | tuple[Single, ...]
 
 @dataclass(frozen=True, slots=True)
 class Element:
-    """An element with its attributes in the order of the file, and its children.
+    """An element with its children, and its attributes in the order of the file.
 
-    `at` is its path from the top of the recipe: `locate(node, at)` is its place, `locate(node, (*at, name))`
-    that of an attribute. An element that the recipe names by its key has that name as its attribute `name`;
-    its place is `locate(node, at, key=True)`.
+    `at` is its path from the top of the recipe: `locate(node, at)` is its place, and `locate(node, (*at, name))`
+    that of an attribute. An element that the recipe names by its key has that name as its attribute `name`, whose
+    place is `locate(node, at, key=True)`.
 
-    Where `xml` is given, the element is that fragment of MJCF, checked against the grammar and kept as text:
-    `tag` is the fragment's, there are no `children`, and `attributes` has at most the name that a key gives.
-    Paths of files are relative to the recipe.
+    With `xml`, the element is that fragment of MJCF, checked against the grammar and kept as text. Then `tag` is
+    that of the fragment, there are no `children`, and `attributes` has at most the name that a key gives. Paths of
+    files are relative to the recipe.
     """
 
     tag: str

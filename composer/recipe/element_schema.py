@@ -1,8 +1,8 @@
-"""JSON Schema of MJCF's elements, from the grammar.
+"""The JSON Schema of MJCF's elements, from the grammar.
 
-Schemas point at one another with `{REFERENCE: NAME}`, which `define` makes the schema of: `element:geom`,
-`named:mesh`, `number`. Only what is asked for is made. Editors show errors best where there are few
-alternatives, so choices are made with `if` and `then` wherever something in the value shows what it is.
+Schemas refer to each other with `{REFERENCE: NAME}`, such as `element:geom`, `named:mesh` or `number`; `define`
+makes the schema of a name. Only what is referred to is made. Editors show the best errors if there are few
+alternatives. Therefore `if` and `then` are used wherever the value shows which alternative is meant.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from composer.recipe.reference import Schema, definition, reference
 
 
 def at_most_one(names: Iterable[str]) -> list[Schema]:
-    """That of some keys only one may stand."""
+    """Return the condition that at most one of some keys is written."""
     return _rule(Constraint("exclusive", tuple((name,) for name in names)))
 
 
@@ -33,7 +33,7 @@ def _definition_of_named(path: str) -> Schema:
 
 
 def nameless() -> dict[str, Schema]:
-    """What says that the key of an entry is not the name of the element."""
+    """Return the key that says that the key of an entry is not the name of the element."""
     return {NAME: reference("nameless")}
 
 
@@ -45,7 +45,7 @@ def element(
     fragment: bool = True,
     children: bool = True,
 ) -> Schema:
-    """An element: its attributes, its children and the rules about them; or, where it may, a fragment."""
+    """Return the schema of an element: attributes, children and rules; and, where allowed, a fragment."""
     known: dict[str, Schema] = dict(properties or {})
     for name, each in kind.attributes.items():
         if name not in keyed:
@@ -62,7 +62,7 @@ def element(
     description = {"description": kind.doc} if kind.doc else {}
     if not fragment:
         if "required" in rules:
-            # Editors offer what has `required` at its top as a whole, under the name of its definition.
+            # Editors offer a schema with `required` at its top as one completion, under the name of its definition.
             rules["allOf"] = [{"required": rules.pop("required")}, *conditions]
         return {**mapping(known), **description, **rules}
     known.setdefault(FRAGMENT, reference("fragment"))
@@ -70,7 +70,7 @@ def element(
 
 
 def unless_fragment(rules: Schema, beside: Iterable[str] = ()) -> Schema:
-    """That a fragment stands alone, but for the keys `beside` it, and that the rules hold where there is none."""
+    """Return the condition that a fragment is alone, except for the keys `beside` it, and else the rules hold."""
     beside = [name for name in beside if name == NAME]
     then: Schema = {"propertyNames": {"enum": [FRAGMENT, *beside]}} if beside else {"maxProperties": 1}
     alone: Schema = {"if": {"required": [FRAGMENT]}, "then": then}
@@ -78,7 +78,7 @@ def unless_fragment(rules: Schema, beside: Iterable[str] = ()) -> Schema:
 
 
 def _children(kind: ElementType) -> Schema:
-    """Elements of one tag: one as a mapping, several as a list."""
+    """Return the schema of elements with one tag: one as a mapping, several as a list."""
     one = reference(f"element:{kind.path}")
     several: Schema = {"items": one}
     if kind.max_count is not None:
@@ -97,10 +97,10 @@ def _settings() -> Schema:
 
 
 def _rule(rule: Constraint) -> list[Schema]:
-    """A rule over the presence of attributes."""
+    """Return the schema of a rule about the presence of attributes."""
     bundles = [list(bundle) for bundle in rule.bundles]
     if rule.kind == "exclusive":
-        # Not as `not`, of which an editor could only say that it does not hold.
+        # Not with `not`, for which an editor can only say that it does not hold.
         return [
             {
                 "if": {"required": [name]},
@@ -123,17 +123,17 @@ def _rule(rule: Constraint) -> list[Schema]:
 
 
 def mapping(properties: dict[str, Schema]) -> Schema:
-    """A mapping with these keys and no others."""
+    """Return the schema of a mapping with these keys and no others."""
     return {"type": "object", "properties": properties, "additionalProperties": False}
 
 
 def described(schema: Schema, description: str) -> Schema:
-    """The schema with a description, if there is any."""
+    """Return the schema with a description, if there is one."""
     return {**schema, "description": description} if description else schema
 
 
 def by_name(value: Schema) -> Schema:
-    """A mapping from names."""
+    """Return the schema of a mapping from names."""
     return {"type": "object", "additionalProperties": value}
 
 

@@ -1,4 +1,4 @@
-"""From pydantic's errors to faults."""
+"""Convert pydantic's errors to faults."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ _NOTHING = object()
 
 
 def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
-    """The faults of a validation, with paths from the top of `data`, one for each mistake.
+    """Yield the faults of a validation, one for each mistake, with paths from the top of `data`.
 
-    A key with a typing error is to pydantic a key too many and a key too few: here it is one fault.
+    For pydantic, a misspelled key is an unknown key and a missing one. Here it is one fault.
     """
     errors = error.errors(include_url=False)
     extra = [each for each in errors if each["type"] == "extra_forbidden"]
@@ -52,9 +52,9 @@ def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
 
 
 def real_path(data: Any, loc: Path) -> Path:
-    """The path without what is not a key in the data, such as the alternatives that pydantic names in it.
+    """Return the path without steps that are no keys of the data, such as pydantic's names of alternatives.
 
-    The last step stays, as it may be a key that is missing.
+    The last step stays, because it may be a missing key.
 
     >>> real_path({"sensor": {"imu": {"site": 1}}}, ("sensor", "imu", "force", "site"))
     ('sensor', 'imu', 'site')
@@ -71,7 +71,7 @@ def real_path(data: Any, loc: Path) -> Path:
 
 
 def _below(data: Any, step: str | int) -> Any:
-    """What a step leads to, or `_NOTHING`."""
+    """Return the value at a step, or `_NOTHING`."""
     if isinstance(data, Mapping):
         return data.get(step, _NOTHING)
     if isinstance(data, list) and isinstance(step, int) and step < len(data):
@@ -80,14 +80,17 @@ def _below(data: Any, step: str | int) -> Any:
 
 
 def _meant(loc: Path, missing: Mapping[Path, Mapping[str, Any]]) -> Any | None:
-    """The error of the missing key that an unknown one beside it was meant to be; `missing` by mapping and key."""
+    """Return the error of the missing key that an unknown key beside it should have been.
+
+    `missing` has the errors by mapping and key.
+    """
     beside = missing.get(loc[:-1], {})
     near = closest(str(loc[-1]), list(beside)) if beside else []
     return beside[near[0]] if near else None
 
 
 def _moved(fault: Fault, loc: Path, raw: Path, data: Any) -> Fault:
-    """A fault with its paths put behind that of the value in which it was found."""
+    """Return a fault whose paths start at the top, given the path of the value in which it was found."""
     start = raw[: len(raw) - len(fault.at)]
     related = tuple((message, real_path(data, (*start, *at))) for message, at in fault.related)
     return replace(fault, at=loc, related=related)
@@ -132,7 +135,7 @@ def _missing(loc: Path) -> Fault:
 
 
 def _other(error: Any, loc: Path) -> Fault:
-    """An error of pydantic's own about a mapping that is none, or a word for any other."""
+    """Return the fault for any other error, such as a value that is not a mapping or not an allowed word."""
     _, owner = _owner(loc)
     value = error["input"]
     if loc == ("base",):
@@ -155,7 +158,7 @@ def _other(error: Any, loc: Path) -> Fault:
 
 
 def _owner(path: Path) -> tuple[type[Model], str]:
-    """The model that a mapping is validated by, and what messages call it."""
+    """Return the model that validates a mapping, and its name in messages."""
     if not path:
         return Recipe, "the recipe"
     if path[0] == "attach" and len(path) == 2:

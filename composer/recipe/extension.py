@@ -1,4 +1,4 @@
-"""The section of plugins: `extension`."""
+"""The section `extension`: plugins."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from composer.recipe.reference import Schema, reference
 
 @dataclass(frozen=True, slots=True)
 class Extension(ByTag):
-    """The plugins that a model uses, and what they share:
+    """Form of the plugins that a model uses, and of their instances:
 
     `plugin: {mujoco.sdf.torus: {instance: {small: {config: {radius1: 0.3}}}}}`.
 
-    Gives a tuple of `Element`, one a plugin, with its instances as children.
+    It is read as a tuple of `Element`, one for each plugin, with its instances as children.
     """
 
     def schema(self) -> Schema:

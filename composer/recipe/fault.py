@@ -1,4 +1,4 @@
-"""Faults of a recipe on their way through pydantic, which knows only error types, paths and contexts."""
+"""Carry faults of a recipe through pydantic, which only knows error types, paths and contexts."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from composer.diagnostics.suggest import advised, exists_note
 
 __all__ = ["EXCLUSIVE", "Fault", "Path", "checked", "refusal", "unknown_key", "unplaced"]
 
-# Two keys of which only one may stand.
+# Two keys exclude each other.
 EXCLUSIVE = "wrong-type"
 
 
 def unplaced(
     diagnostic: Diagnostic, at: Path, *, key: bool = False, help: str | None = None, fix: Fix | None = None
 ) -> Fault:
-    """A diagnostic of which only the path in the recipe is known; with `help` and `fix` in place of its own."""
+    """Return a diagnostic as a fault at a path. `help` and `fix` replace those of the diagnostic."""
     names = tuple(sorted(diagnostic.subjects))
     fix = fix if help else diagnostic.fix
     help = help or diagnostic.help
@@ -30,7 +30,7 @@ def unplaced(
 
 
 def unknown_key(message: str, name: str, known: Iterable[str], at: Path, *, noun: str = "key") -> Fault:
-    """The fault of a key that a mapping cannot have; `known` are those that it may have, each a `noun`."""
+    """Return the fault of an unknown key. `known` are the allowed keys, which messages call a `noun`."""
     known = list(known)
     help, fix = advised(name, known)
     note = exists_note(noun, known, name)
@@ -38,12 +38,12 @@ def unknown_key(message: str, name: str, known: Iterable[str], at: Path, *, noun
 
 
 def refusal(faults: Sequence[Fault], value: object) -> ValidationError:
-    """One exception for all faults of a value; pydantic puts the value's own path in front of each `at`."""
+    """Return one exception for all faults of a value. Pydantic puts the path of the value in front of each `at`."""
     return ValidationError.from_exception_data("recipe", _lines(faults, value))
 
 
 def checked(handler: ValidatorFunctionWrapHandler, value: Any, faults: Sequence[Fault]) -> Any:
-    """What pydantic makes of a value, or its errors and the faults together."""
+    """Return what pydantic's handler returns. Raise its errors and the faults together, if there are any."""
     try:
         result = handler(value)
     except ValidationError as error:
@@ -59,7 +59,7 @@ def checked(handler: ValidatorFunctionWrapHandler, value: Any, faults: Sequence[
 def _lines(faults: Iterable[Fault], value: object) -> list[InitErrorDetails]:
     return [
         InitErrorDetails(
-            # Not the message itself: it is a template to pydantic, and braces in it would be filled in.
+            # Not the message itself: for pydantic it is a template, in which it would replace braces.
             type=PydanticCustomError("fault", "{message}", {"message": fault.message, "fault": fault}),
             loc=fault.at,
             input=value,
@@ -69,7 +69,7 @@ def _lines(faults: Iterable[Fault], value: object) -> list[InitErrorDetails]:
 
 
 def _again(error: Any) -> InitErrorDetails:
-    """An error that `errors()` gave, as something to raise."""
+    """Return an error of `errors()` in a form that can be raised."""
     kind = error["type"]
     context = error.get("ctx", {})
     if kind == "fault":

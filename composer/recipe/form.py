@@ -1,4 +1,4 @@
-"""The form of a value in a recipe: how it is read, and its JSON Schema, in one place."""
+"""The form of a value in a recipe: how it is read, and its JSON Schema."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from composer.recipe.settings import Settings, settings
 
 @dataclass(frozen=True, slots=True)
 class Form(ABC):
-    """Stands on a field of a pydantic model, `seed: Annotated[int, Whole("seed", 0, 9)]`, which has both from here."""
+    """An annotation for a field of a pydantic model, such as `seed: Annotated[int, Whole("seed", 0, 9)]`."""
 
     @abstractmethod
     def read(self, value: Any, faults: list[Fault], settings: Settings) -> Any:
-        """The value of the field; what is wrong goes to `faults`, with paths below it, and makes the value void."""
+        """Return the value of the field. Faults are added to `faults`, with paths below it, and make the value void."""
 
     @abstractmethod
     def schema(self) -> Schema:
-        """The JSON Schema of what may be written."""
+        """Return the JSON Schema of what may be written."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.with_info_plain_validator_function(self._validate)

@@ -1,4 +1,4 @@
-"""A fragment of MJCF in a recipe: checked against the grammar, and kept as the text it is."""
+"""A fragment of MJCF in a recipe: it is checked against the grammar and kept as text."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ def check_fragment(
     faults: list[Fault],
     named: bool = False,
 ) -> tuple[str, Mapping[str, str]] | None:
-    """The tag and the attributes of the one element that a fragment is, or None where it has faults.
+    """Return tag and attributes of the one element of a fragment, or None after a reported fault.
 
-    `kinds` are the elements that may stand there, `place` is where, as messages call it. `bare_angles` allows
-    angles without units. With `named` the name comes from elsewhere and is not missed.
+    `kinds` are the allowed elements, and `place` says in messages where. With `bare_angles`, angles need no unit.
+    With `named`, the name comes from elsewhere and is not required.
     """
     check = _Check(kinds, place, at, bare_angles, faults, named)
     before = len(faults)
@@ -37,7 +37,7 @@ def check_fragment(
 
 
 def names_in(text: str, tags: Collection[str]) -> list[tuple[str, str]]:
-    """The tag and the name of each element of those tags that a fragment without faults declares."""
+    """Return tag and name of each element with one of these tags that a fragment without faults declares."""
     found: list[tuple[str, str]] = []
 
     def start(tag: str, attributes: dict[str, str]) -> None:
@@ -60,7 +60,7 @@ _MEND = {
 
 
 class _Check:
-    """Follows the events of the XML parser; `stack` holds the open elements, None for unknown ones."""
+    """Receives the events of the XML parser. `stack` has the open elements, with None for unknown ones."""
 
     def __init__(
         self,

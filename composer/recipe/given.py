@@ -1,4 +1,4 @@
-"""`with`: what a recipe gives to the parameters and variants of one that is nested in it."""
+"""`with`: values for the parameters and variants of a nested recipe."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from composer.recipe.shown import kind_of
 
 @dataclass(frozen=True, slots=True)
 class Given(Form):
-    """Marks the field `with`, a mapping from names to values, which the nested recipe judges."""
+    """Form of the field `with`, a mapping from names to values. The nested recipe checks these."""
 
     def schema(self) -> Schema:
         value = {"type": ["number", "boolean", "string", "array"]}

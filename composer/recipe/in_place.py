@@ -1,4 +1,4 @@
-"""A model that is written in place: a recipe as a mapping, where the name of one could stand."""
+"""A recipe that is written in place, as a mapping instead of a model reference."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ OF_A_FILE = {
 
 @dataclass(frozen=True, slots=True)
 class ModelField(Form):
-    """Marks the field `model`: a model reference, or a recipe as a mapping, which the planner reads."""
+    """Form of the field `model`: a model reference, or a recipe as a mapping, which the planner reads."""
 
     def schema(self) -> Schema:
         return {"anyOf": [_TEXT.schema(), reference("in-place")]}
@@ -49,7 +49,7 @@ class ModelField(Form):
 
 
 def several(models: Sequence[str]) -> str:
-    """What to write for one of several models in each sample."""
+    """Return what to write to choose one of several models in each sample."""
     drawn = f"{{which: {{param: which, choice: [{', '.join(models)}]}}}}"
     return (
         f'one in each sample: `params: {{which: {models[0]}}}`, `model: "${{which}}"`, and `randomize` with'
@@ -58,7 +58,7 @@ def several(models: Sequence[str]) -> str:
 
 
 def below_model(value: Mapping[str, Any], owner: str, own: Iterable[str]) -> Fault | None:
-    """The fault of a base or part that is a recipe itself, with no `model` above it; `own` are the keys it may have."""
+    """Return the fault of a base or part that is a recipe without `model` above it. `own` are its allowed keys."""
     strange = [key for key in value if key in WHOLE[()] and key not in own]
     if "model" in value or not strange:
         return None
@@ -74,7 +74,7 @@ def _definition(_: str) -> Schema:
 
 
 def completed(model: Located, around: Located) -> Located:
-    """The recipe that is written in place, with what it inherits from the one around it."""
+    """Return the recipe that is written in place, with what it inherits from the one around it."""
     inherited = {name: entry for name, entry in around.entries.items() if name in INHERITED}
     known = {name: entry for name, entry in model.entries.items() if name not in OF_A_FILE}
     version = Key("recipe", model.span), Scalar(1, model.span, "1", True)
@@ -82,7 +82,7 @@ def completed(model: Located, around: Located) -> Located:
 
 
 def faults_in_place(node: Located, judge: Judge) -> Iterator[Fault]:
-    """What is wrong with the models that a recipe has in place; `judge` finds it in one."""
+    """Yield the faults of the recipes that are written in place. `judge` finds those of one recipe."""
     for at, model in _models(node):
         if (choice := _choice(model)) is not None:
             message = "`model` is a model reference or a recipe, and a choice among models is drawn"
@@ -106,7 +106,7 @@ def faults_in_place(node: Located, judge: Judge) -> Iterator[Fault]:
 
 
 def _choice(model: Located) -> list[str] | None:
-    """The models among which one is to be drawn, where that is what stands in place of a model."""
+    """Return the models of a random choice, or None if `model` is not one."""
     choice = find(model, ("choice",))
     if len(model.entries) > 1 or not isinstance(choice, List) or not choice.items:
         return None
@@ -114,7 +114,7 @@ def _choice(model: Located) -> list[str] | None:
 
 
 def _models(node: Located) -> Iterator[tuple[Path, Located]]:
-    """The models that stand in place, with the path to each."""
+    """Yield the models that are written in place, each with its path."""
     parts = find(node, ("attach",))
     names = list(parts.entries) if isinstance(parts, Located) else []
     for at in (("base", "model"), *(("attach", name, "model") for name in names)):

@@ -1,4 +1,4 @@
-"""Keys that stand beside the name of an element, and should stand one step deeper.
+"""Keys beside the name of an element that should be one level deeper.
 
 gripper:
 model: ./gripper.xml
@@ -15,10 +15,10 @@ _NAMES = ("attach", "sensor", "actuator", "equality", "tendon")
 
 
 def fallen_out(mapping: Mapping, at: Path) -> tuple[Fault, Iterable[str]] | None:
-    """The fault of such keys, and the entries that it is about, the name first.
+    """Return the fault of such keys and the entries that it is about, the name first; None without such keys.
 
-    In a mapping from names to elements every value is a mapping: a name without a value that is followed by a key
-    with a single one or a list is neither an element nor another name.
+    In a mapping from names to elements, every value is a mapping. Therefore, a name without a value that is
+    followed by a key with a single value or a list has lost its indentation.
     """
     if not (len(at) == 1 and at[0] in _NAMES) and not (len(at) == 2 and at[0] == "asset"):
         return None

@@ -1,7 +1,7 @@
 """The order in which `fmt` writes the keys of a recipe: that of the fields and rows of the language.
 
-`python -m composer.recipe.key_order > composer/formatting/key_order.json` writes it anew. `fmt` runs at every save and
-reads that file: importing the models takes longer than formatting.
+`python -m composer.recipe.key_order > composer/formatting/key_order.json` writes it to a file. `fmt` runs at every
+save and reads that file, because importing the models takes longer than formatting.
 """
 
 from __future__ import annotations
@@ -39,10 +39,10 @@ check_rows("the places of keys in composer/recipe/key_order.py", _AFTER, SETTLED
 
 
 def key_order() -> dict[str, dict[str, list[str]]]:
-    """Keys by the path of their mapping, with `*` for any name or index.
+    """Return keys by the path of their mapping, in which `*` stands for any name or index.
 
-    `whole` are mappings where each key has a place; in those of `first` some keys come first, and the author decides
-    on the others.
+    In the mappings of `whole`, each key has a place. In those of `first`, only some keys have one, and come first;
+    the author orders the others.
     """
     edit = list(EDIT)
     whole = {
@@ -66,7 +66,7 @@ def key_order() -> dict[str, dict[str, list[str]]]:
 
 
 def text() -> str:
-    """The order as the text of its file, a mapping a line."""
+    """Return the order as the text of its file, with one mapping on each line."""
     tables = [
         f'  "{name}": {{\n'
         + ",\n".join(f"    {json.dumps(path)}: {json.dumps(keys)}" for path, keys in table.items())

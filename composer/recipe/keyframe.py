@@ -40,10 +40,10 @@ Entry = tuple[Single, ...]
 
 @dataclass(frozen=True, slots=True)
 class Keyframe:
-    """One key: what it takes over from keys of parts, by the path of the part, and the entries that it sets.
+    """One key: which keys of parts it takes over, by the path of the part, and the entries that it sets.
 
-    `values` has the entries of each vector by name, `controls` what else `ctrl` says. `at` is the path to its mapping
-    in the recipe.
+    `values` has the entries of each vector by name, and `controls` the other entries of `ctrl`. `at` is the path to
+    its mapping in the recipe.
     """
 
     name: str
@@ -56,7 +56,7 @@ class Keyframe:
 
 @dataclass(frozen=True, slots=True)
 class Keyframes(Section):
-    """A mapping from the names of keys to what is in them. Gives a tuple of `Keyframe`."""
+    """Form of a mapping from the names of keys to their contents, read as a tuple of `Keyframe`."""
 
     def content(self, reader: Reader, value: Any) -> tuple[Keyframe, ...]:
         entries = reader.names(value, (), f"`{self.tag}`")
@@ -123,7 +123,7 @@ def _time(reader: Reader, value: Any, at: Path, owner: str) -> float | None:
 
 
 def _sources(reader: Reader, value: Any, at: Path, owner: str) -> dict[str, str]:
-    """The key of each part that one is made from."""
+    """Return the key of each part from which the key is made."""
     if not isinstance(value, dict):
         name = value if isinstance(value, str) else "home"
         message = f"`{FROM}` of {owner} expects a mapping from parts to their keys, got {kind_of(value)}"
@@ -142,7 +142,7 @@ def _sources(reader: Reader, value: Any, at: Path, owner: str) -> dict[str, str]
 
 
 def _entries(reader: Reader, vector: str, value: Any, at: Path, owner: str, named: str) -> dict[str, Entry]:
-    """The entries of one vector, by the name of what is `named`."""
+    """Return the entries of one vector by name. Messages call a name `named`."""
     if not isinstance(value, dict):
         help = f"write `{vector}: {{{named.upper().replace(' ', '_')}: {_EXAMPLES.get(vector, '0.1')}}}`"
         message = f"`{vector}` of {owner} expects a mapping by {named}, got {kind_of(value)}"

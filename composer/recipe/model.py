@@ -1,4 +1,4 @@
-"""What all pydantic models of the recipe share."""
+"""The base class of all pydantic models of the recipe."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class Model(BaseModel):
         frozen=True,
         extra="forbid",
         strict=True,
-        # What is never validated on its own need not be built; this is most of the import time.
+        # Most models are never validated on their own. Building their validators would be most of the import time.
         defer_build=True,
         hide_input_in_errors=True,
     )

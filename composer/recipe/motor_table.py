@@ -1,4 +1,4 @@
-"""The table of motors in `docs/motors.md`; run as a program, it writes it there."""
+"""The table of motors in `docs/motors.md`. As a program, this module writes it there."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _ADDRESS = re.compile(r"https?://[^\s,]+[^\s,:]")
 
 
 def table() -> str:
-    """A row for each motor that comes with mjcompose."""
+    """Return the table, with a row for each motor that comes with mjcompose."""
     lines = ["| motor | maker | torque, N·m | rated | speed, rad/s | inertia at the output, kg·m² | source |"]
     lines.append(f"|{'---|' * 7}")
     for name, motor in library().items():
@@ -25,7 +25,7 @@ def table() -> str:
 
 
 def with_table(page: str) -> str:
-    """The text of the page with the table as it is now."""
+    """Return the text of the page with the current table."""
     return _TABLE.sub(lambda _: table(), page)
 
 

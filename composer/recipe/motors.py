@@ -1,4 +1,4 @@
-"""Motors as their data sheets have them: the section `motors` of a recipe, and those that come with mjcompose."""
+"""Motors as in their data sheets: the section `motors` of a recipe, and those that come with mjcompose."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _MAY_BE_ZERO = ("friction", "damping", "delay")
 
 @dataclass(frozen=True, slots=True)
 class Motor:
-    """A motor with its gears and controller; everything at the output but `rotor_inertia`. None is not known."""
+    """A motor with its gears and controller. Everything but `rotor_inertia` is at the output. None means unknown."""
 
     effort: float
     source: str
@@ -53,7 +53,7 @@ class Motor:
 
     @property
     def reflected(self) -> float | None:
-        """The inertia at the output, in kg·m²: that of a rotor counts with the square of the reduction.
+        """Return the inertia at the output, in kg·m². That of the rotor counts with the square of the reduction.
 
         >>> Motor(12.0, "", gear=10, rotor_inertia=0.25).reflected
         25.0
@@ -65,7 +65,7 @@ class Motor:
 
 @dataclass(frozen=True, slots=True)
 class Motors(Form):
-    """Marks the field `motors`: a mapping from names to data sheets. Gives a mapping from names to `Motor`."""
+    """Form of the field `motors`: a mapping from names to data sheets, read as a mapping from names to `Motor`."""
 
     def schema(self) -> Schema:
         numbers: dict[str, Schema] = {
@@ -148,7 +148,7 @@ def _bound(name: str) -> str:
 
 @cache
 def library() -> Mapping[str, Motor]:
-    """The motors that come with mjcompose."""
+    """Return the motors that come with mjcompose."""
     from composer.diagnostics.sink import Sink  # few recipes name a motor
     from composer.document import load, to_python
 

@@ -1,4 +1,4 @@
-"""Names by a glob or a regular expression, as selectors and checks have them: what is wrong with the text."""
+"""Faults in the globs and regular expressions of selectors and checks."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ GLOB: Schema = {
 
 
 def pattern_fault(text: str, owner: str, at: Path) -> Fault | None:
-    """The fault of what `owner` is compared with, or None."""
+    """Return the fault of the pattern with which `owner` is compared, or None."""
     if is_pattern(text) and (wrong := length_fault(text)) is not None:
         return Fault(
             "wrong-type",

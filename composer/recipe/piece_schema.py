@@ -1,4 +1,4 @@
-"""The schema of pieces of recipe: what is merged over another may lack any key, and take one out with `null`."""
+"""The JSON Schema of pieces of recipe, which are merged over another: no key is required, and `null` removes one."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ _NESTED = ("additionalProperties", "items", "then", "else", "not")
 
 
 def loosened(properties: Schema, definitions: dict[str, Schema]) -> Schema:
-    """The same properties with all keys optional and null allowed; what they refer to is added to `definitions`.
+    """Return the same properties, all optional and with null allowed. New definitions go to `definitions`.
 
-    Conditions stay as they are: what decides between forms is not a demand.
+    Conditions stay as they are: those that decide between forms require nothing.
     """
     loose = {name: _optional(each, definitions) for name, each in properties.items()}
     return {name: _nullable(each) for name, each in loose.items()}
@@ -59,7 +59,7 @@ def _reference(target: str, definitions: dict[str, Schema]) -> str:
 
 
 def _nullable(schema: Any) -> Any:
-    """The schema that takes null too. A reference is to a definition that does."""
+    """Return the schema that also allows null. A reference then points to a definition that does."""
     if not isinstance(schema, dict):
         return schema
     found = dict(schema)
@@ -84,7 +84,7 @@ def _nullable(schema: Any) -> Any:
 
 
 def _one_nullable(schemas: list[Any]) -> list[Any]:
-    """The alternatives, of which one takes null: no further one is needed for it."""
+    """Return the alternatives with null allowed in one of them, which is enough."""
     for index, each in enumerate(schemas):
         if isinstance(each, dict) and "type" in each:
             return [*schemas[:index], _nullable(each), *schemas[index + 1 :]]

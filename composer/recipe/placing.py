@@ -39,9 +39,9 @@ _NEUTRAL = {
 
 @dataclass(frozen=True, slots=True)
 class Offset(Form):
-    """Marks a field as an attribute of a frame: `pos`, or one of the orientations.
+    """Form of a field that is an attribute of a frame: `pos`, or one of the orientations.
 
-    Gives a tuple; `Angle`s stand in it only where the attribute is an angle.
+    It is read as a tuple. It contains `Angle`s only if the attribute is an angle.
     """
 
     name: str
@@ -65,7 +65,10 @@ class Offset(Form):
 
 
 def _no_pose(name: str, read: tuple[Single, ...]) -> Fault | None:
-    """Numbers that no place or orientation has; MuJoCo would complain of a frame that nobody wrote."""
+    """Return the fault of numbers that are no position or orientation, or None.
+
+    Otherwise MuJoCo would report a frame that the user has not written.
+    """
     numbers = [float(item.value if isinstance(item, Angle) else item) for item in read]
     if not all(math.isfinite(number) for number in numbers):
         wrong = next(index for index, number in enumerate(numbers) if not math.isfinite(number))
@@ -96,9 +99,9 @@ def _cross(a: list[float], b: list[float]) -> tuple[float, float, float]:
 
 @dataclass(frozen=True, slots=True)
 class JointField(Form):
-    """Marks the field `joint`: a word, a mapping of a joint's attributes, or a list of such with names.
+    """Form of the field `joint`: a word, a mapping of a joint's attributes, or a list of such mappings with names.
 
-    Gives the word, an `Element` for a joint without a name, or a tuple of `Element` with names.
+    It is read as the word, an `Element` for a joint without a name, or a tuple of `Element` with names.
     """
 
     def schema(self) -> Schema:
@@ -154,7 +157,7 @@ def _joint(reader: Reader, value: Any, at: Path) -> Element | None:
         message = "a free joint has no attributes and stands alone"
         reader.faults.append(Fault("wrong-keyword", message, (*at, "type"), help="write `joint: free`"))
         return None
-    # A joint between a place and a part is in no class but the one it names, which may set another type.
+    # A joint between a place and a part only has the class that it names, which may set another type.
     type = "hinge" if isinstance(value, Mapping) and "class" not in value else None
     element = reader.element(kind, value, at, label("joint", value), joint=type)
     if element is not None and element.attributes.get("name", "joint") == "":

@@ -1,4 +1,4 @@
-"""Which attributes must, may and must not stand together: the grammar's rules about presence."""
+"""Which attributes are required, exclude each other or need each other: the rules of the grammar."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from composer.recipe.fault import EXCLUSIVE, Fault, Path
 
 
 def absent(kind: ElementType, present: Collection[str], owner: str, at: Path, faults: list[Fault]) -> None:
-    """Report the attributes that are required and missing, all of them at once."""
+    """Report all required attributes that are missing."""
     missing = [each for each in kind.attributes.values() if each.required and each.name not in present]
     if len(missing) == 1:
         faults.append(lacks(owner, missing[0].name, at, missing[0].doc))
@@ -24,7 +24,7 @@ def absent(kind: ElementType, present: Collection[str], owner: str, at: Path, fa
 
 
 def lacks(owner: str, name: str, at: Path, doc: str = "") -> Fault:
-    """That a required key is missing; `doc` explains the key."""
+    """Return the fault of a missing key. `doc` explains the key."""
     notes = (Note(f"`{name}` is: {doc}"),) if _says(name, doc) else ()
     message = f"{owner} lacks `{name}`"
     help = f"write `{name}: …`"
@@ -34,7 +34,7 @@ def lacks(owner: str, name: str, at: Path, doc: str = "") -> Fault:
 def clashing(
     rules: Iterable[Constraint], present: Collection[str], owner: str, at: Path, faults: list[Fault]
 ) -> None:
-    """Report the attributes that exclude or need one another."""
+    """Report attributes that exclude or need each other."""
     for rule in rules:
         if rule.kind == "exclusive":
             fault = _exclusive(rule, present, owner, at)
@@ -65,15 +65,15 @@ def clashing(
 def exclusive(
     names: Iterable[str], present: Collection[str], owner: str, at: Path, faults: list[Fault]
 ) -> None:
-    """Report it where more than one of the names is given."""
+    """Report if more than one of the names is given."""
     clashing([Constraint("exclusive", tuple((name,) for name in names))], present, owner, at, faults)
 
 
 def _exclusive(rule: Constraint, present: Collection[str], owner: str, at: Path) -> Fault | None:
-    """The last key in the file is the one too many."""
+    """Return the fault of the last of several exclusive keys in the file, or None."""
     bundles = {name: index for index, bundle in enumerate(rule.bundles) for name in bundle}
     there = [name for name in present if name in bundles]
-    # A name may be in several bundles of a rule only if they are the same to it, so the first pair decides.
+    # A name is in several bundles of a rule only if the rule treats them alike. Therefore the first pair decides.
     clash = next(((a, b) for b in reversed(there) for a in there if bundles[a] != bundles[b]), None)
     if clash is None:
         return None
@@ -90,7 +90,7 @@ def _exclusive(rule: Constraint, present: Collection[str], owner: str, at: Path)
 
 
 def _cheapest(bundles: Iterable[Iterable[str]], present: Collection[str]) -> str:
-    """What to add where one of several bundles must be complete: the fewest keys to those given."""
+    """Return what to add if one of several bundles must be complete: the fewest keys beside the given ones."""
     lacking = min(
         ([name for name in bundle if name not in present] for bundle in bundles),
         key=lambda names: len(names),
@@ -113,5 +113,5 @@ def _incomplete(there: Collection[str], missing: Collection[str], owner: str, at
 
 
 def _says(name: str, doc: str) -> bool:
-    """Whether an explanation is more than the name itself."""
+    """Return whether an explanation says more than the name itself."""
     return doc not in ("", name)

@@ -1,4 +1,4 @@
-"""Seeded draws: the section `randomize`."""
+"""The section `randomize`: seeded draws."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ MAX_SEED = 2**64 - 1
 
 @dataclass(frozen=True, slots=True)
 class Whole(Form):
-    """Marks a field as a whole number from `least` to `most`, or to the limit called `most`; `key` is its name in
-    messages.
+    """Form of a whole number from `least` to `most`, or to the limit with the name `most`.
+
+    `key` is its name in messages.
     """
 
     key: str
@@ -53,7 +54,7 @@ class Whole(Form):
 
 @dataclass(frozen=True, slots=True)
 class Fields(Form):
-    """Marks the field `fields`: a mapping from names to what is drawn. Gives a tuple of `DrawField`."""
+    """Form of the field `fields`: a mapping from names to what is drawn, read as a tuple of `DrawField`."""
 
     def schema(self) -> Schema:
         return fields()
@@ -88,10 +89,10 @@ class Randomize(Model):
 
     @property
     def at_run_time(self) -> bool:
-        """Whether there is one model, whose draws are made where it runs."""
+        """Return whether only one model is built, and its draws are used at run time."""
         return self.emit in ("table", "worlds")
 
     @property
     def of_parameters(self) -> tuple[DrawField, ...]:
-        """The fields that draw parameters."""
+        """Return the fields that draw parameters."""
         return tuple(each for each in self.fields if each.param is not None)

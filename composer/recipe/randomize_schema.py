@@ -1,4 +1,4 @@
-"""JSON Schema of the fields of `randomize`."""
+"""The JSON Schema of the fields of `randomize`."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _KEYS = {
 
 
 def fields() -> Schema:
-    """The mapping `fields`."""
+    """Return the schema of the mapping `fields`."""
     return {"type": "object", "minProperties": 1, "additionalProperties": reference("draw")}
 
 
@@ -67,7 +67,7 @@ check_rows("the JSON Schema of `fields` in composer/recipe/randomize_schema.py",
 
 @definition("draw")
 def field(_: str) -> Schema:
-    """One field."""
+    """Return the schema of one field."""
     return {
         "type": "object",
         "properties": dict(_FIELD),
@@ -81,7 +81,7 @@ def field(_: str) -> Schema:
 
 @definition("distribution")
 def distribution(kind: str) -> Schema:
-    """What stands behind the name of a distribution."""
+    """Return the schema of the value behind the name of a distribution."""
     if kind == CHOICE:
         return {"type": "array", "minItems": 1}
     if kind in INTERVALS:

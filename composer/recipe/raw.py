@@ -1,4 +1,4 @@
-"""A located tree as the plain values that pydantic takes."""
+"""A located tree as plain values, which pydantic can validate."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from composer.recipe.indentation import fallen_out
 
 
 class Placed(dict[str, Any]):
-    """A mapping that knows its path from the top of the recipe."""
+    """A mapping that has its path from the top of the recipe."""
 
     __slots__ = ("at",)
 
@@ -22,14 +22,15 @@ class Placed(dict[str, Any]):
 
 
 def path_of(value: object) -> Path:
-    """The path of a mapping from the top of the recipe; empty for one that was made in Python."""
+    """Return the path of a mapping from the top of the recipe, empty for a mapping that was made in Python."""
     return value.at if isinstance(value, Placed) else ()
 
 
 def raw(node: Node, faults: list[Fault]) -> Any:
-    """The tree as dicts (`Placed`), lists and values, with faults that any place may have.
+    """Return the tree as dicts (`Placed`), lists and values, and faults that can occur anywhere.
 
-    A key with no value and an expression without one are reported and stay, so that it is known that they are there.
+    A key without a value and an expression without one are reported, and stay in the result, so that they do not
+    count as missing.
     """
     return _raw(node, (), faults)
 

@@ -1,4 +1,4 @@
-"""From the mapping of an element to an `Element`, with every fault on the way."""
+"""Read the mapping of an element as an `Element`, with all its faults."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _OWNERS = 3  # elements that a help line names
 
 @dataclass(slots=True)
 class Reader:
-    """Reads elements by the grammar and collects their faults, whose paths start where the reading does."""
+    """Reads elements by the grammar and collects their faults. The paths of faults start where the reading starts."""
 
     settings: Settings = field(default_factory=Settings)
     faults: list[Fault] = field(default_factory=list)
@@ -49,11 +49,11 @@ class Reader:
         children: tuple[Element, ...] = (),
         joint: str | None = None,
     ) -> Element | None:
-        """The element of a mapping of attributes and children, or None where it is not a mapping.
+        """Return the element of a mapping of attributes and children, or None if it is no mapping.
 
-        `owner` is what messages call it. `keyed` are attributes that a key above gives and that cannot be
-        written again. Keys in `own` are the caller's, and so are `children` that stand before the others.
-        `joint` is the type of a joint that writes none.
+        `owner` is its name in messages. `keyed` are attributes that a key above gives, which must not be written
+        again. The caller reads the keys in `own`; its `children` come before the others. `joint` is the type of a
+        joint without `type`.
         """
         if not isinstance(value, dict):
             self.faults.append(_no_mapping(owner, value, at, element_instead(kind, value)))
@@ -82,7 +82,7 @@ class Reader:
                 fault = self.unknown(kind, name, item, path, owner, own, {*keyed, *value})
                 meant += _meant(kind, name, item, value)
                 self.faults.append(fault)
-        # A value that is wrong exists all the same, and so is one under a key that is nearly right.
+        # A value with a fault is not missing, and neither is a value with a misspelled key.
         present = [*keyed, *value, *meant]
         absent(kind, present, owner, at, self.faults)
         clashing(kind.constraints, present, owner, at, self.faults)
@@ -92,9 +92,9 @@ class Reader:
     def keyed(
         self, kinds: Iterable[ElementType], name: str, value: Any, at: Path, owner: str
     ) -> Mapping[str, str]:
-        """What the key of an entry gives to its element, which is one of `kinds`: its name.
+        """Return the attributes that the key of an entry gives to its element, which is one of `kinds`: its name.
 
-        `name: ""` beside it says that the element has none, and the key is only what the recipe calls it.
+        With `name: ""` in the entry, the element has no name, and the key is only a label in the recipe.
         """
         if not isinstance(value, dict) or value.get(NAME) != "":
             return {NAME: name}
@@ -105,7 +105,7 @@ class Reader:
         return {}
 
     def children(self, kind: ElementType, value: Any, at: Path, owner: str) -> Iterable[Element]:
-        """The elements of one tag: a mapping is one element, a list is several."""
+        """Return the elements with one tag: a mapping is one element, a list is several."""
         if isinstance(value, list):
             if kind.max_count is not None and len(value) > kind.max_count:
                 few = "one" if kind.max_count == 1 else str(kind.max_count)
@@ -130,7 +130,7 @@ class Reader:
         return () if element is None else (element,)
 
     def config(self, value: Any, at: Path, above: Path, owner: str) -> Iterable[Element]:
-        """A plugin's settings: `{key: value}`, each a `config` element."""
+        """Yield a plugin's settings `{key: value}` as `config` elements."""
         if not isinstance(value, dict):
             self.faults.append(_no_mapping(f"`{CONFIG}` of {owner}", value, at))
             return
@@ -161,7 +161,7 @@ class Reader:
         keyed: Mapping[str, str] | None = None,
         own: Collection[str] = (),
     ) -> Element | None:
-        """The element that a mapping gives as a fragment of MJCF, `{xml: <geom …/>}`."""
+        """Return the element of a mapping with a fragment of MJCF, `{xml: <geom …/>}`, or None after a fault."""
         keyed = keyed or {}
         for name in value:
             if name != FRAGMENT and name not in own:
@@ -193,7 +193,7 @@ class Reader:
     def angles(
         self, kind: ElementType, attributes: Mapping[str, Value], at: Path, owner: str, joint: str | None
     ) -> None:
-        """Report angles that lack their unit, where the recipe sets none."""
+        """Report angles without a unit, if the recipe sets none."""
         if self.settings.bare_angles:
             return
         written = attributes.get("type", joint)
@@ -215,7 +215,7 @@ class Reader:
         own: Collection[str],
         taken: Collection[str],
     ) -> Fault:
-        """The fault of a key that is neither an attribute nor a child; `taken` are those that exist."""
+        """Return the fault of a key that is neither an attribute nor a child. `taken` are the written ones."""
         attributes = [each for each in (*own, *kind.attributes) if each not in taken]
         known = [*attributes, *(each for each in kind.children if each not in taken)]
         near, fix = closest(name, known), renaming(name, known)
@@ -248,7 +248,7 @@ class Reader:
         return unplaced(unknown_attribute(name, owner, attributes), at, key=True, help=help, fix=fix)
 
     def names(self, value: Any, at: Path, owner: str) -> Iterable[tuple[str, Any]]:
-        """The entries of a mapping from names to elements."""
+        """Yield the entries of a mapping from names to elements."""
         if not isinstance(value, dict):
             self.faults.append(_no_names(owner, value, at))
             return
@@ -266,13 +266,13 @@ def _either(words: list[str]) -> str:
 
 
 def label(tag: str, value: Any) -> str:
-    """What messages call an element that may have a name: `geom `pad``, or just `` `geom` ``."""
+    """Return the description of an element in messages: `geom `pad``, or just `geom` without a name."""
     name = value.get("name") if isinstance(value, dict) else None
     return f"{tag} `{name}`" if isinstance(name, str) and name else f"`{tag}`"
 
 
 def config_text(value: Any) -> str | None:
-    """A setting of a plugin as its text; a list is separated by spaces."""
+    """Return a plugin's setting as text, or None if it is no setting. The items of a list are separated by spaces."""
     if isinstance(value, list):
         texts = [config_text(item) for item in value if not isinstance(item, list)]
         known = [text for text in texts if text is not None]
@@ -285,7 +285,7 @@ def config_text(value: Any) -> str | None:
 
 
 def _meant(kind: ElementType, name: str, value: Any, there: Collection[str]) -> list[str]:
-    """The attributes that an unknown key stands for, so that these are not also reported as missing."""
+    """Return the attributes that an unknown key stands for, so that they are not also reported as missing."""
     if kind.attributes.keys() >= _OBJECT and name in GRAMMAR.objtypes and isinstance(value, str):
         return [*_OBJECT]
     head = name.partition(":")[0]
@@ -321,7 +321,7 @@ def _keyed(owner: str, name: str, given: str, at: Path) -> Fault:
 
 
 def _is_named(kind: ElementType, value: dict[str, Any]) -> bool:
-    """Whether a mapping has names for keys, where a list of elements is wanted."""
+    """Return whether a mapping has names as keys, where a list of elements is expected."""
     known = {*kind.attributes, *kind.children, FRAGMENT}
     return bool(value) and all(isinstance(item, dict) and name not in known for name, item in value.items())
 

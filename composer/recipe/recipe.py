@@ -39,13 +39,13 @@ SETTABLE = frozenset("discardvisual fusestatic boundmass boundinertia settotalma
 
 @dataclass(frozen=True, slots=True)
 class Version(Form):
-    """Marks the field `recipe`: the version of the language."""
+    """Form of the field `recipe`: the version of the language."""
 
     def schema(self) -> Schema:
         return {"const": VERSION}
 
     def read(self, value: Any, faults: list[Fault], settings: Settings) -> int:
-        # `True == 1`, and `1.0 == 1`.
+        # In Python, `True == 1` and `1.0 == 1`.
         if type(value) is int and value == VERSION:
             return VERSION
         message = f"`recipe` expects the version of the language, the number {VERSION}, got {kind_of(value)}"
@@ -60,7 +60,7 @@ class Version(Form):
 
 
 def _sequence_fault(text: str) -> Fault | None:
-    """What is wrong with a sequence of rotations."""
+    """Return the fault of a sequence of rotations, or None."""
     if len(text) == 3 and set(text.lower()) <= set("xyz"):
         return None
     message = (
@@ -144,7 +144,7 @@ class Recipe(Model):
 
 
 def sections_of(form: type[object]) -> tuple[str, ...]:
-    """The keys of a recipe that are sections of a form, in the order of the language.
+    """Return the keys of a recipe that are sections with a form, in the order of the language.
 
     >>> sections_of(Defaults)
     ('default',)

@@ -1,4 +1,4 @@
-"""What remains of a recipe without what is wrong in it, so that one run also reports the faults of later stages."""
+"""What remains of a recipe without its faults, so that one run also reports the faults of later stages."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from composer.recipe.attach import Attachment
 from composer.recipe.fault import Fault, Path
 from composer.recipe.recipe import Recipe
 
-# Without these nothing else in the recipe can be judged.
+# Without these, nothing else in the recipe can be judged.
 _INDISPENSABLE = ("recipe", "separator", "base")
-# Without these a part is another one, or hangs in another way.
+# Without these, a part is another one, or is attached in another way.
 _MAKING = ("subtree", "joint", "drop", "edit", "prefix", "replicate", "with", "keyframes")
-# What may disagree as `conflict` says.
+# Sections in which parts may disagree, as `conflict` allows.
 _AGREED = ("option", "size", "statistic", "visual")
 _ROUNDS = 8
 
@@ -25,7 +25,7 @@ Judge = Callable[[Mapping], tuple[Recipe | None, list[Fault]]]
 
 @dataclass(frozen=True, slots=True)
 class Remains:
-    """A recipe that is right, its located tree, and every name and value in what had to be left out."""
+    """A recipe without faults, its located tree, and every name and value in what was left out."""
 
     recipe: Recipe
     document: Mapping
@@ -33,7 +33,10 @@ class Remains:
 
 
 def remains(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Remains | None:
-    """The recipe without the smallest pieces that have `faults`; None where too little would remain. No I/O."""
+    """Return the recipe without the smallest pieces that have `faults`, or None if too little would remain.
+
+    It does no I/O.
+    """
     lost: set[str] = set()
     for _ in range(_ROUNDS):
         for path in _outermost(_whole(way(node, fault.at)) for fault in faults):
@@ -51,7 +54,7 @@ def remains(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Remains | N
 
 
 def _whole(path: Path) -> Path:
-    """The path of what goes: a part with a fault in a key that makes it what it is goes whole."""
+    """Return the path of what is left out. With a fault in an essential key, it is the whole part."""
     is_made = len(path) == 3 and path[0] == "attach" and _means(path[2], _MAKING, Attachment.model_fields)
     return path[:2] if is_made else path
 
@@ -59,13 +62,13 @@ def _whole(path: Path) -> Path:
 def _means(
     key: str | int, keys: Collection[str], known: Collection[str] = tuple(Recipe.model_fields)
 ) -> bool:
-    """Whether a key, or what was meant by it, is one of `keys`."""
+    """Return whether a key, or what it was probably meant to be, is one of `keys`."""
     near = [str(key)] if key in known else closest(str(key), known)
     return any(meant in keys for meant in near)
 
 
 def way(node: Node, path: Path) -> Path:
-    """The steps of a validator's path that lead somewhere."""
+    """Return the steps of a validator's path that exist in the data."""
     found: list[str | int] = []
     for step in path:
         if isinstance(node, Mapping) and isinstance(step, str) and step in node.entries:
@@ -79,13 +82,16 @@ def way(node: Node, path: Path) -> Path:
 
 
 def _in_some_unit(node: Mapping) -> Mapping:
-    """The recipe with a unit of angles, so that none is reported to lack it."""
+    """Return the recipe with a unit of angles, so that no missing unit is reported."""
     key, unit = Key("angle", node.span), Scalar("radian", node.span, "radian", True)
     return Mapping({**node.entries, key.name: (key, unit)}, node.span)
 
 
 def _outermost(paths: Iterator[Path]) -> list[Path]:
-    """Paths of which none is inside another, last in the file first: taking one out moves no other."""
+    """Return the paths that are not inside another one, last in the file first.
+
+    Removing one does not move the others then.
+    """
     kept: list[Path] = []
     for path in sorted(set(paths), key=len):
         if not any(path[: len(each)] == each for each in kept):
@@ -117,7 +123,7 @@ def _cut(node: Node, path: Path) -> Node:
 
 
 def _texts(node: Node, path: Path) -> Iterator[str]:
-    """The key at the end of a path, and every key and value below it."""
+    """Yield the key at the end of a path, and every key and value below it."""
     for step in path:
         if isinstance(node, Mapping):
             node = node.entries[str(step)][1]

@@ -1,4 +1,4 @@
-"""Pointers between the parts of the JSON Schema, before they have a place in it, and what they lead to."""
+"""References between the parts of the JSON Schema, as long as their places in it are unknown."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ _DEFINITIONS: dict[str, Callable[[str], Schema]] = {}
 
 
 def definition(kind: str) -> Callable[[Callable[[str], Schema]], Callable[[str], Schema]]:
-    """Marks the function that makes the definition `KIND:NAME`, or `KIND-NAME`, of a name.
+    """Return a decorator for the function that makes the definition `KIND:NAME`, or `KIND-NAME`, of a name.
 
-    It is given the empty text where the pointer is `KIND` alone.
+    The function gets an empty name if the reference is only `KIND`.
     """
 
     def register(make: Callable[[str], Schema]) -> Callable[[str], Schema]:
@@ -28,18 +28,18 @@ def definition(kind: str) -> Callable[[Callable[[str], Schema]], Callable[[str],
 
 
 def define(name: str) -> Schema:
-    """The schema that a reference leads to, the caller's own. Raises KeyError for one that nothing makes."""
+    """Return the schema that a reference leads to; the caller may change it. Raises KeyError for an unknown one."""
     kind, _, rest = name.partition(":" if ":" in name else "-")
     return deepcopy(_DEFINITIONS[kind](rest))
 
 
 def reference(name: str) -> Schema:
-    """A pointer to a definition. Not `$ref`, of which pydantic wants to know the target."""
+    """Return a reference to a definition. It is not `$ref`, whose target pydantic would want to know."""
     return {REFERENCE: name}
 
 
 def definition_key(name: str) -> str:
-    """The key of a definition among `$defs`.
+    """Return the key of a definition in `$defs`.
 
     >>> definition_key("variant:sensor/force")
     'variant.sensor.force'

@@ -1,6 +1,6 @@
-"""The page docs/reference.md: every key of a recipe, read from its JSON Schema, and MJCF's elements from the grammar.
+"""The page docs/reference.md: all keys of a recipe from the JSON Schema, and MJCF's elements from the grammar.
 
-`python -m composer schema reference > docs/reference.md` writes it anew.
+`python -m composer schema reference > docs/reference.md` writes it.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ _ELEMENTS = ("element.", "named.", "typed.", "variant.", "step.", "class")
 
 
 def page() -> str:
-    """The text of the page. The same every time."""
+    """Return the text of the page. It is the same every time."""
     schema = recipe_schema()
     keys = _Keys(schema["$defs"])
     whole = {**schema["else"], "required": schema["required"]}  # a recipe that extends no other
@@ -89,7 +89,10 @@ def page() -> str:
 
 
 def examples(name: str) -> list[str]:
-    """The recipes that show the keys of a chapter: beside this file in an installed package, in the docs in a clone."""
+    """Return the recipes that show the keys of a chapter.
+
+    In an installed package they are beside this file, in a clone in the docs.
+    """
     here = Path(__file__).resolve()
     for folder in (here.parent / "examples", here.parents[2] / "docs" / "examples" / "keys"):
         if (folder / f"{name}.yaml").is_file():
@@ -103,7 +106,7 @@ def _examples(name: str) -> Iterator[str]:
 
 
 def _references() -> Iterator[str]:
-    """Every form of a model reference, from the rows of the kinds."""
+    """Yield every form of a model reference, from the rows of the source kinds."""
     yield "What `base`, `model` of a part and `extends` take. What is behind each form is in [sources](sources.md)."
     yield ""
     yield "| form | what it is |"
@@ -112,7 +115,7 @@ def _references() -> Iterator[str]:
 
 
 class _Keys:
-    """Tables of keys, out of JSON Schema."""
+    """Makes tables of keys from JSON Schema."""
 
     head = ("| key | type | default | what it is |", "|---|---|---|---|")
 
@@ -123,7 +126,7 @@ class _Keys:
         return [*self.head, *self.rows(schema, path, deep)]
 
     def rows(self, schema: Schema, path: str, deep: bool = True) -> Iterator[str]:
-        """A row for each key in what the schema describes, and in that, as deep as it goes."""
+        """Yield a row for each key in what the schema describes, and for the keys inside, at any depth."""
         for kind in self._kinds(schema):
             required = {*kind.get("required", ())}
             for rule in (*kind.get("allOf", ()), kind.get("else", {})):
@@ -145,7 +148,7 @@ class _Keys:
                 yield from self.rows(kind["items"], f"{path}[]")
 
     def _kinds(self, schema: Schema) -> Iterator[Schema]:
-        """What a value may be, pointers followed but for elements and what has a chapter."""
+        """Yield the kinds of values. References are followed, except for elements and keys with a chapter."""
         pointer = schema.get("$ref", "").rpartition("/")[2]
         if pointer:
             if not self._apart(pointer):
@@ -157,7 +160,7 @@ class _Keys:
 
     @staticmethod
     def _apart(pointer: str) -> bool:
-        # Numbers are recognised by their type, and a piece of recipe has the keys of a recipe.
+        # Numbers are known by their type, and a piece of recipe has the same keys as a recipe.
         known = pointer in _CHAPTERS or pointer in ("Piece", "InPlace", "dropped")
         return known or bool(_VALUES.fullmatch(pointer)) or pointer.startswith((*_ELEMENTS, "property"))
 
@@ -221,7 +224,7 @@ def _shown(value: object) -> str:
 
 
 def _elements(section: ElementType) -> Iterator[str]:
-    """A row for each element of a section of MJCF, the section first where it has attributes; each once."""
+    """Yield a row for each element of a section of MJCF, each once; for the section itself if it has attributes."""
     seen: set[str] = set()
     waiting = [section]
     while waiting:
@@ -229,7 +232,7 @@ def _elements(section: ElementType) -> Iterator[str]:
         if kind.path in seen:
             continue
         seen.add(kind.path)
-        # Classes have the attributes of the elements; the children of these are the same in all bodies.
+        # Classes have the attributes of their elements, and bodies have the same children everywhere.
         if section.tag != "default":
             waiting += kind.children.values()
         if not kind.attributes or kind.tag in _SETTINGS:

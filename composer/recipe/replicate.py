@@ -1,4 +1,4 @@
-"""Copies of a part, in rows: `replicate`."""
+"""`replicate`: rows of copies of a part."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _STILL: tuple[Single, ...] = (0, 0, 0)
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """A row of copies; from one to the next it is `offset` further (metres) and turned by `euler`."""
+    """A row of copies. Each is `offset` (metres) from the one before and turned by `euler`."""
 
     count: int
     offset: tuple[Single, ...] = _STILL
@@ -40,7 +40,7 @@ class Axis:
 
 @dataclass(frozen=True, slots=True)
 class Axes(Form):
-    """Marks the field `replicate`: a list of axes, each of which copies what those after it make."""
+    """Form of the field `replicate`: a list of axes, each of which copies what the ones after it make."""
 
     def schema(self) -> Schema:
         kind = GRAMMAR.element("replicate")

@@ -1,4 +1,4 @@
-"""Tables that must have a row for each member of a set: what is missing or too many fails at import."""
+"""Tables that must have a row for each member of a set. A missing or unknown row fails at import."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 
 def check_rows(table: str, rows: Iterable[object], members: Iterable[object]) -> None:
-    """Raise a TypeError where the rows of a table are not exactly the members.
+    """Raise TypeError if the rows of a table are not exactly the members.
 
     >>> check_rows("words", ["set", "scale"], ["set", "scale"])
     >>> check_rows("words", ["set"], ["set", "scale"])

@@ -1,6 +1,6 @@
 """The JSON Schema of recipes, for editors.
 
-`python -m composer.recipe.schema > schemas/recipe.schema.json` writes it anew.
+`python -m composer.recipe.schema > schemas/recipe.schema.json` writes it.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ _ORDER = (
     "additionalProperties required"
 )
 _RANK = {key: rank for rank, key in enumerate(_ORDER.split())} | {"$defs": 1000}
-# Keys of JSON Schema below which the keys are names.
+# Keys of JSON Schema whose mappings have names as keys.
 _NAMES = frozenset({"properties", "patternProperties", "$defs"})
 
 
 def recipe_schema() -> Schema:
-    """The schema of a whole recipe, as JSON Schema 2020-12. The same every time."""
+    """Return the schema of a whole recipe, as JSON Schema 2020-12. It is the same every time."""
     schema = Recipe.model_json_schema()
     definitions: dict[str, Schema] = schema.pop("$defs")
     for model in MODELS:
@@ -48,7 +48,7 @@ def recipe_schema() -> Schema:
     definitions[Attachment.__name__]["allOf"].append({"required": needed})  # as in `element_schema`
     _complete(schema, definitions)
     add_variation(schema, definitions)
-    # No title: editors would set it before every description.
+    # No title: editors would show it before every description.
     head = {"$schema": DIALECT, "description": "A recipe of mjcompose: what a MuJoCo model is made of."}
     whole = {**schema, **head, "$defs": dict(sorted(definitions.items()))}
     for each in _mappings(whole):
@@ -59,12 +59,12 @@ def recipe_schema() -> Schema:
 
 
 def text() -> str:
-    """The schema as the text of its file: short values on one line, so that changes can be read."""
+    """Return the schema as the text of its file. Short values are on one line, so that changes can be read."""
     return _layout(recipe_schema(), "", in_order=True) + "\n"
 
 
 def _complete(schema: Any, definitions: dict[str, Schema]) -> None:
-    """Turn references into `$ref`, and add the definitions that they lead to."""
+    """Replace references by `$ref`, and add the definitions that they lead to."""
     waiting = [schema, *definitions.values()]
     while waiting:
         for each in list(_mappings(waiting.pop())):
@@ -89,7 +89,7 @@ def _mappings(value: Any) -> Iterator[Schema]:
 
 
 def _tidy(schema: Any, properties: bool = False) -> Any:
-    """Without pydantic's titles, and without null, which is not a value in a recipe."""
+    """Return the schema without pydantic's titles, and without null, which is not a value in a recipe."""
     if isinstance(schema, list):
         return [_tidy(each) for each in schema]
     if not isinstance(schema, dict):
@@ -107,14 +107,14 @@ def _tidy(schema: Any, properties: bool = False) -> Any:
 
 
 def _describe(model: type[Model], properties: dict[str, Schema]) -> None:
-    """The text below each field of a model as the description of its key; those that it inherits have theirs."""
+    """Use the text below each field of a model as the description of its key, also for inherited fields."""
     for each in reversed(model.__mro__[: model.__mro__.index(Model)]):
         for field, text in _texts(each):
             properties[model.model_fields[field].alias or field]["description"] = text
 
 
 def _texts(model: type) -> Iterator[tuple[str, str]]:
-    """The fields that a class itself declares, each with the text below it."""
+    """Yield the fields that a class itself declares, each with the text below it."""
     (body,) = ast.parse(textwrap.dedent(inspect.getsource(model))).body
     assert isinstance(body, ast.ClassDef)
     for field, text in zip(body.body, body.body[1:], strict=False):
@@ -128,7 +128,7 @@ def _texts(model: type) -> Iterator[tuple[str, str]]:
 
 
 def _layout(value: Any, indent: str, in_order: bool) -> str:
-    """JSON text. With `in_order` the keys of a mapping are JSON Schema's own and are put in a fixed order."""
+    """Return JSON text. With `in_order`, the keys are JSON Schema's own and are written in a fixed order."""
     compact = json.dumps(value, ensure_ascii=False)
     if isinstance(value, dict) and in_order:
         value = dict(sorted(value.items(), key=lambda item: _RANK.get(item[0], 100)))

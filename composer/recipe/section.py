@@ -1,8 +1,7 @@
-"""How a section of MJCF is read by the grammar, inside of a pydantic model.
+"""How sections of MJCF are read by the grammar inside of a pydantic model.
 
-Each form of section has a class of its own, which is put on a field of the recipe:
-`sensor: Annotated[tuple[Element, ...], Typed("sensor")]`. That is how there are types for 170 elements
-without as many models.
+Each form of section has a class, which annotates a field of the recipe: `sensor: Annotated[tuple[Element, ...],
+Typed("sensor")]`. Therefore 170 kinds of elements have types without 170 models.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ from composer.recipe.shown import kind_of
 
 @dataclass(frozen=True, slots=True)
 class Section(Form):
-    """What all forms of sections share."""
+    """The base class of all forms of sections."""
 
     tag: str
 
@@ -32,14 +31,14 @@ class Section(Form):
 
     @abstractmethod
     def content(self, reader: Reader, value: Any) -> Any:
-        """What the section has; faults go to the reader."""
+        """Return the content of the section. Faults are added to the reader."""
 
     @property
     def kind(self) -> ElementType:
         return GRAMMAR.section(self.tag)
 
     def tags(self, reader: Reader, value: Any) -> list[tuple[ElementType, Any, Path]]:
-        """The entries of a mapping from tag to elements."""
+        """Return the entries of a mapping from tags to elements."""
         if not isinstance(value, dict):
             message = f"`{self.tag}` expects a mapping from tags to elements, got {kind_of(value)}"
             help = (
@@ -60,7 +59,7 @@ class Section(Form):
         return known
 
     def unknown(self, tag: str, at: Path, message: str, key: bool) -> Fault:
-        """The fault of a tag that the section does not have."""
+        """Return the fault of a tag that the section does not have."""
         help, fix = advised(tag, self.kind.children)
         note = exists_note(f"{self.tag} element", self.kind.children, tag)
         return Fault("unknown-element", message, at, key=key, notes=(note,), help=help, fix=fix)
@@ -68,4 +67,7 @@ class Section(Form):
 
 @dataclass(frozen=True, slots=True)
 class Elements(Section):
-    """Sections that give a tuple of `Element`, each of which is appended to the section of the model."""
+    """Base class of sections that are read as a tuple of `Element`.
+
+    Each element is appended to the section of the model.
+    """

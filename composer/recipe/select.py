@@ -1,4 +1,4 @@
-"""Selectors as a recipe writes them: a mapping from a tag to a glob, and what narrows it down."""
+"""Selectors as a recipe writes them: a mapping from a tag to a glob, and the keys that narrow it down."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _EXAMPLE = 'write for instance `{geom: "**/pad*"}`'
 def read_selector(
     value: Any, at: Path, owner: str, faults: list[Fault], beside: tuple[str, ...] = ()
 ) -> Selector | None:
-    """The selector, or None where something in it is wrong; the keys `beside` it are none of it."""
+    """Return the selector, or None after a reported fault. The keys `beside` it do not belong to it."""
     if not isinstance(value, dict):
         message = f"{owner} expects a selector, a mapping from a tag to names, got {kind_of(value)}"
         faults.append(Fault("wrong-type", message, at, help=_EXAMPLE))
@@ -88,12 +88,12 @@ def read_selector(
 
 
 def inside(name: str) -> str | None:
-    """What to write where a key of a selector stands beside it; None for other keys."""
+    """Return what to write if a key of a selector is beside it instead, or None for any other key."""
     return f"write it inside `select`: `select: {{TAG: NAME, {name}: …}}`" if name in NARROWING else None
 
 
 def kinds_of(tag: str) -> tuple[ElementType, ...]:
-    """The element types that a selector's tag means; none where only the model knows."""
+    """Return the element types that a selector's tag means, or none if only the model can tell."""
     return () if tag == XPATH else tuple(GRAMMAR.element(path) for path in sorted(paths_of(tag)))
 
 
@@ -156,7 +156,7 @@ def _where(value: Any, tag: str, at: Path, faults: list[Fault]) -> dict[str, Any
 
 
 def unknown_attribute(name: str, tag: str, kinds: tuple[ElementType, ...], at: Path) -> Fault:
-    """That no element of a tag has such an attribute."""
+    """Return the fault of an attribute that no element with the tag has."""
     known = sorted({each for kind in kinds for each in kind.attributes})
     help, fix = advised(name, known)
     if tag == "general" and name in ("kp", "kv"):
@@ -166,7 +166,7 @@ def unknown_attribute(name: str, tag: str, kinds: tuple[ElementType, ...], at: P
 
 
 def check_template(text: str, at: Path, faults: list[Fault]) -> Template | None:
-    """Report what is wrong with the form of `${…}` in a text."""
+    """Return the parsed text with `${…}`, or None after a reported fault."""
     try:
         return Template.parse(text)
     except ExpressionError as error:

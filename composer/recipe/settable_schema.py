@@ -1,4 +1,7 @@
-"""JSON Schema of the attributes that `edit` changes, by the tag of the selector; of rare tags any may stand there."""
+"""The JSON Schema of the attributes that `edit` can change, by the tag of the selector.
+
+For rare tags, any attribute is accepted.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ from composer.recipe.reference import Schema, definition, reference
 from composer.recipe.verbs.values import MASS
 from composer.tree.selector import paths_of
 
-# Those that are edited; every further one makes the schema longer.
+# The tags that people edit. Each further one makes the schema longer.
 TAGS = (
     "body", "frame", "geom", "site", "joint", "freejoint", "camera", "light", "inertial", "mesh", "material", "texture",
     "hfield", "skin", "exclude", "pair", "actuator", "equality", "tendon", "sensor",
@@ -18,7 +21,7 @@ TAGS = (
 
 @definition("settable")
 def settable(tag: str) -> Schema:
-    """A mapping from the attributes of what a tag means to their values, and from single numbers of them."""
+    """Return the schema of a mapping from the attributes of a tag, and from single numbers of them, to their values."""
     found: dict[str, Schema] = {}
     for name, attributes in attributes_of(tag).items():
         schemas = [attribute_schema(each) for each in attributes]
@@ -29,7 +32,7 @@ def settable(tag: str) -> Schema:
 
 @definition("scalable")
 def scalable(tag: str) -> Schema:
-    """The same of what is a number, with what it is multiplied with or what is added to it."""
+    """Return the schema of a mapping from attributes that are numbers to factors or offsets."""
     found = {
         name: {**reference("amount"), "description": attributes[0].doc}
         for name, attributes in attributes_of(tag).items()
@@ -58,7 +61,7 @@ def _numbered(tag: str, properties: dict[str, Schema], number: Schema) -> Schema
 
 
 def attributes_of(tag: str) -> dict[str, list[Attribute]]:
-    """The attributes of all elements that a tag means, but for names, which `rename` is for."""
+    """Return the attributes of all elements that a tag means, except for names, which `rename` changes."""
     found: dict[str, list[Attribute]] = {}
     for path in sorted(paths_of(tag)):
         for each in GRAMMAR.element(path).attributes.values():
@@ -69,7 +72,7 @@ def attributes_of(tag: str) -> dict[str, list[Attribute]]:
 
 @definition("amount")
 def amount(_: str) -> Schema:
-    """A number, one of several, or what is computed of `${value}`."""
+    """Return the schema of a number, a list of them, or an expression of `${value}`."""
     return {
         "type": ["number", "string", "array"],
         "pattern": TEMPLATE_PATTERN,

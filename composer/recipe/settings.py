@@ -1,4 +1,4 @@
-"""What the top of a recipe says about everything below it."""
+"""Settings at the top of a recipe that affect everything below."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ DEFAULT_SEPARATOR = "/"
 class Settings:
     """The context of a validation.
 
-    `bare_angles`: angles without a unit may stand. `separator`: between a prefix and a name.
+    With `bare_angles`, angles without a unit are allowed. `separator` is between a prefix and a name.
     """
 
     bare_angles: bool = True
@@ -23,7 +23,7 @@ class Settings:
 
     @classmethod
     def of(cls, data: object) -> Settings:
-        """The settings that the top-level keys of a recipe make; one that is wrong or misspelt counts as given."""
+        """Return the settings of the top-level keys of a recipe. One that is wrong or misspelled counts as given."""
         if not isinstance(data, Mapping):
             return cls()
         separator = data.get("separator", DEFAULT_SEPARATOR)
@@ -32,5 +32,5 @@ class Settings:
 
 
 def settings(context: Any) -> Settings:
-    """The settings in a pydantic context; without any, what is lenient."""
+    """Return the settings in a pydantic context, or lenient ones if there are none."""
     return context if isinstance(context, Settings) else Settings()

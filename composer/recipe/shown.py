@@ -1,4 +1,4 @@
-"""Values as messages show them."""
+"""Values in messages."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from composer.grammar.format import number_text
 
 
 def shown(value: object) -> str:
-    """A value as YAML has it on one line.
+    """Return a value as YAML on one line.
 
     >>> shown([0, "90deg", 1.5])
     '[0, 90deg, 1.5]'
@@ -19,7 +19,7 @@ def shown(value: object) -> str:
 
 
 def kind_of(value: object) -> str:
-    """What kind of value it is, with the value where it is short: `text `abc``, `a list`."""
+    """Return the kind of a value, with the value itself if it is short: `text `abc``, `a list`."""
     if isinstance(value, dict):
         return "a mapping"
     if isinstance(value, list | tuple):

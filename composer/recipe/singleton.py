@@ -16,9 +16,9 @@ from composer.recipe.section import Section
 
 @dataclass(frozen=True, slots=True)
 class Singleton(Section):
-    """A section of which a model has one, as a mapping of its attributes and children: `option`, `visual`.
+    """Form of such a section: a mapping of its attributes and children.
 
-    Gives an `Element`. With `settable`, only those keys may be written.
+    It is read as an `Element`. With `settable`, only those keys are allowed.
     """
 
     settable: frozenset[str] = frozenset()

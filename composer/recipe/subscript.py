@@ -1,4 +1,4 @@
-"""Attributes with a subscript: `friction[0]` is the first number of `friction`."""
+"""Attributes with an index: `friction[0]` is the first number of `friction`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ _SUBSCRIPT = re.compile(r"([^\[\]]+)\[([0-9]{1,4})\]")
 
 
 def attribute_and_index(name: str) -> tuple[str, int | None]:
-    """The attribute that a key names, and which of its numbers; None for all of them.
+    """Return the attribute that a key names, and the index of one of its numbers, or None for all of them.
 
     >>> attribute_and_index("friction[0]"), attribute_and_index("pos")
     (('friction', 0), ('pos', None))

@@ -1,4 +1,4 @@
-"""The path of a tendon: its steps in order, where MJCF has children of several tags."""
+"""The path of a tendon: its steps in order. In MJCF they are children with several tags."""
 
 from __future__ import annotations
 
@@ -13,13 +13,15 @@ from composer.recipe.shown import kind_of
 from composer.recipe.value import read_value
 
 PATH = "path"
-# The key that says which element a step is, by tag, and the attribute that it holds.
+# By tag, the key that decides which element a step is, and the attribute that the key gives.
 MARKS: dict[str, str] = {"site": "site", "geom": "geom", "pulley": "divisor", "joint": "joint"}
 
 
 def read_path(reader: Reader, kind: ElementType, value: Any, at: Path, owner: str) -> tuple[Element, ...]:
-    """The steps of a tendon: `[{site: a}, {geom: g, sidesite: s}, {pulley: 2}, {site: b}]`, or
-    `[{joint: j, coef: 1}]` for a fixed one. `{divisor: 2}` is a pulley too.
+    """Return the steps of a tendon.
+
+    They are written as `[{site: a}, {geom: g, sidesite: s}, {pulley: 2}, {site: b}]`, or for a fixed tendon as
+    `[{joint: j, coef: 1}]`. `{divisor: 2}` is a pulley too.
     """
     if not isinstance(value, list):
         message = f"`{PATH}` of {owner} expects a list of steps, got {kind_of(value)}"
@@ -68,7 +70,7 @@ def _step(reader: Reader, kind: ElementType, value: Any, at: Path, owner: str) -
 def _short(
     reader: Reader, step: ElementType, tag: str, value: dict[str, Any], at: Path, owner: str
 ) -> Element | None:
-    """A step whose tag holds its one attribute: `{pulley: 2}` is a pulley with `divisor` 2."""
+    """Return a step such as `{pulley: 2}`, in which a tag has the value of its only attribute, or None."""
     for name in value:
         if name != tag:
             reader.faults.append(reader.unknown(step, name, value[name], (*at, name), owner, (), value))

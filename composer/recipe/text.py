@@ -1,4 +1,4 @@
-"""Text of a recipe: free text, and keywords of the language's own keys."""
+"""Text in a recipe: free text, and the keywords of the language's own keys."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from composer.recipe.reference import Schema
 from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of, shown
 
-# What no XML file can hold, not even escaped.
+# Characters that no XML file can contain, not even escaped.
 _UNPRINTABLE = frozenset(
     map(chr, (*range(9), 11, 12, *range(14, 32), 0xFFFE, 0xFFFF, *range(0xD800, 0xE000)))
 )
 
 
 def is_unprintable(text: str) -> bool:
-    """Whether a text has a character that XML cannot hold."""
+    """Return whether a text has a character that XML cannot contain."""
     return not _UNPRINTABLE.isdisjoint(text)
 
 
 def unprintable(subject: str, at: Path, *, key: bool = False, name: bool = True) -> Fault:
-    """The fault of a text with such a character."""
+    """Return the fault of a text with such a character."""
     return Fault(
         "bad-name" if name else "wrong-type", f"{subject} has a character that XML cannot hold", at, key
     )
@@ -36,9 +36,9 @@ def unprintable(subject: str, at: Path, *, key: bool = False, name: bool = True)
 
 @dataclass(frozen=True, slots=True)
 class Text(Form):
-    """Marks a field as text of at least one character; `key` is its name in messages.
+    """Form of a text of at least one character. `key` is its name in messages.
 
-    `check` may find more that is wrong.
+    `check` may find further faults.
     """
 
     key: str
@@ -66,8 +66,9 @@ class Text(Form):
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Marks a field with a `Literal` of keywords; `key` is its name in messages. Where it is `chosen`, editors take a
-    `${…}` for it as well.
+    """Form of a `Literal` of keywords. `key` is its name in messages.
+
+    If it is `chosen`, it may also be a `${…}`, for editors too.
     """
 
     key: str
@@ -81,7 +82,7 @@ class Choice:
                 return value
             raise refusal([self.fault(value, words)], value)
 
-        # The inner schema is for the JSON Schema alone.
+        # The inner schema is only used for the JSON Schema.
         return core_schema.no_info_wrap_validator_function(read, core_schema.literal_schema(list(words)))
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
@@ -104,7 +105,7 @@ class Choice:
 
 
 def _words(source: Any) -> tuple[str, ...]:
-    """The keywords of `Literal[…]`, or of `Literal[…] | None`."""
+    """Return the keywords of `Literal[…]`, or of `Literal[…] | None`."""
     return tuple(
         word for each in get_args(source) for word in ([each] if isinstance(each, str) else get_args(each))
     )

@@ -24,9 +24,9 @@ TYPE = "type"
 
 @dataclass(frozen=True, slots=True)
 class Typed(Elements):
-    """A mapping from names to elements whose `type` is their tag: `sensor`, `actuator`, `equality`, `tendon`.
+    """Form of a mapping from names to elements whose `type` is their tag: `sensor`, `actuator`, `equality`, `tendon`.
 
-    Gives a tuple of `Element`, each with its name as an attribute. The steps of a tendon's `path` are its
+    It is read as a tuple of `Element`, each with its name as an attribute. The steps of a tendon's `path` are its
     children.
     """
 
@@ -112,7 +112,7 @@ class Typed(Elements):
 
 @definition("typed")
 def _definition_of_typed(tag: str) -> Schema:
-    """An element whose `type` says which one it is."""
+    """Return the schema of an element whose `type` says what it is."""
     kinds = GRAMMAR.section(tag).children.values()
     variants: list[Schema] = [
         {
@@ -130,7 +130,7 @@ def _definition_of_typed(tag: str) -> Schema:
 
 
 def _types(tag: str, kinds: Iterable[ElementType]) -> Schema:
-    """The key `type`, each of whose values is explained."""
+    """Return the schema of the key `type`, with an explanation for each value."""
     return {
         "enum": [kind.tag for kind in kinds],
         "markdownEnumDescriptions": [kind.doc for kind in kinds],
@@ -156,7 +156,7 @@ def _definition_of_variant(path: str) -> Schema:
 
 @definition("step")
 def _definition_of_step(path: str) -> Schema:
-    """A step of a tendon's path; its keys say which element it is."""
+    """Return the schema of a step of a tendon's path, whose keys say which element it is."""
     kind = GRAMMAR.element(path)
     properties: dict[str, Schema] = {FRAGMENT: reference("fragment")}
     schema: Schema = {"required": [next(iter(kind.children))]}

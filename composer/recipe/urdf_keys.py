@@ -1,4 +1,4 @@
-"""`urdf`: how a URDF is read, beside the model that it is."""
+"""`urdf`: how a URDF file is read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A model that a recipe uses, as its base or as a part."""
+"""A model that a recipe uses as its base or as a part."""
 
 from __future__ import annotations
 

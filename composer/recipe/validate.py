@@ -1,4 +1,4 @@
-"""From a located tree to a `Recipe`, with every fault as a diagnostic."""
+"""Validate a located tree: a `Recipe`, and every fault as a diagnostic."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ _SEVERAL = 4
 
 
 def validate(node: Node, sink: Sink) -> Recipe | None:
-    """The recipe of a located tree, or None where there are errors; all of them go to the sink.
+    """Return the recipe of a located tree, or None after reported errors.
 
-    Names, files and model references are not looked up. No I/O.
+    Names, files and model references are not looked up. It does no I/O.
     """
     if not isinstance(node, Mapping):
         _no_mapping(node, sink)
@@ -40,9 +40,9 @@ def validate(node: Node, sink: Sink) -> Recipe | None:
 
 
 def validate_what_remains(node: Node, sink: Sink, gone: Container[Path] = ()) -> Remains | None:
-    """The same, but without what has faults in it, where that can be done without.
+    """Return the recipe without the pieces that have faults, or None if too little would remain.
 
-    `gone` are the paths of keys whose values are wrong, which is reported already: that they are missing is not.
+    `gone` are the paths of keys whose values have faults that are already reported. These keys do not count as missing.
     """
     if not isinstance(node, Mapping):
         _no_mapping(node, sink)
@@ -55,7 +55,7 @@ def validate_what_remains(node: Node, sink: Sink, gone: Container[Path] = ()) ->
 
 
 def judge(node: Mapping) -> tuple[Recipe | None, list[Fault]]:
-    """The recipe of a located tree, or None and everything that is wrong with it."""
+    """Return the recipe of a located tree, or None and all of its faults."""
     early: list[Fault] = []
     data = raw(node, early)
     recipe: Recipe | None = None
@@ -85,7 +85,10 @@ def _no_mapping(node: Node, sink: Sink) -> None:
 
 
 def _one_each(early: list[Fault], found: list[Fault]) -> Iterable[Fault]:
-    """What is reported: of a place with a fault of its own, not also that its value is none that was expected."""
+    """Yield the faults to report.
+
+    If a place has a fault of its own, then that its value is not an expected one is left out.
+    """
     unknown = {fault.at for fault in found if fault.key}
     kept = [fault for fault in early if not any(fault.at[:n] in unknown for n in range(1, len(fault.at) + 1))]
     settled = {fault.at for fault in kept}
@@ -94,7 +97,7 @@ def _one_each(early: list[Fault], found: list[Fault]) -> Iterable[Fault]:
 
 
 def _without_misspelt(faults: list[Fault]) -> Iterator[Fault]:
-    """A key with a typing error is a key too many and a key too few: here it is one fault."""
+    """Return the faults without those that a misspelled key causes twice, as an unknown and as a missing key."""
     lacking = {(_mapping_of(fault), fault.lacks): fault for fault in faults if fault.lacks is not None}
     keys_of: dict[Path, list[str]] = {}
     for at, key in lacking:
@@ -112,12 +115,12 @@ def _without_misspelt(faults: list[Fault]) -> Iterator[Fault]:
 
 
 def _mapping_of(fault: Fault) -> Path:
-    """The mapping that lacks a key."""
+    """Return the mapping that lacks a key."""
     return fault.at[:-1] if fault.beside else fault.at
 
 
 def _without_strangers(faults: list[Fault]) -> Iterator[Fault]:
-    """Several keys that a mapping cannot have say one thing: it is of another kind, or stands in a wrong place."""
+    """Yield the faults, with one instead of several for a mapping that is of another kind or in a wrong place."""
     strangers: dict[Path, list[Fault]] = {}
     for fault in faults:
         if fault.code in _UNKNOWN and fault.key and len(fault.at) > 1:

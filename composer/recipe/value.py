@@ -1,4 +1,4 @@
-"""The value of one attribute: checked against the grammar, angles with units read."""
+"""The value of one attribute, checked against the grammar."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from composer.recipe.text import is_unprintable, unprintable
 
 
 def read_value(attribute: Attribute, value: Any, at: Path, owner: str, faults: list[Fault]) -> Value | None:
-    """The value as it is kept (lists become tuples), or None where there was a fault.
+    """Return the value with lists as tuples, or None after a reported fault.
 
-    `owner` is what the attribute belongs to, as messages call it. An `Angle` may stand on any real number.
+    `owner` is the element of the attribute in messages. An `Angle` is allowed for any real number.
     """
     subject = f"`{attribute.name}` of {owner}"
     if isinstance(value, dict):
@@ -43,7 +43,7 @@ def _read_list(
     items: list[Any] = [_angle(attribute, item) for item in value]
     several = attribute.is_number and attribute.max_length != 1
     if several:
-        # Each number on its own, so that a fault points at it and not at the whole list.
+        # Each number is checked alone, so that a fault points at the number and not at the whole list.
         before = len(faults)
         for index, item in enumerate(items):
             number = item.value if isinstance(item, Angle) else item
@@ -69,7 +69,7 @@ def _angle(attribute: Attribute, value: Any) -> Any:
 
 
 def _code(attribute: Attribute, value: object) -> str:
-    """The code for a single value that the grammar refused."""
+    """Return the error code for a single value that the grammar refused."""
     if attribute.is_number:
         return "wrong-length" if isinstance(value, Angle) else _number_code(attribute, value)
     if attribute.type in ("keyword", "keywords") and isinstance(value, str | bool | int):
@@ -86,7 +86,7 @@ def _number_code(attribute: Attribute, value: object) -> str:
 
 
 def _list_code(attribute: Attribute, items: list[Any]) -> str:
-    """The code for a list, other than one of numbers, that the grammar refused."""
+    """Return the error code for a list that the grammar refused, for another reason than a single number."""
     if attribute.type == "keywords" and items and all(isinstance(item, str | bool | int) for item in items):
         return "wrong-keyword"
     return "wrong-length" if attribute.separated and not items else "wrong-type"
@@ -106,7 +106,7 @@ def _item_fault(attribute: Attribute, item: object, at: Path, subject: str) -> F
 
 
 def _fault(attribute: Attribute, value: Any, answer: Refusal, code: str, at: Path, subject: str) -> Fault:
-    """The grammar's answer as a fault."""
+    """Return the grammar's answer as a fault."""
     advice = None if answer.advice else instead(attribute, value)
     help = answer.advice if advice is None else advice.help
     notes: tuple[Note, ...] = ()

@@ -1,4 +1,4 @@
-"""JSON Schema of what is settled before a recipe is validated: parameters, variants, conditions and their like."""
+"""The JSON Schema of what is applied before a recipe is validated: parameters, variants, conditions and the like."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _CELL: Schema = {"type": "object", "additionalProperties": _VALUE}
 
 
 def _described(keys: Mapping[str, str], schemas: Mapping[str, Schema]) -> dict[str, Schema]:
-    """The schemas of keys, with what each means."""
+    """Return the schemas of keys with their descriptions."""
     check_rows("the JSON Schema of keys in composer/recipe/variation_schema.py", schemas, keys)
     return {name: {**schemas[name], "description": about} for name, about in keys.items()}
 
@@ -62,7 +62,7 @@ _MATRIX: Schema = {
     "additionalProperties": False,
     "description": "The combinations that `build --all` builds.",
 }
-# What a file that extends another says for itself.
+# What a file that extends another one writes for itself.
 _OWN = ("recipe", "extends", "trust")
 _HEAD: dict[str, Schema] = {
     "extends": {"type": "string", "minLength": 1, "description": "Another recipe, over which this file is merged."},
@@ -107,7 +107,7 @@ _WITH_WHEN = ("Attachment", "addition", "class", "element.contact.pair", "elemen
 
 
 def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
-    """Write these keys into the schema of a recipe, and the definition of a piece of recipe."""
+    """Add these keys to the schema of a recipe, and the definition of a piece of recipe."""
     properties = schema["properties"]
     properties.update({name: dict(_HEAD[name]) for name in SETTLED})
     for name, definition in definitions.items():
@@ -135,7 +135,10 @@ def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
 
 
 def _demand_less_of_what_extends(schema: Schema, pieces: Schema) -> None:
-    """A file that extends another is a piece of recipe too, with the keys that a whole one alone has."""
+    """Require less of a file that extends another.
+
+    It is a piece of recipe too, with the keys that only a whole one has.
+    """
     whole = {name: schema.pop(name) for name in ("properties", "additionalProperties")}
     schema["if"] = {"required": ["extends"]}
     schema["then"] = {**whole, "properties": {**pieces, **{name: whole["properties"][name] for name in _OWN}}}
@@ -143,7 +146,7 @@ def _demand_less_of_what_extends(schema: Schema, pieces: Schema) -> None:
 
 
 def _into(schema: Any, key: str, value: Schema) -> None:
-    """Put a property into every mapping with fixed keys that the schema describes at its top."""
+    """Add a property to every mapping with fixed keys at the top of a schema."""
     if isinstance(schema.get("properties"), dict) and "additionalProperties" in schema:
         schema["properties"][key] = dict(value)
     for combined in ("anyOf", "oneOf", "allOf"):

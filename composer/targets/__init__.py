@@ -1,1 +1,1 @@
-"""What a model is written as for the programs that read it: `build --target NAME`."""
+"""Targets: models as other programs read them, for `build --target NAME`."""

@@ -1,4 +1,4 @@
-"""Stage: the bundle of a verified model as another program reads it."""
+"""Stage: make the bundle for a target from the bundle of a verified model."""
 
 from __future__ import annotations
 
@@ -35,10 +35,11 @@ CANNOT, LOSS, FAILED = "target-cannot", "target-loss", "target-failed"
 def aimed(
     bundle: Bundle, target: str, model: Unit, at: Span, context: Context, session: Session
 ) -> Bundle | None:
-    """The bundle that `target` reads instead of a bundle that MuJoCo has verified; faults and losses go to the sink.
+    """Return the bundle that `target` reads, made from a bundle that MuJoCo has verified.
 
-    `model` is the composed model, in which elements have their places; `at` is the place of what is of no element. None
-    where the target cannot express the model, or MuJoCo does not read the plain text as the same model.
+    Errors and losses go to the context's sink. `model` is the composed model, which knows where elements are
+    written; `at` is the place of losses that belong to no element. The result is None if the target cannot express
+    the model, or if MuJoCo reads the plain text as another model.
     """
     if DRAWS in bundle.files or WORLDS in bundle.files:
         message = f"`{target}` has no room for a table of draws"
@@ -92,7 +93,7 @@ def _files(folder: Path) -> dict[str, bytes]:
 def _bundle(
     bundle: Bundle, target: str, found: Mapping[str, Any], made: Mapping[str, bytes], losses: Sequence[Loss]
 ) -> Bundle:
-    """The files with the licences and the manifest of the model that they are made of."""
+    """Return the files, with the licences and the manifest of the model from which they are made."""
     licences = {path: text for path, text in bundle.files.items() if path.startswith(f"{LICENCES}/")}
     aimed = Bundle({**made, **licences}, found["model"])
     manifest = from_json(bundle.files[MANIFEST])
@@ -122,14 +123,14 @@ def _bundle(
 
 @dataclass(slots=True)
 class _Places:
-    """Where the elements of a compiled model are written."""
+    """Finds where the elements of a compiled model are written."""
 
     model: Unit
     names: Mapping[str, Sequence[str]]
     _order: Mapping[str, Sequence[Node | None]] = field(default_factory=dict)
 
     def span(self, loss: Loss) -> Span | None:
-        """None for what MuJoCo has multiplied."""
+        """Return the place of the element, or None for a copy that MuJoCo has made."""
         node = self._node(loss) if loss.kind else None
         return None if node is None else self.model.origins.span(node, self.model.file)
 

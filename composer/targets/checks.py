@@ -1,4 +1,4 @@
-"""The checks that are about other programs: whether they have what a model needs, and whether they read it."""
+"""Checks about other programs: whether they support everything in a model, and whether they read it correctly."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _THE_SAME = (Outcome.KEPT, Outcome.WRITTEN)
 
 @dataclass(frozen=True, slots=True)
 class Work:
-    """A bundle that MuJoCo has compiled; the session keeps the model of it as `whole`."""
+    """A bundle that MuJoCo has compiled. The session keeps its model under the name `whole`."""
 
     bundle: Bundle
     whole: str
@@ -46,7 +46,7 @@ Found = tuple[Sequence[Fault], dict[str, Any]]
 
 
 def runs_on(work: Work, asked: dict[str, Any]) -> Found:
-    """A finding for each simulator that lacks something."""
+    """Return a finding for each simulator that does not support something in the model."""
     found: list[Fault] = []
     values: dict[str, Any] = {}
     for at, name in enumerate(asked["simulators"]):
@@ -63,7 +63,7 @@ def runs_on(work: Work, asked: dict[str, Any]) -> Found:
 
 
 def _stays(target: str, loss: Loss) -> bool:
-    """Whether the model is the same, written in another way."""
+    """Return whether the outcome of a loss is the same model, written in another way."""
     return any(
         limit.feature == loss.feature and limit.outcome in _THE_SAME for limit in TARGETS[target].limits
     )
@@ -80,7 +80,7 @@ def _lacking(name: str, lacked: Sequence[Loss], at: int) -> Fault:
 
 
 def loads(work: Work, asked: dict[str, Any]) -> Found:
-    """A finding for each program that does not read the model, or reads another one."""
+    """Return a finding for each program that cannot read the model, or reads it as another one."""
     found: list[Fault] = []
     values: dict[str, Any] = {}
     poses = engine.call(work.session, poses_of, [work.whole], _POSES)
@@ -139,7 +139,10 @@ def _facts(
 
 
 def placed(folder: Path, model: str) -> Path:
-    """The file of a model where its program finds what it names: a ROS package in a folder of its name."""
+    """Return the path of a model after its folder is moved to where the program looks for it.
+
+    A ROS package must be in a folder with the name of the package.
+    """
     about = folder / "package.xml"
     if about.is_file():
         named = str(etree.parse(about, etree.XMLParser(resolve_entities=False)).findtext("name"))
@@ -155,7 +158,7 @@ class _Written:
 
 
 def _written(work: Work, target: str, folder: Path) -> _Written | str:
-    """What is written for a target, or what went wrong."""
+    """Return what is written for a target, or an error message."""
     source, out = folder / "in", folder / "out"
     source.mkdir()
     out.mkdir()

@@ -1,4 +1,4 @@
-"""A model while it is made into what a target reads. Only in MuJoCo's child process."""
+"""A model while it is rewritten for a target. Only in MuJoCo's child process."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from composer.targets.loss import Loss
 
 @dataclass(slots=True)
 class Draft:
-    """The plain text of a model and its files, with the compiled model that it is of.
+    """The plain text of a model with its files, and the compiled model itself.
 
-    `elements` has the elements of the text by kind, in the order of the compiled model; `files` what the text names,
-    by path. Limits of a target change `root` and say so in `losses`.
+    `elements` has the elements of the text by kind, in the order of the compiled model. `files` has the content of
+    the files that the text names, by path. The limits of a target change `root` and record in `losses` what is
+    lost.
     """
 
     mujoco: Any
@@ -37,13 +38,13 @@ class Draft:
     def lose(
         self, feature: str, node: Node, message: str, *, refused: bool = False, help: str | None = None
     ) -> None:
-        """Note what the target cannot express."""
+        """Record that the target cannot express something about an element."""
         kind, number = self._rows.get(node, ("", -1))
         tag, name = str(node.tag), str(node.get("name") or "")
         self.losses.append(Loss(feature, kind, number, tag, name, message, refused, help))
 
     def remove(self, node: Node) -> None:
-        """Take an element away, and its section with the last one."""
+        """Remove an element, and its section if it becomes empty."""
         holder = node.getparent()
         if holder is not None:
             holder.remove(node)
@@ -51,7 +52,7 @@ class Draft:
                 self.remove(holder)
 
     def of(self, kind: str) -> Iterator[tuple[int, Node]]:
-        """The elements of a kind that the text still has, with their numbers in the compiled model."""
+        """Yield the elements of a kind that are still in the text, with their numbers in the compiled model."""
         for number, node in enumerate(self.elements[kind]):
             if any(above is self.root for above in node.iterancestors()):
                 yield number, node

@@ -1,4 +1,4 @@
-"""A bundle for a target, made in MuJoCo's child process."""
+"""Write a bundle for a target, in MuJoCo's child process."""
 
 from __future__ import annotations
 
@@ -16,10 +16,11 @@ MJCF = ".xml"
 
 
 def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
-    """For `composer.engine.call`: reads `model`, writes what the target `name` reads into the folder `out`.
+    """Write what the target `name` reads of the file `model` into the folder `out`.
 
-    Gives what is lost, how the plain text differs from the model (nothing, or no file is written), the names of the
-    elements by kind, and the index of what was written where MuJoCo reads it.
+    It is called by `composer.engine.call`. It returns the losses, the differences between the plain text and the
+    model (with any, no file is written), the names of the elements by kind, and, if MuJoCo can read what was
+    written, its index.
     """
     model, out = Path(argument["model"]), Path(argument["out"])
     try:

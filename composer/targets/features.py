@@ -1,4 +1,4 @@
-"""The features of models that some target lacks: the rows of the table in `docs/targets.md`."""
+"""The features that some target does not support: the rows of the table in `docs/targets.md`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether what a consumer reads is the model: masses, inertia, poses, limits. Runs in MuJoCo's child process."""
+"""Compare what a consumer reads with the model: masses, inertia, poses, limits. Runs in MuJoCo's child process."""
 
 from __future__ import annotations
 
@@ -11,17 +11,24 @@ HINGE, SLIDE, FREE = 3, 2, 0
 
 
 def poses_of(_mujoco: object, model: Any, count: int) -> list[dict[str, Any]]:
-    """For `composer.engine.call`: so many random configurations."""
+    """Return `count` random configurations. It is called by `composer.engine.call`."""
     return poses(model, count)
 
 
 def judged(mujoco: Any, model: Any, question: dict[str, Any]) -> list[str]:
-    """For `composer.engine.call`: what is another in the `facts` at the `poses`, in words."""
+    """Return the differences between the `facts` and the model at the `poses`, in words.
+
+    It is called by `composer.engine.call`.
+    """
     return list(faults(mujoco, model, question["facts"], question["poses"], question["single"]))
 
 
 def poses(model: Any, count: int = 50, seed: int = 1) -> list[dict[str, Any]]:
-    """Random configurations by names: joints within their limits, free bodies anywhere."""
+    """Return random configurations: joint positions in their limits (rad, m), and poses of free bodies.
+
+    Each has `joints`, a list of numbers by joint name, and `free`, a position (m) and a quaternion (w, x, y, z) by
+    body name.
+    """
     draw = np.random.default_rng(seed)
     found: list[dict[str, Any]] = []
     for _ in range(count):
@@ -44,7 +51,10 @@ def poses(model: Any, count: int = 50, seed: int = 1) -> list[dict[str, Any]]:
 def faults(
     mujoco: Any, model: Any, facts: dict[str, Any], at: list[dict[str, Any]], single: bool
 ) -> Iterator[str]:
-    """What is another than in MuJoCo; `single` for a consumer that computes in single precision."""
+    """Yield the differences between what a consumer read and the model.
+
+    `single` allows for a consumer that computes in single precision.
+    """
     tolerance = 1e-4 if single else 1e-9
     yield from _masses(mujoco, model, facts, 2e-6 if single else 1e-9)
     yield from _limits(model, facts, 1e-5 if single else 1e-9)
@@ -80,7 +90,10 @@ def _masses(mujoco: Any, model: Any, facts: dict[str, Any], tolerance: float) ->
 
 
 def _composite(mujoco: Any, model: Any, body: int, parts: list[int]) -> tuple[float, Any, Any]:
-    """Mass, centre and inertia about it of a body with what is fixed to it, in its frame."""
+    """Return mass (kg), centre (m) and inertia about the centre (kg·m²) of a body and everything fixed to it.
+
+    Centre and inertia are in the frame of the body. Their shapes are (3,) and (3, 3).
+    """
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     frame, origin = data.xmat[body].reshape(3, 3), data.xpos[body]
@@ -117,7 +130,7 @@ def _limits(model: Any, facts: dict[str, Any], tolerance: float) -> Iterator[str
 
 
 def _actuators(model: Any, facts: dict[str, Any]) -> Iterator[str]:
-    """Those that a consumer has act on the joint that they act on, with the same greatest force."""
+    """Yield actuators that act on another joint than in the model, or with another greatest force."""
     for name, read in facts["actuators"].items():
         actuator = model.actuator(name)
         joint = model.joint(int(actuator.trnid[0])).name

@@ -1,4 +1,4 @@
-"""What a target cannot express, and what is done about it."""
+"""What a target cannot express, and what happens to it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from composer.targets.draft import Draft
 
 
 class Outcome(StrEnum):
-    """What becomes of a feature."""
+    """What happens to a feature."""
 
     KEPT = "written"
     WRITTEN = "written otherwise"
@@ -22,7 +22,7 @@ class Outcome(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """A feature that a target lacks: `apply` changes the draft and notes what is lost."""
+    """A feature that a target does not support. `apply` changes the draft and records what is lost."""
 
     feature: str
     outcome: Outcome

@@ -1,4 +1,4 @@
-"""Something that a target cannot express."""
+"""The loss of something that a target cannot express."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Loss:
-    """What is done about an element that a target cannot express, as data.
+    """An element that a target cannot express, and what happens to it.
 
-    `feature` is a row of the table of features; `kind` and `number` say which element of the compiled model it is,
-    `tag` and `name` what it is called. With `refused` no model is written.
+    `feature` is a row of the table of features. `kind` and `number` identify the element in the compiled model,
+    `tag` and `name` are for messages. If it is `refused`, no model is written.
     """
 
     feature: str

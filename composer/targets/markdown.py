@@ -1,4 +1,4 @@
-"""The table of features and targets in `docs/targets.md`; run as a program, it writes it there."""
+"""The table of features and targets in `docs/targets.md`. As a program, this module writes it there."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _TABLE = re.compile(r"(?<=<!-- features -->\n).*?(?=<!-- end of features -->)", 
 
 
 def table() -> str:
-    """A row for each feature that some target lacks."""
+    """Return the table, with a row for each feature that some target does not support."""
     lines = [f"| feature | {' | '.join(TARGETS)} |", f"|---|{'---|' * len(TARGETS)}"]
     outcomes = {
         name: {limit.feature: limit.outcome for limit in target.limits} for name, target in TARGETS.items()
@@ -27,7 +27,7 @@ def table() -> str:
 
 
 def with_table(page: str) -> str:
-    """The text of the page with the table as it is now."""
+    """Return the text of the page with the current table."""
     return _TABLE.sub(lambda _: table(), page)
 
 

@@ -1,4 +1,4 @@
-"""Writes a draft as MJCF."""
+"""Write a draft as MJCF."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from composer.tree.write import write
 
 
 def write_mjcf(draft: Draft) -> dict[str, bytes]:
-    """The text and the files that it names."""
+    """Return the text and the files that it names, by path."""
     etree.indent(draft.root)
     named = {name for _, _, name in file_attributes(draft.root)}
     files = {path: content for path, content in draft.files.items() if path in named}

@@ -1,4 +1,4 @@
-"""The names of the targets, for the command line; `table.py` says what each of them is."""
+"""The names of the targets, for the command line. `table.py` has the targets themselves."""
 
 from __future__ import annotations
 

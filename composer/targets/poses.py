@@ -1,4 +1,4 @@
-"""Poses: positions in metres with rotations."""
+"""Poses: positions in metres with rotation matrices."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Pose = tuple[Any, Any]
 
 
 def pose(pos: Any, quat: Any = (1.0, 0.0, 0.0, 0.0)) -> Pose:
-    """Of a position and a quaternion w x y z."""
+    """Return the pose with a position (m) and a quaternion (w, x, y, z), which is normalised."""
     w, x, y, z = (float(each) for each in np.asarray(quat) / np.linalg.norm(quat))
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -23,7 +23,7 @@ def pose(pos: Any, quat: Any = (1.0, 0.0, 0.0, 0.0)) -> Pose:
 
 
 def about(axis: Any, angle: float) -> Pose:
-    """A turn about an axis through the origin, in radians."""
+    """Return the rotation by an angle (rad) about an axis through the origin."""
     half = angle / 2
     return pose((0, 0, 0), (math.cos(half), *(math.sin(half) * np.asarray(axis))))
 
@@ -33,7 +33,7 @@ def shifted(by: Any) -> Pose:
 
 
 def joined(*poses: Pose) -> Pose:
-    """The first pose, in its frame the second, and so on."""
+    """Return the product of poses: each one is in the frame of the one before it."""
     at, turned = shifted((0, 0, 0))
     for pos, rotation in poses:
         at, turned = at + turned @ pos, turned @ rotation
@@ -41,12 +41,12 @@ def joined(*poses: Pose) -> Pose:
 
 
 def back(of: Pose) -> Pose:
-    """The pose that undoes one."""
+    """Return the inverse of a pose."""
     return -(of[1].T @ of[0]), of[1].T
 
 
 def quat(turned: Any) -> Any:
-    """The quaternion w x y z of a rotation, shape (4,).
+    """Return the quaternion (w, x, y, z) of a rotation matrix, shape (4,).
 
     >>> [round(float(each), 6) for each in quat(about((0, 0, 1), 1.0)[1])]
     [0.877583, 0.0, 0.0, 0.479426]

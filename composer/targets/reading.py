@@ -1,4 +1,4 @@
-"""A model read back in another program, in an environment that has it."""
+"""Read a model back in another program, in an environment that has it."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ _LAST_WORDS = 400
 class Reader:
     """A program that reads models back.
 
-    `program` is the file in `readers/` and the folder of its environment, `module` what Python imports of it, and
-    `packages` what pip installs. One that computes in `single` precision agrees less closely.
+    `program` is both the file in `readers/` and the folder of its environment. `module` is what Python imports, and
+    `packages` are what pip installs. A program that computes in `single` precision gets a larger tolerance.
     """
 
     target: str
@@ -58,7 +58,7 @@ check_rows("the targets that they read", [name for name in TARGETS if name in RE
 
 
 def interpreter(reader: Reader, environment: Mapping[str, str]) -> str | None:
-    """The Python that has a program: that of its environment, or the one that runs this; None where none has it."""
+    """Return the Python that can import a program: that of its environment, or the current one; None without either."""
     folder = environment.get(CONSUMERS)
     named = Path(folder, reader.program, _INTERPRETER) if folder else None
     for python in (named, Path(sys.executable)):
@@ -73,9 +73,10 @@ def _has(python: str, module: str) -> bool:
 
 
 def read_back(reader: Reader, python: str, model: Path, poses: list[dict[str, Any]]) -> dict[str, Any] | str:
-    """The facts of a model as the program reads it, or what went wrong; files are written beside the model's folder.
+    """Return the facts of a model as the program reads it, or an error message.
 
-    The facts are masses, inertias, limits, actuators, and where the bodies are at these poses.
+    The facts are masses, inertias, limits, actuators, and the poses of the bodies at the given configurations.
+    Files are written beside the folder of the model.
     """
     asked, out = model.parent.with_suffix(".poses.json"), model.parent.with_suffix(".facts.json")
     asked.write_text(json.dumps(poses), encoding="utf-8")

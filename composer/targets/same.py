@@ -1,7 +1,7 @@
-"""Whether MuJoCo reads a model back as the one that was meant. Runs in MuJoCo's child process.
+"""Whether MuJoCo reads a model back as the intended one. Runs in MuJoCo's child process.
 
-Every array of `mjModel` is compared. The frame of a mesh is MuJoCo's own choice, made anew from the vertices that it
-reads: what has a mesh for its shape is compared by where its surface lies.
+Every array of `mjModel` is compared. MuJoCo computes the frame of a mesh from the vertices that it reads, so that
+it may differ; an element with a mesh is therefore compared by where its surface is.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _OF_THE_TEXT = ("names_map", "signature", "tex_pathadr")
 
 
 def differences(model: Any, again: Any) -> Iterator[str]:
-    """What is another in the model that was read back, each in words that name arrays; nothing if it is the same."""
+    """Yield the differences of the model that was read back, in words with the names of the arrays."""
     for name in unequal_arrays(model, again):
         holder, _, inner = name.rpartition(".")
         before, after = (_of(each, holder, inner) for each in (model, again))
@@ -76,7 +76,11 @@ def _close(before: Any, after: Any, rows: Any) -> bool:
 
 
 def _rows(model: Any, name: str) -> Any:
-    """The rows that count: those of no mesh, of tendons that are drawn, and of actuators that have a bias."""
+    """Return which rows of an array are compared.
+
+    The poses of meshes, the looks of fixed tendons and the bias of actuators without one mean nothing, so they are
+    not compared.
+    """
     kind = name.partition("_")[0]
     if name in _POSES:
         return ~np.isin(getattr(model, f"{kind}_type"), _MESHES)
@@ -86,7 +90,7 @@ def _rows(model: Any, name: str) -> Any:
 
 
 def _where(model: Any, name: str, before: Any, after: Any) -> str:
-    """The first row that differs."""
+    """Return a description of the first row that differs."""
     if getattr(before, "shape", None) != getattr(after, "shape", None):
         return f" has another length: {np.size(before)}, not {np.size(after)}"
     if not np.shape(before):
@@ -117,7 +121,10 @@ def _surfaces(kind: str, model: Any, again: Any) -> Iterator[str]:
 
 
 def _surface(kind: str, model: Any, number: int) -> dict[tuple[str, float], Any]:
-    """What the corners of a mesh's faces have, in the frame of its body, with its tolerance: shape (n, 2) or (n, 3)."""
+    """Return data at the corners of a mesh's faces in the frame of its body, by name and tolerance.
+
+    Each array has the shape (n, 3), or (n, 2) for texture coordinates.
+    """
     mesh = int(getattr(model, f"{kind}_dataid")[number])
     quat, pos = (getattr(model, f"{kind}_{name}")[number] for name in ("quat", "pos"))
     faces = slice(model.mesh_faceadr[mesh], model.mesh_faceadr[mesh] + model.mesh_facenum[mesh])
@@ -139,7 +146,7 @@ def _surface(kind: str, model: Any, number: int) -> dict[tuple[str, float], Any]
 
 
 def rotated(quat: Any, points: Any) -> Any:
-    """Points turned by a quaternion w x y z, shape (n, 3)."""
+    """Return points, shape (n, 3), rotated by a quaternion (w, x, y, z)."""
     w, axis = quat[0], np.asarray(quat[1:])
     turned = 2 * np.cross(axis, points)
     return points + w * turned + np.cross(axis, turned)

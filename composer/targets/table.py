@@ -1,4 +1,4 @@
-"""Every target."""
+"""The table of all targets."""
 
 from __future__ import annotations
 

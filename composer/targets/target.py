@@ -1,4 +1,4 @@
-"""What a target is."""
+"""The definition of a target."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from composer.targets.limit import Limit
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """A program that reads models, or a form of model.
+    """A program that reads models, or a form in which models are written.
 
-    `words` says which, `package` what it is tested with from PyPI, None where it is not. `limits` are what it cannot
-    express, in the order in which they change the model; `write` makes the text and the files of what is left.
+    `words` describe it. `package` is the package on PyPI with which it is tested, or None. `limits` are what it
+    cannot express, in the order in which they change the model. `write` returns the text and the files of what
+    remains, by path.
     """
 
     name: str

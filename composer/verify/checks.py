@@ -128,7 +128,7 @@ def _ask(
 
     Return whether that process still keeps the model, and the values that the check found.
     """
-    angle = recipe.plan.readings.at((*check.at, check.word, "value")).angle
+    angle = recipe.plan.angle_context.at((*check.at, check.word, "value")).angle
     asked = {**asdict(check), "angle": angle, "frame": recipe.frame(members), "bytes": size}  # type: ignore[call-overload]
     if isinstance(check, Collision):
         asked["made"] = [

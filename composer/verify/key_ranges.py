@@ -153,7 +153,7 @@ def _in_degrees(plan: Plan, key: Keyframe, at: Path, entry: tuple[str, str]) -> 
     """Return whether the recipe gives this entry in degrees."""
     vector, name = entry
     angles = [each for each in key.values.get(vector, {}).get(name, ()) if isinstance(each, Angle)]
-    return angles[0].unit == "deg" if angles else plan.readings.at(at).angle == "degree"
+    return angles[0].unit == "deg" if angles else plan.angle_context.at(at).angle == "degree"
 
 
 def _integrates(actuator: Node, model: Unit) -> bool:

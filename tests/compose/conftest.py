@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from compose.arm import DEGREES, RADIANS, Case
 from lxml import etree
 
 from composer.context import Context
@@ -48,3 +49,19 @@ def compose(tmp_path: Path) -> Compose:
         return etree.fromstring(built.bundle.files["model.xml"])
 
     return compose
+
+
+@pytest.fixture(params=["radian", "degree"])
+def arm(request: pytest.FixtureRequest, tmp_path: Path) -> Case:
+    return Case(tmp_path, RADIANS if request.param == "radian" else DEGREES)
+
+
+@pytest.fixture
+def radian(tmp_path: Path) -> Case:
+    return Case(tmp_path, RADIANS)
+
+
+@pytest.fixture(params=[False, True], ids=["whole", "own"])
+def own(request: pytest.FixtureRequest) -> bool:
+    own: bool = request.param
+    return own

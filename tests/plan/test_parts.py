@@ -4,7 +4,7 @@ from pathlib import Path
 
 from composer.context import Context
 from composer.plan.describe import as_data, describe
-from composer.plan.plan import called
+from composer.plan.plan import part_name
 from composer.plan.planner import make_plan
 
 ROBOT = '<mujoco model="robot"><worldbody><body name="base"/></worldbody></mujoco>'
@@ -21,7 +21,7 @@ def test_paths(tmp_path: Path) -> None:
     )
     plan = make_plan(Path("cell.yaml"), Context(environment={}, folder=tmp_path))
     assert plan is not None
-    assert [called(part, "/") for part in plan.parts] == ["left", "bare", "right", "cube0", "cube1"]
+    assert [part_name(part, "/") for part in plan.parts] == ["left", "bare", "right", "cube0", "cube1"]
     assert list(plan.part_names) == [
         "left", "left/base", "left/gripper", "bare", "right", "cube0", "cube1",
     ]  # fmt: skip

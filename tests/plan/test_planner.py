@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from composer.context import Context
-from composer.plan.angle_context import Reading
+from composer.plan.angle_context import AngleSettings
 from composer.plan.describe import as_data, describe
 from composer.plan.plan import Plan
 from composer.plan.planner import make_plan
@@ -36,7 +36,11 @@ def tried(folder: Path, recipe: str, **files: str) -> tuple[Plan | None, Context
 def test_defaults(tmp_path: Path) -> None:
     plan = planned(tmp_path, "recipe: 1\n")
     assert (plan.name, plan.description, plan.file) == ("recipe", None, "recipe.yaml")
-    assert (plan.separator, plan.conflict, plan.readings.at(())) == ("/", "error", Reading(None, "xyz"))
+    assert (plan.separator, plan.conflict, plan.angle_context.at(())) == (
+        "/",
+        "error",
+        AngleSettings(None, "xyz"),
+    )
     assert plan.base.model is None and plan.parts == () and plan.steps == () and plan.settled == frozenset()
 
 

@@ -1,1 +1,1 @@
-"""Changes that are offered: one file a kind, one row in `table`."""
+"""Code actions: changes that an editor offers. Each kind has one file and one row in `table`."""

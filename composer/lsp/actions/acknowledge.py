@@ -1,4 +1,4 @@
-"""A warning that is meant to be there: allow its code."""
+"""Code action: accept an intended warning by adding its code to `allow`."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from composer.recipe.allow import ALLOW
 
 
 def offer(offered: Offer) -> Iterator[Action]:
-    """`allow` with the code of each warning."""
+    """Yield, for each warning at the place, a change that adds its code to `allow`."""
     tree, analysis = offered.tree, offered.analysis
     for diagnostic in offered.diagnostics if tree is not None else ():
         if (

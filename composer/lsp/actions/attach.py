@@ -1,4 +1,4 @@
-"""A name of a part that the recipe does not have: attach it."""
+"""Code action: attach the part that a name refers to and that the recipe does not have."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _MOST = 3
 
 
 def offer(offered: Offer) -> Iterator[Action]:
-    """An `attach` for the prefix of a name that does not exist, with the models that are called like it first."""
+    """Yield an `attach` entry for the prefix of an unknown name. Models with a similar name come first."""
     tree, analysis = offered.tree, offered.analysis
     for diagnostic in offered.diagnostics if tree is not None else ():
         if diagnostic.code not in _CODES or tree is None:
@@ -38,7 +38,7 @@ def _parts(tree: Mapping) -> set[str]:
 
 
 def _models(key: str, offered: Offer) -> list[str]:
-    """The model files beside the recipe whose names are like a key; without any, one to be filled in."""
+    """Return the model files beside the recipe whose names resemble a key, or a placeholder if there are none."""
     files = [f"./{each}" for each in model_files(offered.analysis.path.parent)]
     near = [each for each in files if key.lower() in each.rpartition("/")[2].lower()]
     return near[:_MOST] or ["./MODEL.xml"]

@@ -1,4 +1,4 @@
-"""What messages say to write, where that is exact: every did-you-mean, quotes, units."""
+"""Code action: apply the fix of a diagnostic, such as a correct spelling, missing quotes or a unit."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from composer.lsp.answers import Action, Change
 
 
 def offer(offered: Offer) -> Iterator[Action]:
-    """The fix of each diagnostic in the recipe."""
+    """Yield the fix of each diagnostic in the recipe."""
     for diagnostic in offered.diagnostics:
         change = change_of(diagnostic, offered.analysis.text, offered.analysis.file)
         if change is not None:
@@ -22,7 +22,7 @@ def offer(offered: Offer) -> Iterator[Action]:
 
 
 def change_of(diagnostic: Diagnostic, text: str, file: str) -> Change | None:
-    """The fix of a diagnostic as a change of this file; None without one."""
+    """Return the fix of a diagnostic as a change of this file, or None if it has no fix for it."""
     place = place_of(diagnostic)
     edit = edit_of(diagnostic, text) if place is not None and place.file == file else None
     if edit is None:

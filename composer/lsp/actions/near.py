@@ -1,4 +1,4 @@
-"""A word that does not exist, where it is not clear which one was meant: the nearest of those that fit there."""
+"""Code action: replace an unknown word by a similar one that fits there, where several are possible."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _MOST = 3
 
 
 def offer(offered: Offer) -> Iterator[Action]:
-    """The words that are offered at the place of an unknown one, as far as they are like it."""
+    """Yield a change for each word that fits at the place and resembles the unknown one."""
     question = offered.question
     cursor = question.cursor
     written = cursor.whole.strip()

@@ -1,4 +1,4 @@
-"""What an action may look at: the place, and what is reported there."""
+"""The input of code actions: a place and the diagnostics that are reported there."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from composer.lsp.question import Question
 
 @dataclass(frozen=True)
 class Offer:
-    """A question about a place, with the diagnostics that are shown there."""
+    """A place in a recipe, with the diagnostics that the editor shows there."""
 
     question: Question
     diagnostics: tuple[Diagnostic, ...]
@@ -24,5 +24,5 @@ class Offer:
 
     @cached_property
     def tree(self) -> Mapping | None:
-        """The tree of the recipe, where it is that of the text as it is."""
+        """Return the tree of the recipe, or None if the current text has none."""
         return self.analysis.mapping if self.analysis.is_current else None

@@ -1,4 +1,4 @@
-"""Parts that disagree about a setting: say in the recipe which it is."""
+"""Code action: resolve a conflict between the settings of parts by writing the value into the recipe."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _CODE = "option-conflict"
 
 
 def offer(offered: Offer) -> Iterator[Action]:
-    """Each of the values that parts want, written into the recipe."""
+    """Yield, for each value that a part has, a change that writes it into the recipe."""
     tree, analysis = offered.tree, offered.analysis
     for diagnostic in offered.diagnostics if tree is not None else ():
         if diagnostic.code != _CODE or tree is None:
@@ -31,7 +31,7 @@ def offer(offered: Offer) -> Iterator[Action]:
 
 
 def _wanted(diagnostic: Diagnostic, analysis: Analysis) -> Iterator[tuple[str, tuple[str, ...], str]]:
-    """Who wants what of the settings that stand at the places of the diagnostic."""
+    """Yield part, path and value of each setting that is written at a place of the diagnostic."""
     places = {
         _line(span)
         for span in (diagnostic.span, *(note.span for note in diagnostic.notes))

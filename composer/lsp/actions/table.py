@@ -1,4 +1,4 @@
-"""Everything that can be offered for a place, one row a kind."""
+"""All kinds of code actions, one row for each."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ OFFERS: tuple[Callable[[Offer], Iterator[Action]], ...] = (
 
 
 def actions(offered: Offer) -> list[Action]:
-    """The changes that are offered, what messages say to write first."""
+    """Return the changes that are offered at a place. The fixes of diagnostics come first."""
     found: dict[tuple[str, object], Action] = {}
     for offer in OFFERS:
         for action in offer(offered):

@@ -1,4 +1,4 @@
-"""An angle in the other unit."""
+"""Code action: write an angle in the other unit."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _OTHER = {"deg": "rad", "rad": "deg"}
 
 
 def offer(offered: Offer) -> Iterator[Action]:
-    """`90deg` as radians, `1.57rad` as degrees; a bare angle that is reported, with either unit."""
+    """Yield `90deg` as radians and `1.57rad` as degrees; for a reported angle without a unit, both units."""
     question = offered.question
     written = question.cursor.whole.strip()
     for unit, other in _OTHER.items():
@@ -28,7 +28,7 @@ def offer(offered: Offer) -> Iterator[Action]:
 
 
 def converted(value: float, unit: str) -> float:
-    """An angle in the other unit.
+    """Return an angle in the other unit.
 
     >>> converted(180, "deg") == math.pi
     True

@@ -1,1 +1,1 @@
-"""What can be written at a place of a recipe: one file a kind, one row in `table`."""
+"""Completion. Each kind has one file and one row in `table`."""

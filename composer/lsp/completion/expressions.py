@@ -1,4 +1,4 @@
-"""Inside `${…}`: parameters, variants, functions, and what an edit has there."""
+"""Completion inside `${…}`: parameters, variants, functions, and the values that an edit defines."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _IN_EDITS = {
 
 
 def begun(question: Question) -> str | None:
-    """The name that is being written inside `${…}`; None where the cursor is not in one."""
+    """Return the name that is being written inside `${…}`, or None if the cursor is not in an expression."""
     before = question.cursor.word
     opening = before.rfind("${")
     if opening < 0 or "}" in before[opening:]:
@@ -31,7 +31,7 @@ def begun(question: Question) -> str | None:
 
 
 def offer(question: Question) -> Iterator[Item]:
-    """The names and functions that an expression may have."""
+    """Yield the names and functions that the expression may use."""
     if begun(question) is None:
         return
     for each in settables(question.data).values():

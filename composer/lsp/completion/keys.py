@@ -1,4 +1,4 @@
-"""Keys, sections and attributes, with what the language says of them."""
+"""Completion of keys, sections and attributes, with their descriptions."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _COLLECTIONS = {"object", "array"}
 
 
 def offer(question: Question) -> Iterator[Item]:
-    """The keys that the mapping at the cursor may still have, those that it needs first."""
+    """Yield the keys that the mapping at the cursor can still have. Required keys come first."""
     cursor = question.cursor
     if cursor.role not in ("key", "either"):
         return
@@ -29,7 +29,7 @@ def offer(question: Question) -> Iterator[Item]:
 
 
 def _insert(key: Key, question: Question) -> str:
-    """The key with its colon, and the line below it for what has keys of its own."""
+    """Return the key with its colon. If its value is a mapping or list, an indented line follows."""
     cursor = question.cursor
     if cursor.has_colon:
         return key.name

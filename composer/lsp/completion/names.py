@@ -1,4 +1,4 @@
-"""Names inside the models, by what they are and where."""
+"""Completion of the names of elements inside the models."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from composer.lsp.subject import wanted_as_value
 
 
 def offer(question: Question) -> Iterator[Item]:
-    """The names that fit the place of the cursor, those of the best kind first."""
+    """Yield the names that fit at the cursor. Names of the most likely kind come first."""
     cursor, analysis = question.cursor, question.analysis
     for wanted, is_key in _wanted(question):
         for at, (rank, known) in enumerate(fitting(wanted, analysis.names, analysis.plan)):

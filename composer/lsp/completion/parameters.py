@@ -1,4 +1,4 @@
-"""Parameters and variants where they are set: in `with`, `when`, `matrix` and what is drawn."""
+"""Completion of parameters and variants where they get values: in `with`, `when`, `matrix` and `randomize`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from composer.lsp.question import Question
 
 
 def offer(question: Question) -> Iterator[Item]:
-    """The names that may be set at the cursor, or the values that the one there may have."""
+    """Yield the names that can get a value at the cursor, or the possible values of the name there."""
     cursor = question.cursor
     if cursor.role in ("key", "either") and (found := _at(cursor.path, question)) is not None:
         for each in found.values():
@@ -33,7 +33,7 @@ def offer(question: Question) -> Iterator[Item]:
 
 
 def _at(path: Path, question: Question) -> dict[str, Settable] | None:
-    """What the mapping at a path sets; None for any other mapping."""
+    """Return the parameters and variants that the mapping at a path can set, or None for any other mapping."""
     if path and path[-1] == "with":
         return of_nested(path[:-1], question)
     is_matrix = path[:1] == ("matrix",) and (path[1:] == ("axes",) or len(path) == 3)

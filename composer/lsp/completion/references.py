@@ -1,4 +1,4 @@
-"""Model references: files beside the recipe, robots of MuJoCo Menagerie, packages."""
+"""Completion of model references: files beside the recipe, models of MuJoCo Menagerie, and packages."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ _SCHEMES = tuple(form for kind in KINDS for form in kind.forms)
 
 
 def takes_reference(path: tuple[str | int, ...]) -> bool:
-    """Whether the value at a path names a model."""
+    """Return whether the value at a path is a model reference."""
     return path == ("extends",) or path == ("base",) or (len(path) > 1 and path[-1] == "model")
 
 
 def offer(question: Question) -> Iterator[Item]:
-    """What the reference at the cursor may go on with."""
+    """Yield the continuations of the reference at the cursor."""
     cursor = question.cursor
     if cursor.role not in ("value", "either") or not takes_reference(cursor.path):
         return
@@ -44,7 +44,7 @@ def offer(question: Question) -> Iterator[Item]:
 
 
 def _files(folder: Path, word: str) -> Iterator[str]:
-    """Files below the folder of the recipe, or below the one that the word leads to above it."""
+    """Yield the model files below the recipe's folder, or below the folder that the text so far leads to."""
     if word.startswith("../"):
         above = word.rpartition("/")[0]
         yield from (f"{above}/{each}" for each in model_files(Path(os.path.normpath(folder / above))))

@@ -1,4 +1,4 @@
-"""Names and globs in selectors, with how many elements each means."""
+"""Completion of names and globs in selectors, with the number of elements that each one matches."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from composer.lsp.subject import wanted_as_value
 
 
 def offer(question: Question) -> Iterator[Item]:
-    """Globs for what there is, then the names themselves."""
+    """Yield globs that match existing elements, followed by the names themselves."""
     analysis, wanted = question.analysis, wanted_as_value(question)
     if wanted is None or not wanted.pattern:
         return
@@ -32,7 +32,7 @@ def offer(question: Question) -> Iterator[Item]:
 
 
 def _globs(found: list[Known], separator: str) -> list[tuple[str, int]]:
-    """`PREFIX/*` and `PREFIX/**` for the prefixes that occur, with how many names they mean."""
+    """Return `PREFIX/*` and `PREFIX/**` for each existing prefix, with the number of names that they match."""
     deep: Counter[str] = Counter()
     flat: Counter[str] = Counter()
     for known in found:

@@ -1,4 +1,4 @@
-"""Everything that can be offered, one row a kind."""
+"""All kinds of completion, one row for each."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ OFFERS: tuple[Offer, ...] = (
 
 
 def complete(question: Question) -> Completion:
-    """What may be written at the cursor; inside `${…}` that is an expression and nothing else."""
+    """Return the completions at the cursor. Inside `${…}`, only parts of expressions are offered."""
     cursor = question.cursor
     if cursor.role == "text":
         return Completion()
@@ -41,7 +41,7 @@ def complete(question: Question) -> Completion:
 
 
 def _quoted(item: Item, question: Question) -> Item:
-    """A value in quotes, where YAML would take it for something else without and there are none."""
+    """Return a value in quotes if it needs quotes in YAML and has none yet."""
     cursor = question.cursor
     plain = item.label[:1] not in _OPENING and not any(each in item.label for each in (": ", " #"))
     if cursor.in_flow:

@@ -1,4 +1,4 @@
-"""Words of the language: keywords, types, `true` and `false`."""
+"""Completion of the fixed words of the language: keywords, types, `true` and `false`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from composer.lsp.question import Question
 
 
 def offer(question: Question) -> Iterator[Item]:
-    """The words that the value at the cursor may be."""
+    """Yield the words that the value at the cursor can be."""
     if question.cursor.role in ("value", "either"):
         for at, (word, doc) in enumerate(words_of(question.forms).items()):
             empty = "" if word else '""'

@@ -1,1 +1,1 @@
-"""What is shown of what stands under the cursor: one file a kind, one row in `table`."""
+"""Hover: information about what is at the cursor. Each kind has one file and one row in `table`."""

@@ -1,4 +1,4 @@
-"""A name in a model: what it is, where it stands, and how it came to be as it is."""
+"""Hover for a name in a model: what the element is, its pose, and where its values come from."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def show(question: Question) -> Hover | None:
-    """The element that is named at the cursor."""
+    """Return information about the element whose name is at the cursor, or None."""
     analysis = question.analysis
     for known in named_at(question):
         return Hover(describe(in_model(known, analysis), analysis), question.word)
@@ -31,7 +31,7 @@ def show(question: Question) -> Hover | None:
 
 
 def describe(known: Known, analysis: Analysis) -> str:
-    """An element in Markdown: a line of what it is, facts with their units, and what `explain` says."""
+    """Return an element in Markdown: its kind, facts with their units, and what `explain` says."""
     lines = [f"**{known.tag} `{known.name}`**", ""]
     traced, node = analysis.traced, known.node
     composed = traced is not None and node is not None and node in traced.watch.lives
@@ -62,7 +62,7 @@ def _facts(known: Known, traced: Traced | None) -> Iterator[str]:
 
 
 def _pose(known: Known, traced: Traced) -> Iterator[str]:
-    """Where a place stands, in metres: in its body, and in the world with all joints at their reference."""
+    """Yield the pose of an element in metres: in its body, and in the world at the reference configuration."""
     for body in world_of(traced.model, lambda node: None).walk():
         for place in body.places:
             if (place.kind, place.name) == (known.tag, known.name):
@@ -72,7 +72,7 @@ def _pose(known: Known, traced: Traced) -> Iterator[str]:
 
 
 def _words(pose: Pose) -> str:
-    """A pose as a reader takes it.
+    """Return a pose as text.
 
     >>> _words(Pose((0.1, 0.0, 0.25)))
     '[0.1, 0, 0.25] m'

@@ -1,4 +1,4 @@
-"""`${…}`: its value, in each cell of the matrix where these differ."""
+"""Hover for `${…}`: its value, or its value in each cell of the matrix if they differ."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _MOST = 12
 
 
 def show(question: Question) -> Hover | None:
-    """The value of the text with `${…}` at the cursor."""
+    """Return the value of the text with `${…}` at the cursor, or None."""
     text = question.cursor.whole
     if not is_template(text) or not isinstance(question.tree, Located):
         return None
@@ -43,9 +43,9 @@ def show(question: Question) -> Hover | None:
 
 
 def values_of(text: str, document: Located) -> dict[str, str]:
-    """The value of a text in each cell, by name of the cell, or under an empty name without a matrix.
+    """Return the value of a text in each cell, by the name of the cell; without a matrix, under an empty name.
 
-    It is empty where something in it has no value, such as `${value}` in an edit.
+    The result is empty if a name in the text has no value yet, such as `${value}` in an edit.
     """
     try:
         template = Template.parse(text)
@@ -61,7 +61,7 @@ def values_of(text: str, document: Located) -> dict[str, str]:
 
 
 def scopes(document: Located) -> Iterator[tuple[str, Mapping[str, Value]]]:
-    """The values of parameters and variants in each cell; where there is no matrix, their defaults."""
+    """Yield the values of parameters and variants in each cell; without a matrix, their defaults."""
     every = cells(document, "", Sink())
     if not every:
         yield "", scope_of(document, {})

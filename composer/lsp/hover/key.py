@@ -1,4 +1,4 @@
-"""A key or a word of the language: what the language says of it."""
+"""Hover for a key or fixed word of the language: its description."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from composer.lsp.question import Question
 
 
 def show(question: Question) -> Hover | None:
-    """The key or the word at the cursor."""
+    """Return the description of the key or word at the cursor, or None."""
     cursor = question.cursor
     if cursor.role != "value" and cursor.whole:
         text = doc_of((*cursor.path, cursor.whole), question.data)

@@ -1,4 +1,4 @@
-"""`model:` what the reference leads to: what it is, its licence, how large it is, and where parts may hang on it."""
+"""Hover for `model:`: the file that the reference leads to, its licence and size, and where parts can be attached."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MOST = 24
 
 
 def show(question: Question) -> Hover | None:
-    """What the model reference at the cursor means."""
+    """Return information about the model reference at the cursor, or None."""
     plan = question.analysis.plan
     if question.cursor.role == "key" or plan is None:
         return None

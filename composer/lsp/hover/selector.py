@@ -1,4 +1,4 @@
-"""A selector: the elements that it matches."""
+"""Hover for a selector: the elements that it matches."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _MOST = 20
 
 
 def show(question: Question) -> Hover | None:
-    """What the selector around the cursor matches."""
+    """Return the elements that the selector around the cursor matches, or None."""
     around = selector_around(question)
     found = None if around is None else matches(*around, question.analysis)
     if around is None or found is None:

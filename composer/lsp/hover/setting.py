@@ -1,4 +1,4 @@
-"""A setting of the whole model: who wants what, and what is in effect."""
+"""Hover for a setting of the whole model: the value of each part, and the value in effect."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ SECTIONS = ("option", "size", "statistic", "visual")
 
 
 def show(question: Question) -> Hover | None:
-    """The setting at the cursor, with the value that each part writes."""
+    """Return the setting at the cursor with the value of each part, or None."""
     path = (*question.path, question.cursor.whole) if question.cursor.role == "key" else question.path
     if len(path) < 2 or path[0] not in SECTIONS or not all(isinstance(step, str) for step in path):
         return None

@@ -1,4 +1,4 @@
-"""Everything that can be shown, one row a kind; the first one that has something to say is taken."""
+"""All kinds of hover, one row for each. The first one that returns something is used."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SHOWS: tuple[Show, ...] = (
 
 
 def hover(question: Question) -> Hover | None:
-    """What is known of what stands under the cursor."""
+    """Return information about what is at the cursor, or None."""
     if question.cursor.role == "text":
         return None
     return next((found for show in SHOWS if (found := show(question)) is not None), None)

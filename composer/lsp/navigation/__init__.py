@@ -1,1 +1,1 @@
-"""Ways through a recipe and the models: where a name is from, who uses it, what is where."""
+"""Navigation through recipes and models: definitions, references, symbols and renaming."""

@@ -1,4 +1,4 @@
-"""From a name to the place where it is written: in a model, in this recipe or in another."""
+"""Go to definition: from a name to the place where it is written, in a model or a recipe."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from composer.plan.plan import Plan
 
 
 def definition(question: Question) -> list[Span]:
-    """Where what stands at the cursor is written."""
+    """Return the places where what is at the cursor is defined."""
     return list(
         dict.fromkeys([*_elements(question), *_part(question), *_parameter(question), *_model(question)])
     )
@@ -46,7 +46,7 @@ def _parameter(question: Question) -> Iterator[Span]:
 
 
 def _model(question: Question) -> Iterator[Span]:
-    """The beginning of the file that a model reference leads to."""
+    """Yield the start of the file that a model reference leads to."""
     plan = question.analysis.plan
     if question.cursor.role == "key" or plan is None:
         return

@@ -1,4 +1,4 @@
-"""What can be folded: by indentation, so that half-written text folds too."""
+"""Folding ranges. They follow from the indentation, so that half-written text can be folded too."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from composer.lsp.answers import Fold
 
 
 def folds(lines: Sequence[str]) -> list[Fold]:
-    """The blocks of a text and its comments, by the lines that they begin and end with.
+    """Return the first and last lines of the blocks and comments of a text.
 
     >>> folds(["a:", "  b: 1", "", "  c: 2", "d: 3"])
     [Fold(first=0, last=3, kind='region')]

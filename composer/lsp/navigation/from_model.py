@@ -1,4 +1,4 @@
-"""From a line of a model to the recipes that use it: what becomes of the element there, and who speaks of it."""
+"""From a line of a model to the recipes that use it: what becomes of its element, and what refers to it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _MOST = 4
 
 
 def elements_at(path: Path, line: int, analysis: Analysis) -> list[Known]:
-    """The named elements of a composed model that were read from a line, which counts from 0."""
+    """Return the named elements of a composed model that come from a line of a file, counted from 0."""
     traced = analysis.traced
     if traced is None:
         return []
@@ -27,7 +27,7 @@ def elements_at(path: Path, line: int, analysis: Analysis) -> list[Known]:
 
 
 def hover_in_model(path: Path, line: int, analyses: Iterable[Analysis]) -> Hover | None:
-    """What the element on a line has become in each recipe."""
+    """Return what the element on a line becomes in each recipe, or None."""
     found = [(known, each) for each in analyses for known in elements_at(path, line, each)]
     if not found:
         return None
@@ -38,7 +38,7 @@ def hover_in_model(path: Path, line: int, analyses: Iterable[Analysis]) -> Hover
 
 
 def references_in_recipes(path: Path, line: int, analyses: Iterable[Analysis]) -> list[Span]:
-    """The places in recipes, and in models, that refer to the element on a line."""
+    """Return the places in recipes and models that refer to the element on a line."""
     found = [
         span for each in analyses for known in elements_at(path, line, each) for span in uses_of(known, each)
     ]

@@ -1,4 +1,4 @@
-"""What is shown behind values: counts of selectors, values of expressions, units of angles."""
+"""Inlay hints: the counts of selectors, the values of expressions, and the units of angles."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _UNITS = {"degree": "deg", "radian": "rad"}
 
 
 def hints(analysis: Analysis) -> list[Hint]:
-    """The hints of a recipe whose text could be read as it is."""
+    """Return the hints of a recipe whose current text can be read."""
     tree = analysis.mapping
     if tree is None or not analysis.is_current:
         return []
@@ -70,7 +70,7 @@ def _count(node: Mapping, path: Path, data: dict[str, Any], analysis: Analysis) 
 
 
 def _angles(name: str, value: Node, data: dict[str, Any], forms: list[Form], unit: str) -> Iterator[Hint]:
-    """The unit of bare numbers that are angles."""
+    """Yield the unit of each angle that is written without one."""
     items = value.items if isinstance(value, Sequence) else (value,)
     numbers = [item for item in items if isinstance(item, Scalar)]
     if len(numbers) != len(items) or not any(isinstance(each.value, int | float) for each in numbers):

@@ -1,4 +1,4 @@
-"""The canonical layout of a recipe, as changes of lines: the cursor stays where it is."""
+"""Formatting of a recipe, as changes of lines, so that the cursor stays where it is."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _LINE = re.compile(r"[^\r\n]*(?:\r\n|\n|\r)|[^\r\n]+\Z")
 
 
 def formatted(text: str, file: str) -> list[Change]:
-    """What `fmt` would change; nothing where the text is not a recipe that it can lay out."""
+    """Return the changes that `fmt` would make, or none if the text is not a recipe that it can format."""
     result = format_recipe(text.encode("utf-8", "replace"), file, Sink())
     if result is None:
         return []
@@ -28,7 +28,10 @@ def formatted(text: str, file: str) -> list[Change]:
 
 
 def _span(file: str, first: int, last: int, text: str) -> Span:
-    """Whole lines, from 0; the end of a text without a line break at its end is behind its last character."""
+    """Return the span of whole lines, counted from 0.
+
+    A last line without a line break ends after its last character.
+    """
     lines = lines_of(text)
     if last >= len(lines):
         return Span(file, first + 1, 1, len(lines), len(lines[-1]) + 1)

@@ -1,4 +1,4 @@
-"""Commands above a recipe and above the cells of its matrix."""
+"""Code lenses: commands above a recipe and above the cells of its matrix."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _MOST = 12
 
 
 def lenses(analysis: Analysis) -> list[Lens]:
-    """The commands of a recipe: for the model, and for each cell of its matrix, as far as these are few."""
+    """Return the commands for the model, and for each cell of the matrix if there are not too many."""
     tree = analysis.mapping
     return [] if tree is None else list(_of(tree, analysis))
 

@@ -1,4 +1,4 @@
-"""Names and patterns with the prefix of a part, under its new key."""
+"""Names and patterns when the key of a part, and so its prefix, changes."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ _CHOICE = re.compile(r"\{([^{}]*)\}")
 
 
 class NotSure(Exception):
-    """A pattern that means other names with the new key, and for which no other one can be written."""
+    """Raised for a pattern that would match other names under the new key, and that cannot be rewritten."""
 
 
 def renamed(text: str, old: str, new: str, separator: str, pattern: bool) -> str | None:
-    """A name or pattern with a new prefix; None where it stays as it is. `old` and `new` have no separator at the end.
+    """Return a name or pattern with the new prefix, or None if it stays as it is.
 
-    Raises NotSure.
+    `old` and `new` have no separator at the end. Raises NotSure.
 
     >>> renamed("left/tip", "left", "arm", "/", False), renamed("{left,right}/*", "left", "arm", "/", True)
     ('arm/tip', '{arm,right}/*')
@@ -53,7 +53,7 @@ def _choice(options: str, was: str, now: str) -> str:
 
 
 def _fits(step: str, name: str) -> bool:
-    """Whether one step of a glob means a name."""
+    """Return whether one step of a glob matches a name."""
     found = _CHOICE.search(step)
     if found is None:
         return fnmatchcase(name, step.replace("[", "[[]"))

@@ -1,4 +1,4 @@
-"""Who uses a name: in the recipe, and in the models."""
+"""Find references: the places in the recipe and the models that use a name."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def references(question: Question, declaration: bool = True) -> list[Span]:
-    """The places that use what stands at the cursor; the `declaration` itself first, if that is asked for."""
+    """Return the places that use what is at the cursor. With `declaration`, its declaration comes first."""
     analysis = question.analysis
     found: list[Span] = []
     for known in named_at(question):
@@ -35,14 +35,14 @@ def references(question: Question, declaration: bool = True) -> list[Span]:
 
 
 def _now(spans: Iterable[Span], analysis: Analysis) -> Iterator[Span]:
-    """Places of the tree as they are in the text."""
+    """Yield places of the tree at their positions in the current text."""
     for span in spans:
         if (now := analysis.now(span, analysis.tree_of)) is not None:
             yield now
 
 
 def uses_of(known: Known, analysis: Analysis) -> Iterator[Span]:
-    """Where an element is referred to, in the recipe and in the composed model."""
+    """Yield the places that refer to an element, in the recipe and in the composed model."""
     for use in uses_in(analysis.tree):
         if use.text == name_there(known, use, analysis) and known.namespace in use.wanted.namespaces:
             yield from _now([use.span], analysis)
@@ -63,7 +63,7 @@ def _written(node: Node, attribute: str, analysis: Analysis) -> Span | None:
 
 
 def name_there(known: Known, use: Use, analysis: Analysis) -> str | None:
-    """What an element is called where a name is used: final, or in a part's own words."""
+    """Return the name of an element at a place that uses it: the final name, or the name inside its part."""
     if not use.wanted.of:
         return known.name
     prefix = analysis.names.prefixes.get(part_called(use.wanted.of, analysis.plan))
@@ -73,7 +73,7 @@ def name_there(known: Known, use: Use, analysis: Analysis) -> str | None:
 
 
 def uses_of_part(part: str, analysis: Analysis) -> Iterator[Use]:
-    """The places that name a part, or anything in it by its prefix."""
+    """Yield the places that name a part, or anything in it by its prefix."""
     prefix = analysis.names.prefixes.get(part)
     for use in uses_in(analysis.tree):
         if use.wanted.of:

@@ -1,4 +1,4 @@
-"""Another name for a part or a parameter, at every place that uses it: in this recipe and in those that include it."""
+"""Rename a part or parameter at every place that uses it, also in recipes that include this one."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from composer.recipe.attach import RESERVED
 
 
 class NotReadable(Exception):
-    """A recipe that may include the one at hand, of which nobody knows."""
+    """Raised for a recipe that may include this one but cannot be read."""
 
 
 _USABLE = re.compile(r"[A-Za-z_]\w*")
 
 
 def renameable(question: Question) -> Span | None:
-    """The word that can be renamed at the cursor: a part, or a parameter of this recipe."""
+    """Return the word at the cursor that can be renamed: a part, or a parameter of this recipe."""
     at, parameter = part_named_at(question), parameter_at(question)
     if not question.analysis.is_current:
         return None
@@ -50,7 +50,7 @@ def renameable(question: Question) -> Span | None:
 
 
 def rename(question: Question, new: str, others: Iterable[Analysis]) -> Rename:
-    """All that follows from a new name. `others` are the recipes that may include this one."""
+    """Return all changes that a new name needs. `others` are the recipes that may include this one."""
     at, parameter = part_named_at(question), parameter_at(question)
     if renameable(question) is None:
         return Rename(
@@ -87,7 +87,7 @@ def _rename_part(old: str, new: str, analysis: Analysis, others: Iterable[Analys
 
 
 def _inclusions(other: Analysis, analysis: Analysis) -> Iterator[tuple[str, str]]:
-    """The parts of another recipe that are this one, each with its prefix; itself where it extends this one."""
+    """Yield where another recipe includes this one: path and prefix of the part, both empty if it extends this one."""
     plan = other.plan
     if other.path == analysis.path:
         return
@@ -106,7 +106,7 @@ def _inclusions(other: Analysis, analysis: Analysis) -> Iterator[tuple[str, str]
 
 
 def _in_recipe(analysis: Analysis, outer: str, prefix: str, old: str, new: str) -> Iterator[Change]:
-    """The changes in one recipe, in which the one with the part is the part `outer`, its names behind `prefix`."""
+    """Yield the changes in one recipe that includes this one as the part `outer`, with names behind `prefix`."""
     tree, separator = analysis.mapping, analysis.separator
     if tree is None:
         return
@@ -141,7 +141,7 @@ def _of_use(
 
 
 def _in_fragment(node: Scalar, old: str, new: str) -> Iterator[Change]:
-    """The names in a fragment of MJCF, which are final ones."""
+    """Yield the changes in a fragment of MJCF, which uses final names."""
     for number, line in enumerate(node.text.split("\n")):
         for found in re.finditer(rf"""(?<=["'\s]){re.escape(old)}""", line):
             if node.block is not None:
@@ -154,7 +154,7 @@ def _in_fragment(node: Scalar, old: str, new: str) -> Iterator[Change]:
 
 
 def _written(span: Span, text: str, analysis: Analysis) -> Change:
-    """A name in place of another, in the quotes that are there or that it needs."""
+    """Return the change that replaces a name. It keeps the quotes, or adds those that the new name needs."""
     lines = analysis.lines if span.file == analysis.file else []
     before = lines[span.line - 1][span.column - 1 :] if span.line <= len(lines) else ""
     return Change(span, quoted(text) if before[:1] in ("'", '"') else word(text))
@@ -185,7 +185,7 @@ def _rename_parameter(old: str, new: str, question: Question, others: Iterable[A
 
 
 def _extended_with(path: Path, analysis: Analysis) -> str | None:
-    """The recipe that this one extends and that has something at a path."""
+    """Return the name of the file that this recipe extends and that has something at a path, or None."""
     for source, _ in analysis.plan.extended if analysis.plan is not None else ():
         try:
             tree = load(read_regular(source.path), source.path.name, Sink())
@@ -197,7 +197,7 @@ def _extended_with(path: Path, analysis: Analysis) -> str | None:
 
 
 def _path_of(part: str, analysis: Analysis) -> Path | None:
-    """Where a recipe itself writes a part; None for a part of a part."""
+    """Return the path at which a recipe itself declares a part, or None for a part of a part."""
     plan = analysis.plan
     if part == RESERVED:
         return (RESERVED,)

@@ -1,4 +1,4 @@
-"""The outline of a recipe: its sections, parts and elements."""
+"""Document symbols: the outline of a recipe with its sections, parts and elements."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _NAMING = ("name", "id", "to")
 
 
 def symbols(analysis: Analysis) -> list[Symbol]:
-    """The keys of a recipe, down to its elements and their settings; of half-written text, those that still stand."""
+    """Return the outline down to elements and their settings; of half-written text, what can be read."""
     found = _of(analysis.tree, 0) if isinstance(analysis.tree, Mapping) else ()
     return list(_standing(found, analysis))
 
@@ -46,7 +46,7 @@ def _of(node: Node, depth: int) -> Iterator[Symbol]:
 
 
 def _around(first: Span, node: Node) -> Span:
-    """From a place to the end of a value."""
+    """Return the span from a place to the end of a value."""
     line, column = first.end_line or first.line, first.end_column or first.column
     for span in spans(node):
         end = span.end_line or span.line, span.end_column or span.column

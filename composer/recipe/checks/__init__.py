@@ -1,1 +1,1 @@
-"""The kinds of checks: one file each, with what it is, how it is read and its JSON Schema."""
+"""The kinds of checks. Each has one file with its meaning, its form and its JSON Schema."""

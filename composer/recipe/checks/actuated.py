@@ -1,4 +1,4 @@
-"""The check `actuated`: that joints have actuators."""
+"""The check `actuated`: every joint has an actuator."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ _JOINTS = Globs("globs over names of joints")
 
 @dataclass(frozen=True, slots=True)
 class Actuated:
-    """An actuator moves every joint that a glob of `joints` names (none: every hinge and slide), by a tendon or not."""
+    """An actuator moves every joint that a glob of `joints` names, directly or by a tendon.
+
+    Without globs, every hinge and slide is meant.
+    """
 
     word: ClassVar[str] = "actuated"
     name: str

@@ -1,4 +1,4 @@
-"""The check `budget`: that a model does not cost more than it may."""
+"""The check `budget`: limits on what a model costs."""
 
 from __future__ import annotations
 
@@ -23,9 +23,10 @@ KEYS = "keys"
 
 @dataclass(frozen=True, slots=True)
 class Budget:
-    """What a model may have of each thing in `most`, and how many steps a second it takes at least on this machine.
+    """The most that a model may have of each thing in `most`, and the least steps per second on this machine.
 
-    `keys` are globs over the keyframes in which contacts are counted; none: the reference configuration and all.
+    `keys` are globs over the keyframes in which contacts are counted. Without globs, these are all keyframes and
+    the reference configuration.
     """
 
     word: ClassVar[str] = "budget"

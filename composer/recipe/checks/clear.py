@@ -1,4 +1,4 @@
-"""The check `clear`: that sets of geoms keep a distance from one another."""
+"""The check `clear`: sets of geoms keep a distance from each other."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ _SIDES = '["arm/**", table]'
 
 @dataclass(frozen=True, slots=True)
 class Clear:
-    """In `keys` (none: the reference configuration) the geoms of `between` are `distance` metres apart, or more.
+    """The geoms of the two sides of `between` are at least `distance` metres apart in each of `keys`.
 
-    Each side of `between` has globs over names of geoms and bodies; a body stands for its own geoms.
+    Without keys, the reference configuration is checked. A side has globs over names of geoms and bodies; a body
+    stands for its own geoms.
     """
 
     word: ClassVar[str] = "clear"
@@ -31,7 +32,7 @@ class Clear:
 
 
 class Sides:
-    """Two sides, each a glob or a list of them, which gives a tuple for each."""
+    """Form of two sides. Each is a glob or a list of globs, read as a tuple."""
 
     side = Globs("a glob over names of geoms or bodies")
 

@@ -1,4 +1,4 @@
-"""The check `collision`: that what was made of meshes is near enough to them."""
+"""The check `collision`: shapes that are made of meshes are close enough to them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MEASURES = ("hausdorff", "beyond", "short", "uncovered", "volume")
 
 @dataclass(frozen=True, slots=True)
 class Collision:
-    """What `collision` and `simplify` made of the `meshes` that globs name (none: all) is within these limits."""
+    """What `collision` and `simplify` made of the `meshes` is within these limits. Without globs, all meshes count."""
 
     word: ClassVar[str] = "collision"
     name: str

@@ -1,4 +1,4 @@
-"""The check `equal`: that an attribute has a value in the compiled model."""
+"""The check `equal`: an attribute has a value in the compiled model."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ Number = tuple[float, str | None]
 
 @dataclass(frozen=True, slots=True)
 class Equal:
-    """`attr` of every element that the glob `element` names is `value`; with `index`, one number of it is.
+    """`attr` of every element that the glob `element` matches is `value`. With `index`, only that number counts.
 
-    A `tol` without a unit is in that of the compiled model; None is rounding.
+    A `tol` without a unit is in the unit of the compiled model. Without it, only rounding is allowed.
     """
 
     word: ClassVar[str] = "equal"
@@ -44,9 +44,9 @@ class Equal:
 def attribute_of(
     keys: Keys, tag: str, written: str, *at: str | int, others: Collection[str] = ()
 ) -> tuple[str | None, int | None]:
-    """The attribute that is written at a place, and the index behind it; what no model can be asked for is reported.
+    """Return the attribute that is written at a place, and its index, each None if there is none.
 
-    `others` are attributes of which no numbers are asked for, but which may be meant.
+    An attribute that no model has is reported. `others` are attributes without numbers, which the message offers too.
     """
     match = _INDEXED.fullmatch(written)
     if match is None:
@@ -65,7 +65,7 @@ def attribute_of(
 
 
 def numbers_of(keys: Keys, value: Any, *at: str | int) -> tuple[Number, ...] | None:
-    """The numbers that are written at a place."""
+    """Return the numbers that are written at a place, or None after a reported fault."""
     if not isinstance(value, list):
         number = _number(keys, value, *at)
         return None if number is None else (number,)
@@ -87,7 +87,7 @@ def _number(keys: Keys, value: Any, *at: str | int) -> Number | None:
 
 
 def check_one(keys: Keys, value: Any, index: int | None, *at: str | int) -> None:
-    """Report a list where the attribute has an index, which means one number."""
+    """Report a list if the attribute has an index, which means one number."""
     if index is not None and isinstance(value, list) and value:
         message = f"`value` of {keys.owner} expects one number, got a list"
         help = "without an index, `attr` means all numbers of the attribute"
@@ -95,7 +95,7 @@ def check_one(keys: Keys, value: Any, index: int | None, *at: str | int) -> None
 
 
 class Values:
-    """A number, an angle, a boolean, or a list of these, which gives a tuple of numbers with their units."""
+    """Form of a number, an angle, a boolean, or a list of these, read as a tuple of numbers with their units."""
 
     def read(self, keys: Keys, value: Any, *at: str | int) -> tuple[Number, ...] | None:
         return numbers_of(keys, value, *at)
@@ -111,7 +111,7 @@ class Values:
 
 
 class Tolerance:
-    """How far off a number may be: a number, or an angle with its unit."""
+    """Form of a tolerance: a number, or an angle with its unit."""
 
     number = form.Number(least=0)
 

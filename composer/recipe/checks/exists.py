@@ -1,4 +1,4 @@
-"""The check `exists`: that the model has elements of these names."""
+"""The check `exists`: the model has certain elements."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ _BESIDE = (EXPECT, *AROUND, WHERE)
 
 @dataclass(frozen=True, slots=True)
 class Where:
-    """An attribute, or one of its numbers, and what it must be; `key` is how the recipe writes it.
+    """A condition on an attribute, or on one of its numbers. `key` is how the recipe writes it.
 
-    `word` is what one that has words must be: a name may be a glob.
+    `word` is the value of an attribute that is not a number. For a name, it may be a glob.
     """
 
     key: str
@@ -47,9 +47,9 @@ class Where:
 
 @dataclass(frozen=True, slots=True)
 class Selected:
-    """Elements by a glob over their names; `expect` is how many, None for any number but none.
+    """Elements whose names match a glob. `expect` is their number, None for at least one.
 
-    `parent` is a glob for the body that they are right on, `inside` one for any body around them.
+    `parent` is a glob for the body that directly contains them, `inside` one for any body around them.
     """
 
     tag: str
@@ -62,7 +62,7 @@ class Selected:
 
 @dataclass(frozen=True, slots=True)
 class Exists:
-    """Each of the selectors finds something. The place of one is `(*at, "exists", INDEX)`."""
+    """Each of the selectors matches something. The place of one is `(*at, "exists", INDEX)`."""
 
     word: ClassVar[str] = "exists"
     name: str
@@ -108,7 +108,7 @@ def _selected(index: int, value: object, keys: Keys) -> Selected | None:
 
 
 def _where(index: int, value: object, tag: str, keys: Keys) -> tuple[Where, ...]:
-    """The attributes in the compiled model, and what they must be."""
+    """Return the conditions on attributes of the compiled model."""
     if tag not in (*ATTRIBUTES_OF, *ENUMERATED) and not naming(tag):
         message = f"`{WHERE}` in {keys.owner}: a compiled model has no attributes of a {tag} that could be asked for"
         keys.add("unknown-key", message, index, WHERE, key=True, help=f"leave `{WHERE}` out")
@@ -135,7 +135,7 @@ def _where(index: int, value: object, tag: str, keys: Keys) -> tuple[Where, ...]
 
 
 def _word(tag: str, attr: str, value: object, keys: Keys, index: int) -> str | None:
-    """The word that an attribute must have: one that there is, or a glob over names."""
+    """Return the value that an attribute must have: one of its keywords, or a glob over names."""
     at = (index, WHERE, attr)
     if attr not in keywords(tag):
         return keys.glob_of(value, "a name or a glob", *at)
@@ -150,7 +150,7 @@ def _word(tag: str, attr: str, value: object, keys: Keys, index: int) -> str | N
 
 
 def _around(index: int, key: str, value: object, tag: str, keys: Keys) -> str | None:
-    """The glob for a body around what is selected."""
+    """Return the glob for a body around the selected elements."""
     body = value.get("body") if isinstance(value, dict) and len(value) == 1 else None
     if tag not in HOLDERS:
         keys.add("unknown-key", f"`{tag}` in {keys.owner} stands on no body", index, key, key=True,
@@ -164,7 +164,7 @@ def _around(index: int, key: str, value: object, tag: str, keys: Keys) -> str | 
 
 
 class Selectors:
-    """A list of selectors: a tag with a name or a glob, and what narrows it down."""
+    """Form of a list of selectors: a tag with a name or a glob, and what narrows it down."""
 
     def read(self, keys: Keys) -> tuple[Selected, ...]:
         found = [_selected(index, each, keys) for index, each in enumerate(keys.value)]

@@ -1,4 +1,4 @@
-"""The keys of a check as rows: how each is read, its JSON Schema, and what editors say of it."""
+"""The forms of a check's keys: how each value is read, its JSON Schema, and its description."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from composer.recipe.shown import kind_of
 
 
 class Form(Protocol):
-    """What may stand behind a key."""
+    """The form of a value of a key."""
 
     def read(self, keys: Keys, value: Any, *at: str | int) -> Any:
-        """The value at a path below the check; None where it is wrong, which is reported."""
+        """Return the value at a path below the check, or None after a reported fault."""
 
     def schema(self) -> Schema:
-        """The JSON Schema of it."""
+        """Return its JSON Schema."""
 
 
 @dataclass(frozen=True, slots=True)
 class Name:
-    """A text that is not empty; `what` is what messages expect."""
+    """A text that is not empty. `what` says in messages what it should be."""
 
     what: str
 
@@ -50,7 +50,7 @@ class Glob:
 
 @dataclass(frozen=True, slots=True)
 class Globs:
-    """One of these or a list of them, which gives a tuple; `owner` is what messages call an empty list."""
+    """A `Glob` or a list of them, read as a tuple. `owner` is the name of the list in messages."""
 
     what: str
 
@@ -72,7 +72,7 @@ class Globs:
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """A finite number that is at least `least`, or more than `above`."""
+    """A finite number that is at least `least`, or greater than `above`."""
 
     least: float | None = None
     above: float | None = None
@@ -87,7 +87,7 @@ class Number:
 
 @dataclass(frozen=True, slots=True)
 class Numbers:
-    """A list of so many numbers, which gives a tuple."""
+    """A list of this many numbers, read as a tuple."""
 
     count: int
     example: str
@@ -108,7 +108,7 @@ class Numbers:
 
 @dataclass(frozen=True, slots=True)
 class Words:
-    """One of these words or a list of them, which gives a tuple; each is a `noun` in messages."""
+    """One of these words or a list of them, read as a tuple. Messages call each one a `noun`."""
 
     known: tuple[str, ...]
     noun: str
@@ -146,9 +146,9 @@ class Words:
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """One key: its form, what editors say of it, and what it is where it is not written.
+    """One key: its form, its description, and its value if it is not written.
 
-    With `needed`, an example of its value, it must be written.
+    With `needed`, an example of its value, the key is required.
     """
 
     name: str
@@ -164,7 +164,7 @@ class Key:
 
 @dataclass(frozen=True, slots=True)
 class Keyed:
-    """A mapping with these keys and no others; each is a `noun` in messages.
+    """A mapping with these keys and no others. Messages call each one a `noun`.
 
     >>> from composer.recipe.checks.keys import Keys
     >>> form = Keyed("How high.", Key("height", Number(above=0), "in metres", 1.0))
@@ -183,7 +183,7 @@ class Keyed:
             object.__setattr__(self, name, value)
 
     def read(self, keys: Keys) -> dict[str, Any]:
-        """The value of each key; what is wrong goes to the faults of `keys`."""
+        """Return the value of each key. Faults are added to `keys`."""
         keys.known([key.name for key in self.keys], self.noun)
         for key in self.keys:
             if key.needed is not None and key.name not in keys.value:
@@ -206,7 +206,7 @@ class Keyed:
         return {**schema, "additionalProperties": False}
 
     def alone(self, given: Any) -> str | None:
-        """The mapping that is meant where a text stands for it that can only be the name of a keyframe."""
+        """Return the mapping to write instead of a text that can only be the name of a keyframe, or None."""
         word = next((key.name for key in self.keys if key.name in ("key", "keys")), None)
         if word is None or any(key.needed for key in self.keys) or not isinstance(given, str):
             return None

@@ -1,4 +1,4 @@
-"""The keys of one check, read one by one; what is wrong with them becomes a fault at its place."""
+"""The keys of one check. Faults in their values get their places here."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from composer.recipe.shown import kind_of
 
 @dataclass(frozen=True, slots=True)
 class Keys:
-    """What stands behind `word` in the check `name`; faults have paths from the section `check`."""
+    """The value behind `word` in the check `name`. The paths of faults start at the section `check`."""
 
     name: str
     word: str
@@ -29,7 +29,7 @@ class Keys:
         return f"check `{self.name}`"
 
     def known(self, keys: Iterable[str], noun: str = "key") -> None:
-        """Report every key that is none of these."""
+        """Report every key that is not one of these."""
         keys = list(keys)
         for key in self.value:
             if key not in keys:
@@ -46,12 +46,12 @@ class Keys:
         help: str | None = None,
         fix: Fix | None = None,
     ) -> None:
-        """A fault at a path below this mapping."""
+        """Add a fault at a path below this mapping."""
         path: Path = (self.name, self.word, *at)
         self.faults.append(Fault(code, message, path, key, notes, help, fix=fix))
 
     def lacks(self, key: str, example: str) -> None:
-        """Report that a key is missing."""
+        """Report a missing key."""
         message = f"`{self.word}` of {self.owner} lacks `{key}`"
         at = (self.name, self.word)
         self.faults.append(
@@ -59,7 +59,7 @@ class Keys:
         )
 
     def one_of(self, *keys: str) -> str | None:
-        """The one of several keys that exists; two are a fault."""
+        """Return which of several keys is written, or None. Two of them are a fault."""
         found = [key for key in keys if key in self.value]
         for key in found[1:]:
             message = f"`{self.word}` of {self.owner} has both `{found[0]}` and `{key}`"
@@ -67,7 +67,7 @@ class Keys:
         return found[0] if found else None
 
     def text_of(self, value: Any, what: str, *at: str | int) -> str | None:
-        """A value that must be a text, at its path."""
+        """Return a value that must be a text, or None after a reported fault."""
         if isinstance(value, str) and value:
             return value
         got = "nothing" if value == "" else kind_of(value)
@@ -76,7 +76,7 @@ class Keys:
         return None
 
     def glob_of(self, value: Any, what: str, *at: str | int) -> str | None:
-        """A value that must be a name, a glob or a regular expression over names, at its path."""
+        """Return a value that must be a name, a glob or a regular expression over names."""
         text = self.text_of(value, what, *at)
         if text is not None and (fault := pattern_fault(text, self.owner, (self.name, self.word, *at))):
             self.faults.append(fault)
@@ -86,7 +86,7 @@ class Keys:
     def number_of(
         self, value: Any, *at: str | int, least: float | None = None, above: float | None = None
     ) -> float | None:
-        """A value that must be a finite number within bounds, at its path."""
+        """Return a value that must be a finite number within bounds, or None after a reported fault."""
         number = _number(value)
         if number is None:
             noun = "a finite number" if isinstance(value, float) else "a number"

@@ -1,4 +1,4 @@
-"""What a kind of check is made of."""
+"""The definition of a kind of check."""
 
 from __future__ import annotations
 
@@ -24,23 +24,22 @@ class Check(Protocol):
 
 
 class Form(Protocol):
-    """What stands behind the word of a kind: a `Keyed` mapping, or a list."""
+    """The form of a check's value: a `Keyed` mapping, or a list."""
 
     def read(self, keys: Keys) -> Any:
-        """What `make` gets; what is wrong goes to the faults of `keys`."""
+        """Return the argument of `make`. Faults are added to `keys`."""
 
     def schema(self) -> Schema:
-        """The JSON Schema of it."""
+        """Return the JSON Schema of the value."""
 
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """A kind of check. `example` is what messages advise to write.
+    """A kind of check. `example` is what messages recommend to write.
 
-    `make` gives the check of what `form` has read, also where there were faults: these are reported, and the check is
-    not used. It may find more that is wrong. A check that `needs_world` is about points in the world of its recipe, and
-    cannot be run where it is not known where that is. One `of_target` is about what other programs make of the model:
-    `composer/targets` carries it out.
+    `make` makes the check from what `form` has read, and may report more faults. After a fault its result is not
+    used. A check that `needs_world` is about points in the world of its recipe, and cannot run in a nested recipe
+    whose place is unknown. A check `of_target` is about other programs: `composer/targets` carries it out.
     """
 
     word: str

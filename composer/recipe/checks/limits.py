@@ -1,4 +1,4 @@
-"""The check `limits`: that keys are within the ranges of joints and actuators."""
+"""The check `limits`: keys are within the ranges of joints and actuators."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ MARGIN = 0.0
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """In the keys that a glob of `keys` names (none: all), `qpos`, `ctrl` and `act` are inside their ranges.
+    """In the keys that match a glob of `keys`, `qpos`, `ctrl` and `act` are inside their ranges.
 
-    They stay `margin` away from both ends, in the unit of each range.
+    Without globs, all keys count. The values stay `margin` away from both ends, in the unit of each range.
     """
 
     word: ClassVar[str] = "limits"

@@ -1,4 +1,4 @@
-"""The check `loads`: that other programs read the model as the one that it is."""
+"""The check `loads`: other programs read the model correctly."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ IN = "in"
 
 @dataclass(frozen=True, slots=True)
 class Loads:
-    """Each of `consumers` reads what is written for it with the masses, inertias, limits and poses of the model."""
+    """Each of `consumers` reads the masses, inertias, limits and poses of the model from what is written for it."""
 
     word: ClassVar[str] = "loads"
     name: str

@@ -1,4 +1,4 @@
-"""The check `mass`: what the model, a body, or a body with all below it weighs."""
+"""The check `mass`: the mass of the model, of a body, or of a body with everything below it."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from composer.recipe.fault import Path
 
 @dataclass(frozen=True, slots=True)
 class Mass:
-    """Kilograms between `low` and `high`: of `body` alone, of `subtree` and all below it, or of everything.
+    """The mass is between `low` and `high`, in kg: that of `body`, of `subtree` with all below it, or of the model.
 
-    `value` and `tol` are what is written, where it is not a range.
+    `value` and `tol` are set if the recipe writes these instead of a range.
     """
 
     word: ClassVar[str] = "mass"
@@ -45,7 +45,7 @@ def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Mass | None:
     how = keys.one_of("range", "value")
     subtree, body, value, tol = (found[name] for name in ("subtree", "body", "value", "tol"))
     if how is None:
-        # A key that is reported may be what says it.
+        # A key with a fault may be the one that is missing here.
         if not any(each.at[:2] == (keys.name, keys.word) for each in keys.faults):
             message = f"`mass` of {keys.owner} does not say how much"
             help = "write `range: [LOW, HIGH]`, or `value: KILOGRAMS`"

@@ -1,4 +1,4 @@
-"""The check `no_penetration`: that nothing is inside of something else."""
+"""The check `no_penetration`: contacts are not deep."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MAX = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class NoPenetration:
-    """At `key` (None: the reference configuration) no contact is deeper than `max` metres.
+    """At `key`, no contact is deeper than `max` metres. Without a key, at the reference configuration.
 
     `exclude` has pairs of globs over names of geoms and bodies whose contacts do not count.
     """
@@ -33,7 +33,7 @@ class NoPenetration:
 
 
 class Pairs:
-    """Pairs of globs, which gives a tuple of pairs."""
+    """Form of pairs of globs, read as a tuple of pairs."""
 
     def read(self, keys: Keys, value: Any, *at: str | int) -> tuple[tuple[str, ...], ...]:
         if not isinstance(value, list):

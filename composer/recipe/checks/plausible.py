@@ -1,4 +1,4 @@
-"""The check `plausible`: that masses and inertias could be those of the bodies as they look."""
+"""The check `plausible`: masses and inertias fit the shapes of the bodies."""
 
 from __future__ import annotations
 
@@ -17,10 +17,11 @@ GYRATION, OUTSIDE = 1.0, 0.02
 
 @dataclass(frozen=True, slots=True)
 class Plausible:
-    """Each body that a glob of `bodies` names (none: all with mass and geoms) has an inertia that its geoms could have.
+    """The inertia of each body that matches a glob of `bodies` is possible for its geoms.
 
-    `density` has the least and the most, in kg/m³; None is any. `gyration` is the largest radius of gyration and
-    `outside` how far the centre of mass may be from the box around the geoms, both relative to the size of the geoms.
+    Without globs, all bodies with mass and geoms count. `density` is the allowed range in kg/m³, None for any.
+    `gyration` is the largest radius of gyration, and `outside` the largest distance of the centre of mass from the
+    box around the geoms, both relative to the size of the geoms.
     """
 
     word: ClassVar[str] = "plausible"

@@ -1,4 +1,4 @@
-"""The check `reachable`: that a site can be brought to a point."""
+"""The check `reachable`: a site can be moved to a point."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The check `runs_on`: that simulators have everything that the model has."""
+"""The check `runs_on`: simulators support everything in the model."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from composer.recipe.fault import Path
 
 @dataclass(frozen=True, slots=True)
 class RunsOn:
-    """Nothing of the model is lost or refused where it is written for each of `simulators`."""
+    """Nothing in the model is lost or refused when it is written for each of `simulators`."""
 
     word: ClassVar[str] = "runs_on"
     name: str
@@ -23,7 +23,7 @@ class RunsOn:
 
 
 class Simulators:
-    """What stands behind `runs_on`: a list of simulators."""
+    """Form of the value of `runs_on`: a list of simulators."""
 
     words = Words(RUN_ON, "simulator")
 

@@ -1,4 +1,4 @@
-"""The programs that checks ask about. `composer/targets` says what each lacks, and reads models back in them."""
+"""The programs that checks are about. `composer/targets` knows what each lacks, and reads models back in them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The check `size`: how many there are of something in the compiled model."""
+"""The check `size`: how many of something the compiled model has."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ COUNTS: Mapping[str, str] = {
 
 @dataclass(frozen=True, slots=True)
 class Size:
-    """How many there are, by the name of the size in mjModel. Its place is `(*at, "size", NAME)`."""
+    """The numbers by the names of the sizes in mjModel. The place of one is `(*at, "size", NAME)`."""
 
     word: ClassVar[str] = "size"
     name: str
@@ -58,7 +58,7 @@ class Size:
 
 
 class Count:
-    """A whole number from 0."""
+    """Form of a whole number from 0."""
 
     def read(self, keys: Keys, value: Any, *at: str | int) -> int | None:
         if isinstance(value, int) and not isinstance(value, bool) and value >= 0:

@@ -1,4 +1,4 @@
-"""The check `stable`: that a model comes to rest from a keyframe."""
+"""The check `stable`: a model comes to rest when it starts from a keyframe."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ SECONDS, MAX_SPEED = 1.0, 0.05
 
 @dataclass(frozen=True, slots=True)
 class Stable:
-    """From `key` (None: the reference configuration), no speed is above `max_speed` (m/s, rad/s) after `seconds`.
+    """After `seconds` from `key`, no speed is above `max_speed` (m/s, rad/s).
 
-    With `within`, every joint is then that near (m, rad) to where it is in the key `near`; None is `key` itself.
+    Without a key, the model starts from the reference configuration. With `within`, every joint must then be that
+    close (m, rad) to its position in the key `near`, or in `key` itself.
     """
 
     word: ClassVar[str] = "stable"
@@ -34,7 +35,7 @@ class Stable:
 
 
 class Near:
-    """The keyframe that the model stays near to, and how near."""
+    """Form of the keyframe to which the model stays near, and how near."""
 
     form = Keyed(
         "",

@@ -1,4 +1,4 @@
-"""The check `unchanged`: that a part is what its source is alone."""
+"""The check `unchanged`: a part is the same as its source alone."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ OWN = frozenset({"class", "childclass", "name", "file"})
 
 @dataclass(frozen=True, slots=True)
 class Unchanged:
-    """A part is what its source is alone. `part` is None for all parts, `excepted` are attributes of MJCF.
+    """A part is the same as its source alone. Without `part`, all parts are. Attributes `excepted` may differ.
 
     The place of an attribute is `locate(node, (*at, "unchanged", "except", INDEX))`.
     """
@@ -37,14 +37,14 @@ class Unchanged:
 
 
 def attributes() -> list[str]:
-    """Every attribute of MJCF that an element of a model may have, sorted."""
+    """Return every attribute of MJCF that an element of a model can have, sorted."""
     sections = [tag for tag in GRAMMAR.root.children if tag not in OF_THE_WHOLE]
     kinds = [kind for tag in sections for kind in GRAMMAR.within(tag).values()]
     return sorted({name for kind in kinds for name in kind.attributes} - OWN)
 
 
 class Attributes:
-    """Attributes of MJCF, which gives a tuple."""
+    """Form of a list of MJCF's attributes, read as a tuple."""
 
     def read(self, keys: Keys, value: Any, *at: str | int) -> tuple[Any, ...]:
         if not isinstance(value, list):

@@ -1,4 +1,4 @@
-"""Attributes whose values in a compiled model are words: kinds of element, and names of others."""
+"""Attributes whose values in a compiled model are words: keywords, and names of other elements."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _NOT_COMPILED = ("default", "instance")
 
 @cache
 def keywords(tag: str) -> Mapping[str, tuple[str, ...]]:
-    """The attributes of a tag that have one of several words, with these. `type` of a family is its tags."""
+    """Return the attributes of a tag that have keywords, with these. The keywords of a family's `type` are its tags."""
     paths = paths_of(tag)
     found: dict[str, tuple[str, ...]] = {}
     for name in sorted(ENUMERATED.get(tag, ())):
@@ -32,7 +32,10 @@ def _words(path: str, name: str) -> tuple[str, ...]:
 
 @cache
 def naming(tag: str) -> Mapping[str, str | None]:
-    """The attributes of a tag that name another element, with its kind; None where another attribute says which."""
+    """Return the attributes of a tag that name another element, with its kind.
+
+    The kind is None if another attribute gives it.
+    """
     if tag not in _NAMING:
         return {}
     return {

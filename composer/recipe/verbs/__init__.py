@@ -1,1 +1,1 @@
-"""The verbs of `edit`: one file for each, and the table of them all."""
+"""The verbs of `edit`: how each is written. Each has one file; `table` has them all."""

@@ -1,4 +1,4 @@
-"""What `set`, `scale` and `offset` have in common: a mapping from attributes to values."""
+"""What `set`, `scale` and `offset` share: a mapping from attributes to values."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ _CLASSES = "default"
 
 
 def assigning(name: str, sign: str, description: str, values: str) -> Verb:
-    """A verb that gives attributes new values; `sign` stands between the two in words.
+    """Return a verb that gives attributes new values.
 
-    `values` is the kind of definition that the JSON Schema of the values has.
+    `sign` is written between attribute and value in words. `values` is the kind of definition of the values in the
+    JSON Schema.
     """
 
     def words(value: Mapping[str, Any]) -> str:

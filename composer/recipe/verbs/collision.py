@@ -1,4 +1,4 @@
-"""Verb `collision`: what geoms of meshes touch with becomes convex shapes that are made of their meshes."""
+"""Verb `collision`: replace meshes in collisions by convex shapes that are made of them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _EXAMPLES = {"count": 16, "faces": 500}
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """A number of a method: what it is where it is not written (None: no limit), and what it must be at least."""
+    """A number of a method: its default (None for no limit), and its least value."""
 
     about: str
     default: float | None
@@ -30,7 +30,7 @@ class Setting:
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """A way to make shapes; `settings` is empty for `fit`, which has a word."""
+    """A way to make shapes. `settings` is empty for `fit`, whose value is a word."""
 
     about: str
     settings: Mapping[str, Setting]
@@ -112,7 +112,7 @@ def _word(value: Any, at: Path, selected: Selected) -> str | None:
 def read_settings(
     value: Any, name: str, method: Method, at: Path, add: Callable[[Fault], None]
 ) -> dict[str, Any] | None:
-    """The settings of a method with their defaults; None where one is wrong, which is reported."""
+    """Return the settings of a method with their defaults, or None after a reported fault."""
     example = ", ".join(f"{key}: {_EXAMPLES[key]}" for key in method.needed)
     if not isinstance(value, dict):
         message = f"`{name}` expects a mapping, got {kind_of(value)}"
@@ -152,7 +152,7 @@ def _words(value: Mapping[str, Any]) -> str:
 
 
 def in_words(method: str, wanted: Any) -> str:
-    """A method and its settings, as plans and manifests have them.
+    """Return a method and its settings as in plans and manifests.
 
     >>> in_words("decompose", {"parts": 8, "threshold": 0.05, "vertices": None, "seed": 1})
     'decompose (parts 8, threshold 0.05, seed 1)'

@@ -1,4 +1,4 @@
-"""Verb `convert`: an actuator becomes one of another kind."""
+"""Verb `convert`: make an actuator one of another kind."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def _words(value: Mapping[str, Any]) -> str:
 
 
 def _schema() -> Schema:
-    """The kind, and conditions on the attributes that go with it."""
+    """Return the schema: the kind, and conditions on the attributes that belong to it."""
     return {"type": "object", "properties": {TO: _KIND}, "required": [TO], "allOf": _conditions()}
 
 

@@ -1,4 +1,4 @@
-"""Verb `inertia`: the mass and inertia of bodies are those of their geoms."""
+"""Verb `inertia`: compute mass and inertia of bodies from their geoms."""
 
 from __future__ import annotations
 

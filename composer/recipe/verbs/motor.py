@@ -1,4 +1,4 @@
-"""Verb `motor`: an actuator and its joint are those of a motor, by its data sheet."""
+"""Verb `motor`: give an actuator and its joint the values of a motor's data sheet."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Verb `move`: elements stand in another body or frame."""
+"""Verb `move`: move elements to another body or frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Verb `offset`: something is added to numbers."""
+"""Verb `offset`: add to numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Verb `remove`: elements are taken out."""
+"""Verb `remove`: remove elements."""
 
 from __future__ import annotations
 

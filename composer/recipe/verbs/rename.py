@@ -1,4 +1,4 @@
-"""Verb `rename`: elements get new names, and every reference follows."""
+"""Verb `rename`: give elements new names, also in every reference."""
 
 from __future__ import annotations
 

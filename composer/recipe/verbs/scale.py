@@ -1,4 +1,4 @@
-"""Verb `scale`: numbers are multiplied."""
+"""Verb `scale`: multiply numbers."""
 
 from __future__ import annotations
 

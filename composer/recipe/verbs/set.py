@@ -1,4 +1,4 @@
-"""Verb `set`: attributes get new values."""
+"""Verb `set`: give attributes new values."""
 
 from __future__ import annotations
 

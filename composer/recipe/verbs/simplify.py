@@ -1,4 +1,4 @@
-"""Verb `simplify`: meshes get fewer faces."""
+"""Verb `simplify`: reduce the faces of meshes."""
 
 from __future__ import annotations
 

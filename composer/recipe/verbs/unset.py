@@ -1,4 +1,4 @@
-"""Verb `unset`: attributes are no longer written."""
+"""Verb `unset`: remove attributes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _CLASSES = "default"
 
 
 def _read(value: Any, selected: Selected) -> tuple[str, ...] | dict[str, tuple[str, ...]]:
-    """Attributes, or for classes a mapping from tags to attributes."""
+    """Return the attributes, or for classes a mapping from tags to attributes."""
     if not isinstance(value, dict) or selected.tag != _CLASSES:
         return _list(value, selected.kinds, selected.tag, selected.at, selected)
     found: dict[str, tuple[str, ...]] = {}

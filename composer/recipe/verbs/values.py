@@ -1,4 +1,4 @@
-"""New values of attributes, checked by the grammar before anything is built, as far as the tag of a selector allows."""
+"""Check the values of attributes by the grammar before anything is built, as far as the selector's tag allows."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ MASS = "mass"
 
 @dataclass(slots=True)
 class Checker:
-    """Checks the values of `set`, `scale` and `offset`. `bare_angles`: angles without a unit are allowed."""
+    """Checks the values of `set`, `scale` and `offset`. With `bare_angles`, angles without a unit are allowed."""
 
     bare_angles: bool
     faults: list[Fault]
 
     def attributes(self, verb: str, value: Mapping[str, Any], selector: Selector | None, at: Path) -> None:
-        """Check what `set`, `scale` or `offset` is given."""
+        """Check the mapping that `set`, `scale` or `offset` is given."""
         kinds = () if selector is None else kinds_of(selector.tag)
         self._attributes(verb, value, kinds, selector.tag if selector else "", at)
 
@@ -64,7 +64,7 @@ class Checker:
             self.value(verb, fitting, index, item, tag, path)
 
     def unknown(self, name: str, tag: str, kinds: tuple[ElementType, ...], at: Path) -> Fault:
-        """The fault of a name that is not an attribute of what is selected."""
+        """Return the fault of a name that is not an attribute of what is selected."""
         if all(kind.path == "default" or kind.tag == "default" for kind in kinds):
             known = [child for child in kinds[0].children if child != "default"]
             near = closest(name, known)
@@ -139,7 +139,7 @@ class Checker:
             self.faults.append(Fault("wrong-type", f"{subject} expects a number, got {kind_of(value)}", at))
 
     def _templates(self, value: Any, at: Path) -> bool:
-        """Whether every `${…}` has a form that can be evaluated."""
+        """Return whether every `${…}` can be parsed."""
         if isinstance(value, list):
             sound = [self._templates(item, (*at, index)) for index, item in enumerate(value)]
             return all(sound)
@@ -149,7 +149,7 @@ class Checker:
 
 
 def _sample(attribute: Attribute, value: Any) -> Any:
-    """A value of the same form without `${…}`; None where only the model shows whether it fits."""
+    """Return a value of the same form without `${…}`, or None if only the model shows whether it fits."""
     if isinstance(value, list):
         items = [1 if _computed(item) and attribute.is_number else item for item in value]
         return None if any(map(_computed, items)) else items

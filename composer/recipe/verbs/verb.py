@@ -1,4 +1,4 @@
-"""What a verb of `edit` is made of."""
+"""The definition of a verb of `edit`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Changed: TypeAlias = Iterable[tuple[str | None, str]]
 
 @dataclass(frozen=True, slots=True)
 class Selected:
-    """What a verb is applied to: the selector, None where it is wrong, and the path to the verb in the recipe."""
+    """What a verb is applied to: the selector, or None if it has a fault, and the verb's path in the recipe."""
 
     selector: Selector | None
     at: Path
@@ -32,7 +32,7 @@ class Selected:
 
     @property
     def kinds(self) -> tuple[ElementType, ...]:
-        """The elements that the tag of the selector means; none where it does not say."""
+        """Return the elements that the selector's tag means, or none if it does not say."""
         return kinds_of(self.selector.tag) if self.selector else ()
 
     def add(self, fault: Fault) -> None:
@@ -41,14 +41,14 @@ class Selected:
 
 @dataclass(frozen=True, slots=True)
 class Verb:
-    """A verb. What carries it out is in `composer/compose/edit.py`.
+    """A verb, as a recipe writes it. What carries it out is in `composer/compose/verbs`.
 
-    `description` is what editors and the reference page say of it. `read` gives the value as `Edit` keeps it; what is
-    wrong goes to the faults. `words` has the value on one line, for `plan` and `explain`. `changes` says which
-    attributes follow from the value, where the selector has a tag; it is None for a verb that makes or takes away
-    elements, after which a part cannot be compared with its source. `schema` is the JSON Schema of the value,
-    `schema_of_tag` what more holds of it where the selector has a tag, and `schema_of_classes` where it selects default
-    classes. A verb that stands `alone` cannot be combined with others.
+    `description` is for editors and the reference page. `read` returns the value as `Edit` keeps it, and reports
+    faults. `words` returns the value on one line, for `plan` and `explain`. `changes` returns which attributes
+    follow from the value, if the selector has a tag. It is None for a verb that makes or removes elements, after
+    which a part cannot be compared with its source. `schema` is the JSON Schema of the value; `schema_of_tag` has
+    further conditions if the selector has a tag, and `schema_of_classes` if it selects default classes. A verb that
+    is `alone` cannot be combined with others.
     """
 
     name: str
@@ -63,7 +63,7 @@ class Verb:
 
 
 def read_mapping(name: str, value: Any, example: str, selected: Selected) -> dict[str, Any] | None:
-    """The value of a verb that expects a mapping; None where it is not one or is empty, which is reported."""
+    """Return the value of a verb that must be a mapping with entries, or None after a reported fault."""
     if isinstance(value, dict) and value:
         return value
     message = f"`{name}` expects a mapping, got {kind_of(value) if value != {} else 'an empty one'}"
@@ -72,7 +72,7 @@ def read_mapping(name: str, value: Any, example: str, selected: Selected) -> dic
 
 
 def with_values(value: Mapping[str, Any], but: str) -> str:
-    """The entries of a mapping but one, as the end of a line.
+    """Return all entries of a mapping but one, as the end of a line.
 
     >>> with_values({"to": "motor", "gear": [2]}, "to")
     ' with gear = [2]'
@@ -82,7 +82,7 @@ def with_values(value: Mapping[str, Any], but: str) -> str:
 
 
 def flat(written: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
-    """The values of a mapping and of those in it, by their paths."""
+    """Yield the values of a mapping and of mappings inside it, by their paths."""
     for name, value in written.items():
         if isinstance(value, Mapping):
             yield from flat(value, f"{above}{name}.")

@@ -1,1 +1,1 @@
-"""The targets, one file each."""
+"""The targets. Each has one file."""

@@ -26,7 +26,7 @@ from composer.targets.restrictions.unread import (
 )
 from composer.targets.target import Target
 
-# Drake 1.51 takes the range of the controls of a position servo, in radians, for the range of its torque.
+# Drake 1.51 uses the control range of a position servo, which is in radians, as the range of its torque.
 _NO_CONTROL_RANGE = without_attribute(
     "control ranges",
     "actuator/position",

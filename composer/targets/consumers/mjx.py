@@ -1,4 +1,4 @@
-"""Target: MJX, MuJoCo in JAX. What it lacks stops it when it loads a model."""
+"""Target: MJX, MuJoCo in JAX. It refuses to load a model with a feature that it does not support."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Target: Newton. It makes one joint of several of a body, and reads no flexes."""
+"""Target: Newton. It merges several joints of a body into one, and does not read flexes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Target: Pinocchio. It reads one body of the world, and a joint of each body."""
+"""Target: Pinocchio. It reads one body in the world, and one joint in each body."""
 
 from __future__ import annotations
 

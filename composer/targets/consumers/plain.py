@@ -1,4 +1,4 @@
-"""Target: the plainest MJCF, for readers that are not listed."""
+"""Target: the plainest MJCF, for programs that have no target of their own."""
 
 from __future__ import annotations
 

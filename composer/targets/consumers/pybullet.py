@@ -1,4 +1,4 @@
-"""Target: PyBullet. It places a body of the world by its centre of mass, and reads bodies, joints and geoms."""
+"""Target: PyBullet. It reads bodies, joints and geoms, and places a body in the world by its centre of mass."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Target: MuJoCo Warp, MuJoCo on GPUs of NVIDIA. What it lacks stops it when it loads a model."""
+"""Target: MuJoCo Warp, MuJoCo on NVIDIA GPUs. It refuses to load a model with a feature that it does not support."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The plainest MJCF that MuJoCo compiles to the same model: what readers of their own understand."""
+"""The plainest MJCF that MuJoCo compiles to the same model, for programs with parsers of their own."""

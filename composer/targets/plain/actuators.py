@@ -1,4 +1,4 @@
-"""Pass: an actuator that does no more than a motor, a position or a velocity servo is called that."""
+"""Pass: give an actuator the tag `motor`, `position` or `velocity` if it does what one of these does."""
 
 from __future__ import annotations
 
@@ -19,9 +19,10 @@ _GAIN = ("gaintype", "gainprm", "biastype", "biasprm", "input")
 
 
 def simple_actuators(root: Node, *, any_input: bool = False) -> None:
-    """Rename each `general` that can be.
+    """Rename each `general` actuator that has a simpler form.
 
-    MuJoCo 4 knows what the control of an actuator means; with `any_input` a servo is also what only has its gains.
+    MuJoCo 4 records what the control of an actuator means. With `any_input`, its gains alone decide whether it is a
+    servo.
 
     >>> from lxml import etree
     >>> servo = '<general joint="j" biastype="affine" gainprm="5" biasprm="0 -5 -1"/>'

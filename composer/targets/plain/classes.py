@@ -1,4 +1,4 @@
-"""Pass: what classes give stands on the elements; there are no classes any more."""
+"""Pass: write the values of classes onto the elements, and remove the classes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from composer.tree.kinds import kind_of
 
 
 def without_classes(root: Node) -> None:
-    """Write what each element has of its class, and take the classes away.
+    """Write all values that elements get from their classes, then remove the classes.
 
     >>> from lxml import etree
     >>> classes = '<default><geom friction=".5"/></default>'
@@ -56,7 +56,7 @@ def _trimmed(text: str) -> str:
 
 
 def _layers(material: Node, classes: Classes) -> None:
-    """The textures of a material by their roles; those of a class count where it has none of its own."""
+    """Write the textures of a material by their roles. Those of the class count if the material has none of its own."""
     if next(material.iterchildren("layer"), None) is not None:
         return
     for each in chain(material, classes):

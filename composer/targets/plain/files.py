@@ -1,4 +1,4 @@
-"""Pass: textures, height fields and skins are the files that they were, named from the folder of the text."""
+"""Pass: keep textures, height fields and skins as they are, under paths relative to the folder of the text."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from composer.tree.files import file_attributes, join
 
 
 def keep_files(root: Node, folder: Path, spec: Any) -> dict[str, bytes]:
-    """Gives the files by their paths; those of meshes are written anew. Raises OSError."""
+    """Return the content of the files by path. Meshes are not among them: they are written anew. Raises OSError."""
     files: dict[str, bytes] = {}
     for element, attribute, name in list(file_attributes(root)):
         if element.tag == "mesh":

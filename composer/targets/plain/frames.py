@@ -1,4 +1,4 @@
-"""Pass: there are no frames; where what they held stands is written by `values.py`."""
+"""Pass: remove frames. The poses of what they held are written by `values.py`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from lxml.etree import _Element as Node
 
 
 def without_frames(root: Node) -> None:
-    """Put what frames hold in their place.
+    """Replace each frame by its children.
 
     >>> from lxml import etree
     >>> inner = "<frame><body/><frame><geom/></frame></frame><site/>"

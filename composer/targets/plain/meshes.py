@@ -1,7 +1,7 @@
-"""Pass: every mesh is an OBJ file of the vertices that MuJoCo has, in the frame in which it has them.
+"""Pass: write every mesh as an OBJ file with the vertices of MuJoCo's compiled mesh, in its own frame.
 
-A geom stands where MuJoCo's compiler has put it, with what it moved its mesh by; a reader that takes a file as it is
-then sees the same surface.
+MuJoCo's compiler moves each mesh into a frame of its own, and its geoms accordingly. With these vertices and geoms,
+a program that uses files unchanged sees the same surface.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _NOT_IN_FILES = re.compile(r"[^A-Za-z0-9_.-]+")
 
 
 def write_meshes(root: Node, model: Any, names: list[str]) -> dict[str, bytes]:
-    """Let each mesh name its file; gives the files by their paths. `names` are those of the compiled meshes."""
+    """Make each mesh name its file, and return the files by path. `names` are those of the compiled meshes."""
     ids = {name: number for number, name in enumerate(names)}
     files: dict[str, bytes] = {}
     for mesh in root.iterfind("asset/mesh"):
@@ -39,7 +39,7 @@ def write_meshes(root: Node, model: Any, names: list[str]) -> dict[str, bytes]:
 
 
 def obj(model: Any, number: int) -> bytes:
-    """A mesh of a compiled model as an OBJ file."""
+    """Return a mesh of a compiled model as an OBJ file."""
     return ("\n".join(_lines(model, number)) + "\n").encode()
 
 
@@ -53,7 +53,7 @@ def _lines(model: Any, number: int) -> Iterator[str]:
         coordinates = _run(
             model.mesh_texcoord, model.mesh_texcoordadr[number], model.mesh_texcoordnum[number]
         )
-        # MuJoCo turns the second coordinate of OBJ files over.
+        # MuJoCo flips the second texture coordinate of OBJ files.
         yield from (f"vt {u:.9g} {np.float32(1) - np.float32(v):.9g}" for u, v in coordinates.tolist())
         corners.insert(1, model.mesh_facetexcoord[faces])
     yield from ("vn {:.9g} {:.9g} {:.9g}".format(*each) for each in normals.tolist())

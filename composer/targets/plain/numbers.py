@@ -1,4 +1,4 @@
-"""Numbers as text that reads back to the same bits."""
+"""Numbers as text from which the same bits are read back."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 
 def text(values: Any) -> str:
-    """The shortest digits of one number or of several, of the precision that they have.
+    """Return one or several numbers with the fewest digits that their precision needs.
 
     >>> text([0.1, 2.0]), text(np.float32(0.1))
     ('0.1 2', '0.1')

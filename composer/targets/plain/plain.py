@@ -1,4 +1,4 @@
-"""The plain text of a model: the passes, in their order."""
+"""The plain text of a model: the passes in their order."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ _WITH_INPUTS = 4_000_000
 
 
 class CannotBePlain(Exception):
-    """MuJoCo makes more of a model, or less, than what it saves of it says."""
+    """Raised if MuJoCo saves another number of elements than the model has."""
 
 
 def plain(mujoco: Any, path: Path) -> Draft:
-    """The draft of the model in a file. Raises ValueError for what MuJoCo refuses, and CannotBePlain."""
+    """Return the draft of the model in a file. Raises CannotBePlain, and ValueError for a model that MuJoCo refuses."""
     spec = mujoco.MjSpec.from_file(str(path))
     model = spec.compile()
     root = saved(mujoco, spec)
@@ -72,7 +72,7 @@ def plain(mujoco: Any, path: Path) -> Draft:
 
 
 def _compiler(root: Node) -> None:
-    """What the compiler did is done."""
+    """Remove the compiler settings that are already applied to the values."""
     for compiler in root.iterchildren("compiler"):
         for name in _DONE:
             compiler.attrib.pop(name, "")
@@ -80,7 +80,10 @@ def _compiler(root: Node) -> None:
 
 
 def _materials(model: Any, elements: dict[str, list[Node]], names: NameTable) -> None:
-    """MuJoCo 4.0 does not save `material=""`, which undoes that of a class."""
+    """Write the material of each geom and site.
+
+    MuJoCo 4.0 does not save `material=""`, which undoes the material of a class.
+    """
     for kind in ("geom", "site"):
         for number, element in enumerate(elements[kind]):
             material = int(getattr(model, f"{kind}_matid")[number])

@@ -1,4 +1,4 @@
-"""The text of a model as MuJoCo saves it: compiled values, and what it multiplies written out."""
+"""The text of a model as MuJoCo saves it: compiled values, with all copies written out."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
 
 def saved(mujoco: Any, spec: Any) -> Node:
-    """The tree that MuJoCo saves of a spec that was compiled, angles in radians."""
+    """Return the tree that MuJoCo saves for a compiled spec. Angles are in radians."""
     compiler = spec.compiler
     for setting in ("savecompiled", "savecanonical"):
         if hasattr(compiler, setting):
             setattr(compiler, setting, True)
     save_all_digits(mujoco)
-    # A comment may hold `--`, which MuJoCo reads and writes and XML does not allow.
+    # A comment may contain `--`, which MuJoCo reads and writes although XML does not allow it.
     root = etree.fromstring(_COMMENT.sub("", spec.to_xml()))
     for text in root.iterfind("custom/text"):
         if text.text and text.get("data") is None:  # MuJoCo saves what has to be escaped as CDATA
@@ -39,6 +39,6 @@ def saved(mujoco: Any, spec: Any) -> Node:
 
 
 def _short(value: str) -> str:
-    """The same numbers in the fewest digits: MuJoCo writes 0.1 as 0.10000000000000001."""
+    """Return the same numbers with the fewest digits: MuJoCo writes 0.1 as 0.10000000000000001."""
     found = [parse_real(each) for each in items(value)]
     return value if None in found else " ".join(number_text(each) for each in found if each is not None)

@@ -1,4 +1,4 @@
-"""Pass: where everything stands, how large it is and what it weighs is what MuJoCo's compiler made of it."""
+"""Pass: write the poses, sizes and masses that MuJoCo's compiler has computed."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MESHES = ("mesh", "sdf")
 
 
 def write_values(mujoco: Any, model: Any, elements: Elements) -> None:
-    """Write the compiled values of all that stands in the body tree."""
+    """Write the compiled values of everything in the body tree."""
     for number, body in enumerate(elements["body"]):
         if number:
             _place(body, model.body_pos[number], model.body_quat[number])

@@ -1,1 +1,1 @@
-"""What targets cannot express: one file for each restriction, used by the rows of all targets that have it."""
+"""What targets cannot express. Each restriction has one file, which the rows of all targets with it use."""

@@ -1,4 +1,4 @@
-"""Attributes that a target does not read."""
+"""Limits for attributes that a target does not read."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _ZERO = frozenset("0.")
 
 
 def without_attribute(feature: str, path: str, name: str, why: str) -> Limit:
-    """The attribute is taken from the elements at a path; where it is not zero that is told."""
+    """Return a limit that removes an attribute from the elements at a path. A value other than zero is a loss."""
     return Limit(feature, Outcome.LEFT_OUT, partial(_take, feature, path, name, why))
 
 

@@ -1,4 +1,4 @@
-"""For MJX: pairs of shapes of which it cannot compute contacts."""
+"""Limit of MJX: pairs of shapes for which it cannot compute contacts."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from composer.compiled.enums import words
 from composer.targets.draft import Draft
 from composer.targets.limit import Limit, Outcome
 
-# Of `_COLLISION_FUNC` of MJX 3.17.
+# From `_COLLISION_FUNC` of MJX 3.17.
 _KNOWN = frozenset(
     tuple(pair.split("-"))
     for pair in (
@@ -39,7 +39,7 @@ def _unknown_pairs(draft: Draft) -> None:
 
 
 def colliding(model: Any) -> Iterator[tuple[int, int]]:
-    """The pairs of geoms that may touch, as MuJoCo filters them: by bits, bodies, parents and excludes."""
+    """Yield the pairs of geoms that may touch by MuJoCo's filters: bits, bodies, parents and excludes."""
     excluded = set(model.exclude_signature.tolist())
     welded, parents = model.body_weldid.tolist(), model.body_parentid.tolist()
     bodies, bits = model.geom_bodyid.tolist(), model.geom_contype.tolist()

@@ -1,4 +1,4 @@
-"""What a simulator lacks that MuJoCo compiles: judged by the compiled model, as the simulator itself does."""
+"""Limits that depend on the compiled model, which is also what the simulators look at."""
 
 from __future__ import annotations
 
@@ -18,12 +18,15 @@ Flagged = Callable[[Any, Any], Iterator[tuple[int, str]]]
 
 
 def refused_members(feature: str, kind: str, missing: Sequence[Missing], help: str) -> Limit:
-    """A model is not written if an element has one of these members in an array; a MuJoCo may not have all of them."""
+    """Return a limit that refuses a model if an array has one of these enum members.
+
+    A member that the running MuJoCo does not have is ignored.
+    """
     return Limit(feature, Outcome.SOME_REFUSED, partial(_members, feature, kind, tuple(missing), help))
 
 
 def refused_elements(feature: str, kind: str, flagged: Flagged, help: str) -> Limit:
-    """A model is not written if it has one of the elements that `flagged` finds."""
+    """Return a limit that refuses a model with an element that `flagged` finds."""
     return Limit(feature, Outcome.SOME_REFUSED, partial(_elements, feature, kind, flagged, help))
 
 
@@ -34,7 +37,7 @@ def refused_options(
     flags: Collection[str],
     help: str,
 ) -> Limit:
-    """A model is not written with one of these values of an option, or with one of these flags enabled."""
+    """Return a limit that refuses a model with one of these values of an option, or one of these flags enabled."""
     return Limit(
         feature, Outcome.SOME_REFUSED, partial(_options, feature, name, tuple(enums), tuple(flags), help)
     )
@@ -93,7 +96,7 @@ def _word(mujoco: Any, enum: str, value: int) -> str:
 
 
 def with_plugins(kind: str) -> Flagged:
-    """The elements of a kind that plugins compute."""
+    """Return the elements of a kind that plugins compute."""
 
     def flagged(_mujoco: object, model: Any) -> Iterator[tuple[int, str]]:
         for number in np.flatnonzero(getattr(model, f"{kind}_plugin") >= 0).tolist():

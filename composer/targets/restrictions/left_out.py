@@ -1,4 +1,4 @@
-"""Whole kinds of elements that a target does not read, or reads wrongly."""
+"""Limits for whole kinds of elements that a target does not read, or reads wrongly."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from composer.targets.limit import Limit, Outcome
 
 
 def left_out(feature: str, *paths: str, why: str) -> Limit:
-    """The elements at these paths are left out, of which `why` says what it means."""
+    """Return a limit that removes the elements at these paths. `why` says in words what is lost."""
     return Limit(feature, Outcome.LEFT_OUT, partial(_leave_out, feature, paths, why))
 
 
 def only(feature: str, path: str, tags: Collection[str], why: str) -> Limit:
-    """Of the elements at a path those with other tags are left out."""
+    """Return a limit that removes the elements at a path whose tag is none of these."""
     return Limit(feature, Outcome.PARTLY, partial(_only, feature, path, frozenset(tags), why))
 
 
 def refused(feature: str, path: str, why: str, help: str) -> Limit:
-    """A model with such an element is not written."""
+    """Return a limit that refuses a model with an element at this path."""
     return Limit(feature, Outcome.REFUSED, partial(_refuse, feature, path, why, help))
 
 

@@ -1,4 +1,4 @@
-"""For a target in which an inertia has a mass: what has none says nothing of it."""
+"""Limit of a target in which an inertia needs a mass: inertias without mass are removed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""For MJX: what `put_model` of MJX 3.17 refuses besides pairs of shapes (`collisions.py`)."""
+"""Limits of MJX: what `put_model` of MJX 3.17 refuses, except for pairs of shapes (`collisions.py`)."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ MJX_OPTIONS = refused_options(
 
 
 def _margins(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
-    """The geoms whose contacts with a mesh or a height field begin before they touch."""
+    """Yield a geom with a margin from each pair that may touch and that has a mesh or a height field."""
     shapes = words(mujoco, "geom_type")
     reported = set()
     for pair in colliding(model):
@@ -62,7 +62,7 @@ def _margins(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
 
 
 def _pair_margins(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
-    """The same for contact pairs, which have margins of their own."""
+    """Yield the contact pairs with a margin and a mesh or a height field."""
     shapes = words(mujoco, "geom_type")
     for pair in range(model.npair):
         geoms = int(model.pair_geom1[pair]), int(model.pair_geom2[pair])
@@ -78,7 +78,7 @@ MJX_MARGINS = refused_elements("margins", "geom", _margins, "write `set: {margin
 
 
 def _contact_sensors(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
-    """Those that MJX lacks: of a site, of bodies and subtrees, and of the sum of the forces."""
+    """Yield the contact sensors that MJX does not support: of a site, a body or a subtree, and sums of forces."""
     kinds = mujoco.mjtObj
     contact = getattr(mujoco.mjtSensor, "mjSENS_CONTACT", None)
     for number in range(model.nsensor):

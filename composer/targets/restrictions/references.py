@@ -1,4 +1,4 @@
-"""For a target that knows no references of joints: bodies stand where their joints are at zero."""
+"""Limit of a target without joint references: bodies are placed where their joints are at zero."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def _zeroed(draft: Draft) -> None:
 
 
 def _moved(joint: Node, by: float) -> Pose:
-    """What the joint does to its body's frame when it moves, in radians or metres."""
+    """Return the motion of a joint's body, in its frame, when the joint moves by an angle (rad) or a distance (m)."""
     anchor, axis = shifted(_numbers(joint, "pos")), _numbers(joint, "axis")
     if joint.get("type") == "slide":
         return shifted(by * axis)
@@ -43,7 +43,7 @@ def _moved(joint: Node, by: float) -> Pose:
 
 
 def _carry(joint: Node, by: Pose) -> None:
-    """Take the joint along to where its body stands now."""
+    """Transform the position and axis of a joint by a pose, because the frame of its body has moved."""
     joint.set("pos", text(by[0] + by[1] @ _numbers(joint, "pos")))
     joint.set("axis", text(by[1] @ _numbers(joint, "axis")))
 

@@ -1,4 +1,4 @@
-"""For a target that reads one body of the world, or places it by its centre of mass: all stand in one."""
+"""Limit of a target that reads one body in the world, or places it by its centre of mass: one body holds the rest."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ NAME = "world_root"
 
 
 def one_root(*, with_free: bool) -> Limit:
-    """The bodies of the world stand in one; those with a free joint only `with_free`, which MuJoCo does not read."""
+    """Return a limit that puts the bodies of the world into one.
+
+    Bodies with a free joint are moved only `with_free`, because MuJoCo does not read them there.
+    """
     return Limit("roots", Outcome.WRITTEN, partial(_one_root, with_free))
 
 

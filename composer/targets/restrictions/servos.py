@@ -1,4 +1,4 @@
-"""For a target that knows servos by their names: an actuator that does what one does is called so."""
+"""Limit of a target that knows servos by their tags: actuators get the tag of the servo whose work they do."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from composer.targets.plain.actuators import simple_actuators
 
 
 def servos(*tags: str, of: tuple[str, ...] = ("joint",)) -> Limit:
-    """Actuators with these tags that act on what `of` names stay, others are left out."""
+    """Return a limit that keeps actuators with these tags that act on one of `of`, and removes the others."""
 
     def apply(draft: Draft) -> None:
         simple_actuators(draft.root, any_input=True)

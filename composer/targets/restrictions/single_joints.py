@@ -1,4 +1,4 @@
-"""For a target in which a body has one joint: of several, each stands in a body of its own."""
+"""Limit of a target in which a body has at most one joint: each further joint gets a body of its own."""
 
 from __future__ import annotations
 

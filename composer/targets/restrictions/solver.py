@@ -1,6 +1,6 @@
-"""What belongs to MuJoCo's way to compute: options, the softness of contacts and limits, gravity compensation.
+"""Limits for MuJoCo's own solver: options, the softness of contacts and limits, gravity compensation.
 
-A value counts where it is another than MuJoCo's own, for what is as in MuJoCo's defaults nobody has chosen.
+Only values that differ from MuJoCo's defaults are reported, since nobody has chosen the others.
 """
 
 from __future__ import annotations
@@ -25,7 +25,10 @@ _FRICTION = {"sliding": 0, "torsional": 1, "rolling": 2}
 
 
 def unread_contacts(*friction: str, but: Collection[str] = ()) -> Limit:
-    """How soft contacts are and when they begin are lost, `but` for these attributes, and these kinds of friction."""
+    """Return a limit that reports the softness and margins of contacts as lost.
+
+    Attributes in `but` and these kinds of `friction` are read by the target.
+    """
     return Limit("contacts", Outcome.LEFT_OUT, partial(_contacts, friction, but))
 
 

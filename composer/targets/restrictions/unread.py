@@ -1,4 +1,4 @@
-"""What several targets do not read at all."""
+"""Limits for what several targets do not read at all."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""For MuJoCo Warp: what `put_model` of MuJoCo Warp 4.0 refuses."""
+"""Limits of MuJoCo Warp: what `put_model` of MuJoCo Warp 4.0 refuses."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ WARP_SENSORS = refused_elements("sensors", "sensor", with_plugins("sensor"), _OU
 
 
 def _flexes(_mujoco: object, model: Any) -> Iterator[tuple[int, str]]:
-    """Of flexes: quadratic ones, rigid ones, and contacts of the parts of one with one another."""
+    """Yield the flexes that it refuses: quadratic and rigid ones, and those with contacts between their own parts."""
     nothing = np.zeros(model.nflex, dtype=int)  # a MuJoCo may not have all of these
     interpolated, rigid, internal = (
         getattr(model, name, nothing) for name in ("flex_interp", "flex_rigid", "flex_internal")

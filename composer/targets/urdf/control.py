@@ -1,4 +1,4 @@
-"""`<ros2_control>`: the joints that have actuators, and what moves them."""
+"""`<ros2_control>`: the joints with actuators, and their interfaces."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _PLUGIN = "mock_components/GenericSystem"
 
 
 def control(draft: Draft, joints: dict[str, Node]) -> Node | None:
-    """None where no joint has an actuator; actuators of something else are lost."""
+    """Return the element, or None if no joint has an actuator. Actuators of anything else are recorded as losses."""
     found = etree.Element("ros2_control", name=str(draft.root.get("model") or "model"), type="system")
     etree.SubElement(etree.SubElement(found, "hardware"), "plugin").text = _PLUGIN
     for number, node in list(draft.of("actuator")):

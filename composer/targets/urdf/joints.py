@@ -1,4 +1,4 @@
-"""Joints: each body hangs on its parent by a chain of them."""
+"""Joints: a chain of them connects each body to its parent."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _FREE, _BALL, _SLIDE, _HINGE = range(4)
 
 
 def hung(draft: Draft, body: int, name: str, parent: str) -> Iterator[Node]:
-    """The joints between a body and its parent, and the links between them."""
+    """Yield the joints between a body and its parent, and the links between them."""
     model = draft.model
     joints = [(number, node) for number, node in draft.of("joint") if int(model.jnt_bodyid[number]) == body]
     stands = pose(model.body_pos[body], model.body_quat[body])
@@ -49,12 +49,12 @@ def hung(draft: Draft, body: int, name: str, parent: str) -> Iterator[Node]:
 
 
 def fixed(name: str, parent: str, child: str, frame: Pose) -> Node:
-    """The joint of a link that does not move."""
+    """Return a joint that does not move."""
     return _joint(name, "fixed", parent, child, frame)
 
 
 def _before_reference(model: Any, number: int) -> Pose:
-    """URDF's zero is not the reference of a joint: the frame is where the joint is at zero."""
+    """Return the pose from the reference of a joint to its zero, at which URDF has the frame."""
     reference = float(model.qpos0[model.jnt_qposadr[number]])
     axis = model.jnt_axis[number]
     return about(axis, -reference) if int(model.jnt_type[number]) == _HINGE else shifted(-reference * axis)
@@ -94,7 +94,7 @@ def _motion(draft: Draft, number: int, node: Node, joint: Node) -> None:
 
 
 def effort(draft: Draft, joint: int) -> str:
-    """The greatest force or torque of the actuators of a joint, and of the joint itself, in N or N m."""
+    """Return the greatest force (N) or torque (N·m) at a joint, from its actuators and its own limit."""
     model = draft.model
     bounds = [model.jnt_actfrcrange[joint]] if model.jnt_actfrclimited[joint] else []
     most = [

@@ -1,4 +1,4 @@
-"""What URDF lacks and `write.py` finds while it writes: rows of the table, which change nothing themselves."""
+"""What URDF cannot express and `write.py` finds itself: rows of the table that do not change the draft."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from composer.targets.limit import Limit, Outcome
 
 
 def _found_in_writing(draft: Draft) -> None:
-    """The writer tells of each."""
+    """Do nothing: the writer records each loss."""
 
 
 FLOATING = Limit("roots", Outcome.WRITTEN, _found_in_writing)

@@ -1,4 +1,4 @@
-"""Links: inertia, and the shapes that are seen and that collide."""
+"""Links: their inertia, and their visual and collision shapes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _SHOWN_GROUPS = 3
 
 
 def link(draft: Draft, body: int, name: str, package: str) -> Node:
-    """The link of a body."""
+    """Return the link of a body."""
     found = etree.Element("link", name=name)
     if body and draft.model.body_mass[body] > 0:
         found.append(_inertial(draft.model, body))
@@ -30,7 +30,10 @@ def link(draft: Draft, body: int, name: str, package: str) -> Node:
 
 
 def massless(name: str) -> Node:
-    """A link that only stands between joints: some readers give one without inertia a mass of their own."""
+    """Return a link that only connects joints.
+
+    Its inertia is written as zero: some programs give a link without inertia a mass of their own.
+    """
     found = etree.Element("link", name=name)
     inertial = etree.SubElement(found, "inertial")
     etree.SubElement(inertial, "mass", value="0")
@@ -74,7 +77,7 @@ def _colour(model: Any, number: int) -> Any:
 
 
 def _geometry(draft: Draft, number: int, geom: Node, package: str) -> Iterator[tuple[Pose, Node]]:
-    """The shapes that make up a geom, in its frame."""
+    """Yield the shapes of a geom in its frame."""
     size, here = draft.model.geom_size[number], shifted((0, 0, 0))
     match geom.get("type"):
         case "box":

@@ -1,4 +1,4 @@
-"""Joints that follow others: equality constraints of joints as `<mimic>`."""
+"""Coupled joints: equality constraints of joints as `<mimic>`."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _HINGE_OR_SLIDE = (2, 3)
 
 
 def mimics(draft: Draft, joints: dict[str, Node]) -> None:
-    """Write what follows in proportion; other equality constraints are lost."""
+    """Write proportional constraints as `<mimic>`. Other equality constraints are recorded as losses."""
     model = draft.model
     for number, node in list(draft.of("equality")):
         leader, follower = str(node.get("joint2") or ""), str(node.get("joint1") or "")

@@ -1,4 +1,4 @@
-"""Poses as URDF writes them: metres, and radians about the fixed axes x, y and z."""
+"""Poses as URDF writes them: positions in metres, and angles in radians about the fixed axes x, y and z."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from composer.targets.poses import Pose
 
 
 def origin(of: Pose) -> Node:
-    """The element `<origin>`."""
+    """Return the element `<origin>`."""
     return etree.Element("origin", xyz=text(_clean(of[0])), rpy=text(_clean(angles(of[1]))))
 
 
 def angles(turned: Any) -> Any:
-    """Roll, pitch and yaw of a rotation, shape (3,).
+    """Return roll, pitch and yaw (rad) of a rotation matrix, shape (3,).
 
     >>> [round(float(each), 6) for each in angles([[0, -1, 0], [1, 0, 0], [0, 0, 1]])]
     [0.0, 0.0, 1.570796]

@@ -1,4 +1,4 @@
-"""SRDF: which links do not collide, and the poses of keyframes."""
+"""SRDF: pairs of links that do not collide, and the poses of keyframes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ GROUP = "all"
 
 
 def semantics(draft: Draft, name: str, names: list[str], joints: dict[str, Node]) -> bytes:
-    """The file of the robot `name`; `names` are those of the links by body."""
+    """Return the SRDF file of the robot `name`. `names` has the name of the link of each body."""
     model = draft.model
     root = etree.Element("robot", name=name)
     movable = [

@@ -1,4 +1,4 @@
-"""Writes a draft as a ROS package."""
+"""Write a draft as a ROS package."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ ament_package()
 
 
 def write_urdf(draft: Draft) -> dict[str, bytes]:
-    """`model.urdf`, `model.srdf`, the meshes, and what makes a package of them."""
+    """Return `model.urdf`, `model.srdf`, the meshes and the files of a ROS package, by path."""
     draft.output = "model.urdf"
     simple_actuators(draft.root, any_input=True)
     model, title = draft.model, str(draft.root.get("model") or "model")
@@ -84,7 +84,7 @@ def write_urdf(draft: Draft) -> dict[str, bytes]:
 
 
 def _frame(draft: Draft, site: int, name: str, names: list[str]) -> list[Node]:
-    """A site as a link that is fixed to its body."""
+    """Return a site as a link that is fixed to the link of its body."""
     model = draft.model
     called = f"{name}_site" if name in names else name
     where = pose(model.site_pos[site], model.site_quat[site])
@@ -92,7 +92,7 @@ def _frame(draft: Draft, site: int, name: str, names: list[str]) -> list[Node]:
 
 
 def package_name(title: str) -> str:
-    """A name that ROS takes.
+    """Return a name that is valid for a ROS package.
 
     >>> package_name("UR5e + 2F-85")
     'ur5e_2f_85'

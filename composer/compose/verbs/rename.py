@@ -7,6 +7,7 @@ from lxml.etree import _Element as Node
 from composer.compose.bones import rename_in_skins
 from composer.compose.edit_values import Unusable, Values
 from composer.compose.editing import Editing
+from composer.compose.verbs.entry import Entry
 from composer.diagnostics.diagnostic import Note
 from composer.document.node import locate
 from composer.recipe.fault import Path
@@ -16,10 +17,12 @@ from composer.tree.names import WORLD
 from composer.tree.renaming import NewName, Renaming, unlistable_message
 
 
-def rename(editing: Editing, found: list[Node], written: str, at: Path) -> None:
+def carry_out(entry: Entry, written: str, at: Path) -> None:
     """Give each its name. All names are decided before the first is written, so that two can change places."""
+    entry.check()  # messages name the elements as they are written
+    editing = entry.editing
     new: dict[Node, str] = {}
-    for index, node in enumerate(found):
+    for index, node in enumerate(entry.found):
         new[node] = _new_name(editing, node, index, written, at)
     _check(editing, new, at)
     renaming = _renaming(editing, new)

@@ -9,6 +9,7 @@ from lxml.etree import _Element as Node
 
 from composer.compose.edit_values import Unusable
 from composer.compose.editing import Editing
+from composer.compose.verbs.entry import Entry
 from composer.diagnostics.diagnostic import Note
 from composer.recipe.fault import Fault, Path
 from composer.recipe.presence import absent, clashing
@@ -18,6 +19,14 @@ from composer.tree.kinds import kind_of
 
 # An actuator must have one of these: else MuJoCo 4.0 says "missing transmission target for actuator".
 _MOVED = ("joint", "jointinparent", "tendon", "site", "body", "cranksite")
+
+
+def carry_out(entry: Entry, value: Any, at: Path) -> None:
+    """Remove attributes. Required ones that are missing afterwards are reported at the end of the entry."""
+    if not isinstance(value, Mapping):
+        lacked = {node: missed(entry.editing, node) for node in entry.found}
+        entry.checks.append(lambda: report_missed(entry.editing, lacked, value, at))
+    unset(entry.editing, entry.found, value, at)
 
 
 def unset(editing: Editing, found: list[Node], names: Any, at: Path) -> None:

@@ -9,6 +9,9 @@ from lxml.etree import _Element as Node
 
 from composer.compose.edit_values import Unusable, Values
 from composer.compose.editing import Editing
+from composer.compose.verbs.change import Change
+from composer.compose.verbs.entry import Entry
+from composer.compose.verbs.operation import SET
 from composer.diagnostics.diagnostic import Note
 from composer.link.layout import JOINTS
 from composer.recipe.fault import Path
@@ -19,7 +22,16 @@ from composer.tree.names import WORLD
 from composer.tree.references import unresolved
 
 
-def move(editing: Editing, node: Node, index: int, written: Mapping[str, Any], at: Path) -> None:
+def carry_out(entry: Entry, value: Mapping[str, Any], at: Path) -> None:
+    """Move every selected element, then give it the pose that the value writes."""
+    pose = {name: each for name, each in value.items() if name != "to"}
+    for index, node in enumerate(entry.found):
+        _move(entry.editing, node, index, value, at)
+        if pose:
+            Change(entry.editing, SET, entry.masses).carry_out(node, index, pose, at)
+
+
+def _move(editing: Editing, node: Node, index: int, written: Mapping[str, Any], at: Path) -> None:
     """Put a node last into its new place; it keeps its class, and its pose there is the one it is written with."""
     target = _target(editing, node, index, written["to"], (*at, "to"))
     span = editing.span((*at, "to"))

@@ -9,15 +9,15 @@ from lxml.etree import _Element as Node
 
 from composer.compose.edit_values import Unusable
 from composer.compose.editing import Editing
-from composer.compose.mass import Masses
+from composer.compose.refuse import refuse
+from composer.compose.verbs.entry import Entry
 from composer.compose.without_keyframes import without_keys
-from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.link import numbers
 from composer.link.inertia import MEASURED
 from composer.link.linking import Linking
 from composer.link.measured_unit import BODIES, Survey, Unmeasurable, measured
-from composer.recipe.fault import Path
+from composer.recipe.fault import Fault, Path
 from composer.recipe.verbs.inertia import DENSITY, FROM, GROUP
 from composer.tree.attributes import replace
 from composer.tree.classes import own, walk_bodies
@@ -26,24 +26,22 @@ _RULES = (*MEASURED, "inertiafromgeom", "inertiagrouprange")
 _ROWS = dict(zip(BODIES, (1, 3, 4, 3), strict=True))
 
 
-def inertia(
-    editing: Editing, masses: Masses, found: Collection[Node], written: Mapping[str, Any], at: Path
-) -> None:
+def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
     """Write onto each body an `<inertial>` that MuJoCo computes from its geoms."""
+    editing, found = entry.editing, entry.found
     wanted = {body: _geoms(editing, body, written, at) for body in found}
-    masses.settle(*_RULES)
+    entry.masses.settle(*_RULES)
     survey, there = _measured(editing, wanted, float(written[DENSITY]), at)
     for body in found:
         rows = {array: survey.values(there[body], array, width) for array, width in _ROWS.items()}
         mass, pos, quat, moments = rows.values()
         if mass is None or pos is None or quat is None or moments is None:
-            _refuse(
-                editing, body, at, "selector", f"MuJoCo does not say what {editing.called(body)} weighs", None
-            )
-        assert mass is not None and pos is not None and quat is not None and moments is not None
+            message = f"MuJoCo does not say what {editing.called(body)} weighs"
+            refuse(editing, body, Fault("selector", message, at, key=True), it="it")
         if not mass[0] > 0:
             message = f"the geoms of {editing.called(body)} have no volume"
-            _refuse(editing, body, at, "wrong-type", message, "write its mass: `set: {mass: …}`")
+            help = "write its mass: `set: {mass: …}`"
+            refuse(editing, body, Fault("wrong-type", message, at, key=True, help=help), it="it")
         _write(editing, body, {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}, at)
 
 
@@ -79,23 +77,25 @@ def _geoms(editing: Editing, body: Node, written: Mapping[str, Any], at: Path) -
             if written[FROM] == "mesh" and own(body, "geom")
             else "write `set: {mass: …}`"
         )
-        _refuse(editing, body, at, "selector", f"{editing.called(body)} has no {what}", help)
+        message = f"{editing.called(body)} has no {what}"
+        refuse(editing, body, Fault("selector", message, at, key=True, help=help), it="it")
     if GROUP in written:
         if written[GROUP] not in groups:
             message = f"{editing.called(body)} has no {what} in the group {written[GROUP]}"
-            _refuse(editing, body, (*at, GROUP), "selector", message, f"it has some in the groups {known}")
+            help = f"it has some in the groups {known}"
+            refuse(editing, body, Fault("selector", message, (*at, GROUP), key=True, help=help), it="it")
         return groups[written[GROUP]]
     if len(groups) > 1:
         message = f"{editing.called(body)} has {what} in the groups {known}, which may be the same shape several times"
         help = f"say which of them count: `group: {min(groups)}`"
-        _refuse(editing, body, at, "selector", message, help)
+        refuse(editing, body, Fault("selector", message, at, key=True, help=help), it="it")
     return geoms
 
 
 def _measured(
     editing: Editing, wanted: Mapping[Node, Collection[Node]], density: float, at: Path
 ) -> tuple[Survey, Mapping[Node, Node]]:
-    """What MuJoCo makes of a copy of the model in which the bodies have nothing but these geoms at that density."""
+    """Return what MuJoCo measures in a copy of the model in which the bodies have only these geoms, at that density."""
     unit = editing.linking.flat()
     aside = Sink()
     with without_keys(unit.root):
@@ -132,11 +132,3 @@ def _made_of(body: Node, geoms: Collection[Node], density: float) -> None:
         geom.set("mass", "nan" if counts else "0")
         if counts:
             geom.set("density", numbers.text([density]))
-
-
-def _refuse(editing: Editing, body: Node, at: Path, code: str, message: str, help: str | None) -> None:
-    note = Note("it is written here", editing.span_of(body))
-    editing.sink.error(
-        code, message, editing.span(at, key=True), notes=(note,), help=help, subjects=editing.subjects(body)
-    )
-    raise Unusable

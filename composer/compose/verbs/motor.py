@@ -3,28 +3,31 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from lxml.etree import _Element as Node
 
 from composer.compose.edit_values import Unusable
 from composer.compose.editing import Editing
-from composer.diagnostics.diagnostic import Note
+from composer.compose.refuse import refuse
+from composer.compose.verbs.change import Change
+from composer.compose.verbs.entry import Entry
+from composer.compose.verbs.operation import SET
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.link import numbers
 from composer.link.layout import joint_type
-from composer.recipe.fault import Path
+from composer.recipe.fault import Fault, Path
 from composer.recipe.motors import Motor, library
 from composer.recipe.verbs.motor import BANDWIDTH, ERROR, MODEL
 from composer.tree.attributes import assign
 
-Set = Callable[[Node, int, Mapping[str, Any]], None]
 _SERVOS, _PLAIN = ("position", "velocity"), ("motor",)
 
 
-def motor(editing: Editing, found: list[Node], written: Mapping[str, Any], at: Path, put: Set) -> None:
-    """Make each actuator one with the motor; `put` sets attributes of an element, the one at an index."""
+def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
+    """Write the data sheet onto each actuator and its joint."""
+    editing = entry.editing
     sheet = _sheet(editing, written[MODEL], (*at, MODEL))
     effort = sheet.effort
     if written.get("effort") == "rated":
@@ -35,11 +38,13 @@ def motor(editing: Editing, found: list[Node], written: Mapping[str, Any], at: P
             )
             raise Unusable
         effort = sheet.rated
-    for index, node in enumerate(found):
+    for index, node in enumerate(entry.found):
         joint, gear = _joint(editing, node, at)
         _without_other(editing, node, at)
-        put(joint, index, _of_joint(sheet))
-        put(node, index, _of_actuator(editing, node, joint, sheet, effort, gear, written, at))
+        change = Change(editing, SET, entry.masses)
+        change.carry_out(joint, index, _of_joint(sheet), at)
+        values = _of_actuator(editing, node, joint, sheet, effort, gear, written, at)
+        change.carry_out(node, index, values, at)
 
 
 def _sheet(editing: Editing, name: str, at: Path) -> Motor:
@@ -61,11 +66,11 @@ def _joint(editing: Editing, node: Node, at: Path) -> tuple[Node, float]:
     joint = editing.find_node("joint", str(name)) if name else None
     if joint is None or joint_type(joint, editing.classes) != "hinge":
         message = f"{editing.called(node)} does not turn a hinge, and a motor does"
-        _refuse(editing, node, at, "wrong-type", message, None)
-    assert joint is not None
+        refuse(editing, node, Fault("wrong-type", message, at, key=True), it="it")
     gear = numbers.read(editing.effective(node, "gear") or "1")[0]
     if gear == 0:
-        _refuse(editing, node, at, "wrong-type", f"the `gear` of {editing.called(node)} is 0", "set it to 1")
+        message = f"the `gear` of {editing.called(node)} is 0"
+        refuse(editing, node, Fault("wrong-type", message, at, key=True, help="set it to 1"), it="it")
     return joint, gear
 
 
@@ -108,7 +113,7 @@ def _without_dampratio(editing: Editing, node: Node, at: Path) -> None:
     if any(numbers.read(editing.effective(node, "dampratio") or "0")):
         message = f"a class gives {editing.called(node)} a `dampratio`, beside which there can be no `kv`"
         help = "`unset` it in the class first: `{select: {default: CLASS}, unset: {position: [dampratio]}}`"
-        _refuse(editing, node, at, "wrong-type", message, help)
+        refuse(editing, node, Fault("wrong-type", message, at, key=True, help=help), it="it")
 
 
 def _gains(
@@ -124,16 +129,14 @@ def _gains(
     if ERROR in written:
         if sheet.speed is None:
             message = f"the data sheet of `{written[MODEL]}` has no speed, from which `kv` would follow"
-            _refuse(
-                editing, node, (*at, ERROR), "missing-key", message, "write `bandwidth` in place of `error`"
-            )
-        assert sheet.speed is not None
+            help = "write `bandwidth` in place of `error`"
+            refuse(editing, node, Fault("missing-key", message, (*at, ERROR), key=True, help=help), it="it")
         # A motor gives its whole torque at rest and none at its greatest speed.
         return effort / written[ERROR], effort / sheet.speed
     if BANDWIDTH not in written:
         message = f"{editing.called(node)} is a servo, and nothing says how fast it is"
         help = "write `bandwidth: 5`, in Hz; or `error: 0.1`, in rad, at which it gives its greatest torque"
-        _refuse(editing, node, at, "missing-key", message, help)
+        refuse(editing, node, Fault("missing-key", message, at, key=True, help=help), it="it")
     armature = numbers.read(editing.effective(joint, "armature") or "0")[0]
     moved = armature + written.get("inertia", 0.0)
     if not moved > 0:
@@ -141,7 +144,7 @@ def _gains(
             f"nothing says what inertia {editing.called(node)} moves: the data sheet has none of the rotor"
         )
         help = "write `inertia: …` of what it moves, in kg·m²; or `error: 0.1` in place of `bandwidth`"
-        _refuse(editing, node, at, "missing-key", message, help)
+        refuse(editing, node, Fault("missing-key", message, at, key=True, help=help), it="it")
     omega = 2 * math.pi * written[BANDWIDTH]
     if node.tag == "velocity":
         return 0.0, moved * omega
@@ -152,19 +155,10 @@ def _without_other(editing: Editing, node: Node, at: Path) -> None:
     if node.tag in (*_SERVOS, *_PLAIN):
         return
     message = f"{editing.called(node)} is a `{node.tag}`, whose gains a data sheet does not give"
-    _refuse(
-        editing, node, at, "wrong-type", message, "write `convert: {to: position}` beside it, or `to: motor`"
-    )
+    help = "write `convert: {to: position}` beside it, or `to: motor`"
+    refuse(editing, node, Fault("wrong-type", message, at, key=True, help=help), it="it")
 
 
 def _timestep(editing: Editing) -> float:
     option = next(editing.root.iterchildren("option"), None)
     return numbers.read(str(option.get("timestep") or "0.002") if option is not None else "0.002")[0]
-
-
-def _refuse(editing: Editing, node: Node, at: Path, code: str, message: str, help: str | None) -> None:
-    note = Note("it is written here", editing.span_of(node))
-    editing.sink.error(
-        code, message, editing.span(at, key=True), notes=(note,), help=help, subjects=editing.subjects(node)
-    )
-    raise Unusable

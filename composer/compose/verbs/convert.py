@@ -14,6 +14,8 @@ from lxml.etree import _Element as Node
 from composer.compose.actuator_model import INPUTS, ActuatorModel, laws_of
 from composer.compose.edit_values import Unusable, Values
 from composer.compose.editing import Editing
+from composer.compose.refuse import refuse
+from composer.compose.verbs.entry import Entry
 from composer.diagnostics.diagnostic import Note
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
@@ -41,8 +43,9 @@ _INSTEAD = {"kv": ("dampratio",), "dampratio": ("kv",), "ctrlrange": ("inheritra
 _UNSAID = ("actrange", "actearly", "actdim")
 
 
-def convert(editing: Editing, found: list[Node], written: Mapping[str, Any], at: Path) -> None:
+def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
     """Convert each actuator to the kind `to`, with the given attributes."""
+    editing, found = entry.editing, entry.found
     to = str(written["to"])
     laws = laws_of(editing.linking, editing.sink, found)
     if laws is None:
@@ -51,14 +54,8 @@ def convert(editing: Editing, found: list[Node], written: Mapping[str, Any], at:
     for index, node in enumerate(found):
         law = laws.get(node)
         if law is None:
-            editing.sink.error(
-                "not-supported",
-                f"{editing.called(node)} cannot be converted: MuJoCo does not say what it does",
-                editing.span(at),
-                notes=(Note("it is written here", editing.span_of(node)),),
-                subjects=editing.subjects(node),
-            )
-            raise Unusable
+            message = f"{editing.called(node)} cannot be converted: MuJoCo does not say what it does"
+            refuse(editing, node, Fault("not-supported", message, at), it="it")
         given = _given(editing, node, index, to, written, at)
         was = editing.called(node)
         for loss in _converted(editing, node, to, law, given, at):
@@ -83,7 +80,7 @@ def _given(
             source = item.removeprefix(FROM)
             text = editing.effective(node, source)
             if not text or not any(numbers.read(text)):
-                _fault(editing, node, Fault("missing-key", f"{editing.called(node)} has no `{source}`", path,
+                refuse(editing, node, Fault("missing-key", f"{editing.called(node)} has no `{source}`", path,
                                             help=f"write `{name}: …` with its values"))  # fmt: skip
             found[name] = str(text)
             continue
@@ -92,7 +89,7 @@ def _given(
         faults: list[Fault] = []
         read = read_value(attribute, values.of(item, path, now), path, editing.called(node), faults)
         for fault in faults[:1]:
-            _fault(editing, node, fault)
+            refuse(editing, node, fault)
         found[name] = _text(attribute, read)
     return found
 
@@ -133,7 +130,7 @@ def _converted(
     transmission = [name for name in wrong if name in ("body", "orientation")]
     if transmission:
         message = f"{editing.called(node)} acts on a body, which a `{to}` cannot"
-        _fault(editing, node, Fault("wrong-type", message, at))
+        refuse(editing, node, Fault("wrong-type", message, at))
     lost += [f"`{name}`" for name in wrong if name in _UNSAID and (law.act_limited or name != "actrange")]
     if to not in ("general", "pid"):
         lost += [f"`{name}range`" for name in law.limited[1:] if name]
@@ -194,7 +191,7 @@ def _refuse_actrange(editing: Editing, node: Node, to: str, at: Path) -> None:
             f"a `{to}` cannot have the `actrange` that the class `{level.name}` gives {editing.called(node)}"
         )
         help = "write the `actrange` on the actuators, or `unset` it in the class"
-        _fault(editing, node, Fault("wrong-type", message, at, help=help))
+        refuse(editing, node, Fault("wrong-type", message, at, help=help))
 
 
 def _replaced(written: Mapping[str, str]) -> Iterator[str]:
@@ -389,7 +386,7 @@ def _of_law(law: ActuatorModel) -> str:
 def _needs(editing: Editing, node: Node, to: str, gain: str, at: Path) -> None:
     what = "position gain" if gain == "kp" else "velocity gain"
     message = f"{editing.called(node)} has no {what} that a `{to}` could take over"
-    _fault(editing, node, Fault("missing-key", message, at, help=f"write `{gain}: …` beside `to: {to}`"))
+    refuse(editing, node, Fault("missing-key", message, at, help=f"write `{gain}: …` beside `to: {to}`"))
 
 
 def _report(editing: Editing, to: str, lost: Mapping[str, list[str]], at: Path) -> None:
@@ -404,10 +401,3 @@ def _report(editing: Editing, to: str, lost: Mapping[str, list[str]], at: Path) 
 
 def _few(names: list[str], shown: int = 8) -> str:
     return f" ({', '.join(names[:shown])}{', …' if len(names) > shown else ''})"
-
-
-def _fault(editing: Editing, node: Node, fault: Fault) -> None:
-    note = Note(f"{editing.called(node)} is written here", editing.span_of(node))
-    span, subjects = editing.span(fault.at), (*fault.names, *editing.subjects(node))
-    editing.sink.error(fault.code, fault.message, span, notes=(note,), help=fault.help, subjects=subjects)
-    raise Unusable

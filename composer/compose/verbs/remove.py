@@ -5,15 +5,22 @@ from __future__ import annotations
 from lxml.etree import _Element as Node
 
 from composer.compose.editing import Editing
+from composer.compose.verbs.entry import Entry
 from composer.diagnostics.diagnostic import Note
 from composer.link.subtree import Left
 from composer.recipe.fault import Path
+from composer.recipe.verbs.remove import CASCADE
 from composer.tree.kinds import kind_of, naming_attribute, section_of
 from composer.tree.name_index import is_list
 from composer.tree.names import declaration, word
 from composer.tree.removal import Removal, is_section, whole
 
 _SHOWN = 20
+
+
+def carry_out(entry: Entry, value: bool | str, at: Path) -> None:
+    """Remove every selected element, with `remove: cascade` also what refers to it."""
+    entry.gone += remove(entry.editing, entry.found, cascade=value == CASCADE, at=at)
 
 
 def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> list[Left]:
@@ -52,7 +59,7 @@ def _take_out(editing: Editing, node: Node) -> None:
 
 
 def _named(node: Node) -> list[Left]:
-    """What goes, as it is listed: everything in the body tree, elsewhere the element as a whole."""
+    """Return what is removed, for lists: each element in the body tree, elsewhere the element as a whole."""
     section = section_of(node)
     inside = node.iter("*") if section in ("worldbody", "default") else [node]
     found = []

@@ -1,0 +1,17 @@
+"""Verb `collision`. Few recipes need it, so the module that does the work is imported here only when it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from composer.compose.verbs.entry import Entry
+from composer.recipe.fault import Path
+
+
+def carry_out(entry: Entry, value: Mapping[str, Any], at: Path) -> None:
+    """Replace how the selected geoms touch. All values that the entry writes are checked before."""
+    from composer.compose.collision import collide
+
+    entry.check()
+    entry.records += collide(entry.editing, entry.found, value, at)

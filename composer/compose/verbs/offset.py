@@ -1,0 +1,16 @@
+"""Verb `offset`: add to numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from composer.compose.verbs.change import change_all
+from composer.compose.verbs.entry import Entry
+from composer.compose.verbs.operation import OFFSET
+from composer.recipe.fault import Path
+
+
+def carry_out(entry: Entry, value: Mapping[str, Any], at: Path) -> None:
+    """Add the values to the present ones on every selected element."""
+    change_all(entry, OFFSET, value, at)
