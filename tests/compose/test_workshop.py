@@ -153,10 +153,27 @@ def test_a_simpler_mesh_stands_where_the_old_one_did(tmp_path: Path) -> None:
 
 @needs_extra
 @pytest.mark.slow
-def test_an_open_mesh_is_doubtful_where_an_inside_is_needed(tmp_path: Path) -> None:
+def test_an_open_mesh_is_reported_where_an_inside_is_needed(tmp_path: Path) -> None:
     _, context = built(tmp_path, "{select: {geom: open}, collision: {decompose: {parts: 2}}}")
-    assert [each.code for each in context.sink.diagnostics] == ["mesh-doubtful"]
+    assert [each.code for each in context.sink.diagnostics] == ["mesh-shape"]
     _, context = built(tmp_path, "{select: {geom: open}, collision: {hull: {}}}")
+    assert not context.sink.diagnostics
+
+
+@needs_extra
+@pytest.mark.slow
+def test_meshes_of_an_odd_size_are_one_warning_whose_help_keeps_their_scale(tmp_path: Path) -> None:
+    arm = ARM.replace('scale="0.1 0.2 0.1"', 'scale="300 600 300"').replace('pos="5 0 0"', 'pos="3 0 0"')
+    arm = arm.replace('pos="9 0 0"', 'pos="0 3 0"')
+    _, context = built(tmp_path, '{select: {geom: "{one,open}"}, collision: {fit: box}}', arm)
+    (warning,) = context.sink.diagnostics
+    assert warning.code == "mesh-size" and "at most 3 m apart" in warning.message
+    assert "{select: {mesh: ball}, set: {scale: [0.3, 0.6, 0.3]}}" in (warning.help or "")
+    assert [each.message for each in warning.others] == ["mesh `open` (arm.xml:9:5)"]
+    # In a model that is as large itself it is not odd.
+    _, context = built(
+        tmp_path, "{select: {geom: one}, collision: {fit: box}}", arm.replace("0 3 0", "0 30 0")
+    )
     assert not context.sink.diagnostics
 
 
