@@ -10,6 +10,8 @@ import pytest
 
 from composer.compose.compose import Composer
 from composer.context import Context
+from composer.diagnostics.span import Span
+from composer.expand.plain import node_of
 from composer.limits import allow
 from composer.plan.planner import make_plan
 from composer.sources.fetching import Fetching
@@ -111,6 +113,33 @@ def test_hulls_stand_where_the_meshes_do_and_weigh_nothing(tmp_path: Path) -> No
     assert after.geom("seen_hull").contype == after.geom("seen_hull").conaffinity == 1
     # The ball is one mesh: so is its hull.
     assert after.nmesh == before.nmesh + 1
+
+
+@needs_extra
+@pytest.mark.slow
+def test_settings_are_parameters_and_what_is_made_differs_by_them(tmp_path: Path) -> None:
+    edits = """{select: {geom: one}, collision: {spheres: {count: "${2 * balls}", seed: "${balls}"}}}
+  - {select: {geom: two}, collision: {fit: "${around}"}}
+params: {balls: 1, around: box}"""
+    (tmp_path / "arm.xml").write_text(ARM, encoding="utf-8")
+    recipe = tmp_path / "recipe.yaml"
+    recipe.write_text(f"recipe: 1\nbase: ./arm.xml\nedit:\n  - {edits}\n", encoding="utf-8")
+    for balls in (2, 3):
+        for around in ("box", "capsule"):
+            context = Context(
+                environment={"MJCOMPOSE_CACHE": str(tmp_path / "cache")}, folder=tmp_path, fetching=Fetching()
+            )
+            given = {
+                name: node_of(value, Span("given", 1, 1))
+                for name, value in (("balls", balls), ("around", around))
+            }
+            made = build(Request(recipe, given), context)
+            assert not context.sink.diagnostics
+            assert made is not None
+            of_one, of_two = json.loads(made.bundle.files["manifest.json"])["made"]
+            assert of_one["how"] == f"spheres (count {2 * balls}, seed {balls})"
+            assert len(of_one["shapes"]) == 2 * balls
+            assert of_two["shapes"] == [f"two_{around}"]
 
 
 @needs_extra
