@@ -174,7 +174,7 @@ def _built(
         return None
     making = Making(
         plan, composed.model, composed.files, composed.members, compiled, merged, tuple(checks), request.name,
-        composed.drawn, request.pictured, composed.shapes,
+        composed.drawn, request.pictured, composed.shapes, composed.tables,
     )  # fmt: skip
     bundle = described(bundle, making, context)
     if request.target is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +20,7 @@ from composer.bundle.manifest import (
     Input,
     Made,
     Manifest,
+    OfUrdf,
     Origin,
     Part,
     Read,
@@ -38,7 +39,7 @@ from composer.link.dedup import Merged
 from composer.link.linking import FileUse
 from composer.plan.drawn import Drawn
 from composer.plan.made_shapes import MadeShapes
-from composer.plan.part_record import PartRecord
+from composer.plan.part_record import PartRecord, Tables
 from composer.plan.plan import Plan
 from composer.reading.folders import real_path
 from composer.reading.refused import Refused
@@ -46,6 +47,7 @@ from composer.sources.digest import remembered_sha256
 from composer.sources.origin import Origin as Fetched
 from composer.sources.source import Source
 from composer.sources.spdx import UNKNOWN, licence_of
+from composer.tree.read_row import ReadRow
 from composer.tree.unit import Unit
 from composer.tree.write import write
 
@@ -104,6 +106,7 @@ class Making:
     drawn: tuple[Drawn, ...] = ()
     pictured: bool = False
     made: tuple[MadeShapes, ...] = ()
+    tables: Tables = field(default_factory=dict)
 
 
 def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
@@ -112,7 +115,10 @@ def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
     named = list(sources(plan))
     names = portable(plan, model, context)
     licences = _licences(named)
-    inputs = tuple(_input(source, licences.of[label], names) for label, source in named)
+    inputs = tuple(
+        _input(source, licences.of[label], names, making.tables.get(source.read_as, ()))
+        for label, source in named
+    )
     renamed = renamed_in(model, making.members)
     index = None
     if compiled is not None and compiled.index is not None:
@@ -224,7 +230,9 @@ def _licences(named: Iterable[tuple[str, Source]]) -> Licences:
     return licence_files(found)
 
 
-def _input(source: Source, licences: tuple[str, ...], portable: Portable) -> Input:
+def _input(
+    source: Source, licences: tuple[str, ...], portable: Portable, table: tuple[ReadRow, ...]
+) -> Input:
     origin = source.origin
     return Input(
         path=as_text(_path_of(source, portable)),
@@ -238,6 +246,16 @@ def _input(source: Source, licences: tuple[str, ...], portable: Portable) -> Inp
         licences=licences,
         package=source.package,
         version=source.version,
+        urdf=tuple(
+            OfUrdf(
+                what=row.what,
+                count=row.count,
+                became=row.became or None,
+                why=row.why or None,
+                origin=portable.place(row.span),
+            )
+            for row in table
+        ),
     )
 
 

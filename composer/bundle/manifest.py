@@ -46,6 +46,19 @@ def _list_kinds(schema: dict[str, Any]) -> None:
     schema["description"] = f"The kind of reference: {', '.join(kind.name for kind in KINDS)}."
 
 
+class OfUrdf(_Part):
+    """Elements of one kind in a URDF, and what became of them."""
+
+    what: str = Field(
+        description="Their tag and the one that it stands in, such as `joint/limit`; behind it an attribute, where only"
+        " that is meant, or the tag that they lack."
+    )
+    count: int = Field(ge=1, description="How many there are.")
+    became: str | None = Field(default=None, description="What they are in the model; null for nothing.")
+    why: str | None = Field(default=None, description="Why they are not in the model; null if they are.")
+    origin: str = Field(description="Where the first one is written, as FILE:LINE.")
+
+
 class Input(_Part):
     """One model file that the model was made from."""
 
@@ -61,6 +74,9 @@ class Input(_Part):
     )
     package: str | None = Field(default=None, description="The Python package it came from.")
     version: str | None = Field(default=None, description="The version of that package, or the commit.")
+    urdf: tuple[OfUrdf, ...] = Field(
+        default=(), description="What of a URDF was read, and what was not; left out for other models."
+    )
 
 
 def _finite(value: dict[str, Any]) -> dict[str, Any]:
@@ -371,6 +387,9 @@ def to_json(manifest: Manifest) -> bytes:
     for name in ("picture", "target", "union", "made"):
         if not data[name]:
             del data[name]
+    for each in data["inputs"]:
+        if not each["urdf"]:
+            del each["urdf"]
     return _text(data)
 
 

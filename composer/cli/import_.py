@@ -128,9 +128,9 @@ def _urdf(file: Path, is_more_named: bool, target: Path, context: Context, form:
                 "count": row.count,
                 "became": row.became or None,
                 "why": row.why or None,
-                "first": str(at),
+                "first": str(row.span),
             }
-            for row, at in found.rows
+            for row in found.rows
         ]
         click.echo(json.dumps({"output": str(target), "rows": rows}))
     else:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -45,7 +45,7 @@ from composer.link.source_check import STUMBLES, check_source, put_right
 from composer.link.submodels import add_submodel
 from composer.plan.drawn import Drawn, Tabled
 from composer.plan.foreseen import EditOutcome, Excluded
-from composer.plan.part_record import PartRecord
+from composer.plan.part_record import PartRecord, Tables
 from composer.plan.plan import BASE, Plan, part_name
 from composer.plan.steps.add_element import AddElement
 from composer.plan.steps.append_element import AppendElement
@@ -93,7 +93,8 @@ check_rows("the steps that composer/compose/compose.py carries out", [*_WRITE, *
 class Composed:
     """One flat model, the files it names, the sources that are in it, what was drawn for it and made of its meshes.
 
-    `excluded` are the bodies that need not collide, where the recipe asks for these.
+    `excluded` are the bodies that need not collide, where the recipe asks for these; `tables` says what was read of
+    the sources that are not MJCF.
     """
 
     model: Unit
@@ -103,6 +104,7 @@ class Composed:
     tabled: tuple[Tabled, ...] = ()
     shapes: tuple[MadeShapes, ...] = ()
     excluded: tuple[Excluded, ...] = ()
+    tables: Tables = field(default_factory=dict)
 
 
 class Composer:
@@ -149,7 +151,8 @@ class Composer:
         excluded = tuple(
             Excluded(str(node.get("body1")), str(node.get("body2")), why) for node, why in self.needless
         )
-        return replace(composed, members=members, shapes=shapes, excluded=excluded)
+        tables = self.loader.tables()
+        return replace(composed, members=members, shapes=shapes, excluded=excluded, tables=tables)
 
     def unit_of(self, plan: Plan, wanted: PartRequest) -> Unit | None:
         """Return the base or a part of a plan alone, reduced to the requested subtree, or None if it has faults."""

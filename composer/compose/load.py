@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from composer.context import Context
 from composer.diagnostics.span import Span
 from composer.link.source_check import check_source
+from composer.plan.part_record import Tables
 from composer.sources.source import Source
 from composer.sources.urdf_choices import UrdfChoices
 from composer.tree.admitted import all_admitted
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from composer.engine import Session
 
 Key = tuple[Path, tuple[tuple[str, Path], ...], UrdfChoices, bool]
-
+"""`Source.read_as`, and whether it stands in the world."""
 
 Library = dict[Key, Unit]
 """Units as their files have them, for all that are composed with it."""
@@ -64,6 +65,10 @@ class Loader:
             self.watch([unit], model)
         return unit
 
+    def tables(self) -> Tables:
+        """Return what was read of each source that is not MJCF, and what was not."""
+        return {key[:3]: unit.table for key, unit in self.parsed.items() if unit is not None and unit.table}
+
     def _known(self, key: Key) -> Unit | None:
         unit = self.library.get(key) if self.library is not None else None
         return None if unit is None else unit.copied()
@@ -90,4 +95,4 @@ class Loader:
 
 def key_of(model: Source, stands: bool) -> Key:
     """Return a key that is equal for sources that read the same. For MJCF, `stands` does not matter."""
-    return model.path, model.packages, model.urdf, stands or model.format != "urdf"
+    return *model.read_as, stands or model.format != "urdf"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -14,11 +15,14 @@ from composer.bundle.collect import read
 from composer.compose.editing import Editing
 from composer.compose.shape_store import ShapeStore, checked, key_of
 from composer.context import Context
-from composer.diagnostics.diagnostic import Note
+from composer.diagnostics.diagnostic import Cause, Note
 from composer.diagnostics.span import Span
+from composer.document.quote import word
 from composer.limits import GIB, advice, in_force
+from composer.link import numbers
 from composer.link.linking import FileUse
 from composer.meshes.make import make
+from composer.meshes.plausible import SHAPE, Measured, doubts
 from composer.plan.made_shapes import MadeShapes
 from composer.reading.refused import Refused
 from composer.scratch import scratch
@@ -28,9 +32,7 @@ from composer.tree.select import name_of
 
 SAID = ("content_type", "vertex", "face", "refpos", "refquat", "scale", "builtin", "params")
 """The attributes of a mesh that decide where its surface is."""
-_LARGE, _SMALL = 20.0, 1e-3
-"""In metres: a mesh of another size is most often in millimetres, or scaled twice."""
-_SHOWN = 8
+_OPEN = f"look at the pieces, or close the mesh; `allow: [{SHAPE}]` says that you have"
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,49 +195,35 @@ class Workshop:
         )
 
     def _doubt(self, editing: Editing, asked: Sequence[Asked], found: dict[str, dict[str, Any]]) -> None:
-        """Warn of meshes that are hardly what was meant: of no plausible size, or open where an inside is needed."""
-        known = {each.node: (each, found[each.key]) for each in asked if each.key in found}
-        sizes = {node: float(result["mesh"]["size"]) for node, (_, result) in known.items()}
-        wrong = [node for node, size in sizes.items() if not _SMALL <= size <= _LARGE]
-        if wrong:
-            large = sizes[wrong[0]] > _LARGE
-            editing.sink.warning(
-                "mesh-doubtful",
-                f"{_listed([known[node][0].called for node in wrong])}: {_metres(sizes[wrong[0]])} in size",
-                known[wrong[0]][0].span,
-                notes=[
-                    Note(f"{known[node][0].called} is written here", editing.span_of(node))
-                    for node in wrong[:_SHOWN]
-                ],
-                help="if its file is in millimetres, set the `scale` of the mesh to [0.001, 0.001, 0.001]"
-                if large
-                else "it may be scaled twice: look at the `scale` of the mesh",
-            )
-        holes = [
-            each
-            for each, result in known.values()
-            if each.method == "decompose" and not result["mesh"]["closed"]
-        ]
-        if holes:
-            editing.sink.warning(
-                "mesh-doubtful",
-                f"{_listed([each.called for each in holes])}: open, so that it is not certain what is inside",
-                holes[0].span,
-                notes=[
-                    Note(f"{each.called} is written here", editing.span_of(each.node))
-                    for each in holes[:_SHOWN]
-                ],
-                help="look at the pieces, or close the mesh; `allow: [mesh-doubtful]` says that you have",
-            )
+        """Warn of meshes that are hardly what was meant. A flat one is an error before: no shape can be made of it."""
+        reach = _reach(editing)
+        for each in {each.node: each for each in asked if each.key in found}.values():
+            mesh = found[each.key]["mesh"]
+            facts = Measured(float(mesh["size"]), is_closed=mesh["closed"])
+            inside = "`decompose` fills its inside as well as it can" if each.method == "decompose" else None
+            for doubt in doubts(facts, reach, inside=inside):
+                help = _OPEN
+                if doubt.kind != "open":
+                    scale = numbers.read(each.mesh.get("scale", "1 1 1"))
+                    help = doubt.advice(scale, _set_scale(name_of(each.node) or ""), ", ")
+                place = editing.span_of(each.node)
+                cause = Cause(f"{doubt.kind} meshes of {each.span}", f"{each.called} ({place})")
+                editing.sink.warning(
+                    doubt.code, f"{each.called} {doubt.what}", each.span, help=help, cause=cause,
+                    notes=[Note(f"{each.called} is written here", place)],
+                )  # fmt: skip
 
 
-def _listed(names: list[str]) -> str:
-    rest = len(names) - 3
-    return ", ".join(names[:3]) + (f" and {rest} more" if rest > 0 else "")
+def _reach(editing: Editing) -> float:
+    """The greatest distance of a body from the one that holds it, in metres."""
+    places = [numbers.read(body.get("pos") or "0 0 0") for body in editing.root.iter("body")]
+    lengths = [math.dist((0, 0, 0), place) for place in places if len(place) == 3]
+    return max((each for each in lengths if math.isfinite(each)), default=0.0)
 
 
-def _metres(size: float) -> str:
-    return f"{size:.3g} m" if size >= 1 else f"{1000 * size:.3g} mm"
+def _set_scale(name: str) -> str:
+    # Doubled braces are one in the text.
+    return f"{{{{select: {{{{mesh: {word(name)}}}}}, set: {{{{scale: [{{}}]}}}}}}}}"
 
 
 def _content(editing: Editing, mesh: Node, file: str, context: Context) -> bytes | None:

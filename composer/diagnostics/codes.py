@@ -32,7 +32,6 @@ CODES: dict[str, str] = {
     "limit-exceeded": "something would cost more than it may",
     "lock-invalid": "a lock cannot be read",
     "lock-stale": "the lock does not have what the recipe uses",
-    "mesh-doubtful": "a mesh is hardly what it was meant to be",
     "mesh-look": "a colour or texture of a mesh cannot be kept",
     "mesh-shape": "a mesh is flat or open where that matters",
     "mesh-size": "a mesh is hardly meant to be as large or as small as it is",

@@ -29,6 +29,7 @@ from composer.link.measure import measure_with
 from composer.mujoco_errors.message import CRASHES, Fault, parse
 from composer.plan.concrete import Given
 from composer.plan.drawn_parameters import check_sample
+from composer.plan.foreseen import Excluded
 from composer.plan.matrix import read_matrix
 from composer.plan.plan import Plan
 from composer.plan.planner import make_plan, plan_what_remains
@@ -54,7 +55,8 @@ class Side:
     MJCF file that of the file alone. `traced` is None if the origin of elements is unknown, `plan` is None if this
     is not a recipe. `cell` is the compared cell of its matrix, `cells` the number of cells. `given` are the values
     of parameters and variants from the command or the cell. `inputs` are the files that were read. `bundle` is set
-    for a recipe or bundle if the caller asked for it.
+    for a recipe or bundle if the caller asked for it. `excluded` are the bodies that need not collide, of a recipe
+    that asks for these.
     """
 
     operand: Operand
@@ -69,6 +71,7 @@ class Side:
     texts: dict[str, str] = field(default_factory=dict)
     read: dict[str, list[str]] = field(default_factory=dict)
     bundle: Bundle | None = None
+    excluded: tuple[Excluded, ...] = ()
 
     @property
     def end(self) -> End:
@@ -170,7 +173,19 @@ def load_cell(
     cells = len(matrix.cells) if matrix else 0
     name = None if cell is None else cell.name
     inputs = tuple(files_read(plan, composed.model, composed.files))
-    return Side(operand, kept, _digests(bundle), traced, plan, name, cells, values, inputs, bundle=bundle)
+    return Side(
+        operand,
+        kept,
+        _digests(bundle),
+        traced,
+        plan,
+        name,
+        cells,
+        values,
+        inputs,
+        bundle=bundle,
+        excluded=composed.excluded,
+    )
 
 
 def _cell(operand: Operand, given: Given, pick: str, sample: int | None) -> Cell | None:

@@ -14,11 +14,11 @@ from composer.engine import Session
 from composer.sources.error import SourceError
 from composer.sources.resolve import resolve
 from composer.sources.urdf_choices import UrdfChoices
+from composer.tree.read_row import ReadRow
 from composer.tree.unit import Unit
 from composer.urdf.inertia import CODE as INERTIA
 from composer.urdf.read import UrdfReader
 from composer.urdf.report import CODE as UNREAD
-from composer.urdf.report import Row, called
 
 SUFFIXES = (".urdf", ".xacro")
 
@@ -28,7 +28,7 @@ class OfUrdf:
     """The text of the recipe; the rows of what was read and what was not, each with its place."""
 
     text: str
-    rows: tuple[tuple[Row, Span], ...]
+    rows: tuple[ReadRow, ...]
 
 
 def of_urdf(path: Path, target: Path, context: Context) -> OfUrdf | None:
@@ -49,12 +49,10 @@ def of_urdf(path: Path, target: Path, context: Context) -> OfUrdf | None:
     for each in reader.sink.diagnostics:
         if each.code != UNREAD or each.severity is Severity.ERROR:
             context.sink.add(each)
-    if unit is None or reader.robot is None:
+    if unit is None:
         return None
-    rows = tuple(reader.reading.lines(reader.robot.unit))
-    return OfUrdf(
-        _text(path, target, unit, choices, any(row.why and not row.is_minor for row, _ in rows)), rows
-    )
+    has_unread = any(row.why and not row.is_minor for row in unit.table)
+    return OfUrdf(_text(path, target, unit, choices, has_unread), unit.table)
 
 
 def _text(path: Path, target: Path, unit: Unit, choices: UrdfChoices, has_unread: bool) -> str:
@@ -77,15 +75,15 @@ def _text(path: Path, target: Path, unit: Unit, choices: UrdfChoices, has_unread
     return "\n".join(lines) + "\n"
 
 
-def table(rows: tuple[tuple[Row, Span], ...]) -> list[str]:
+def table(rows: tuple[ReadRow, ...]) -> list[str]:
     """The rows as text: first what was read, then what was not."""
     found = []
     for heading, chosen in (
-        ("read", [each for each in rows if not each[0].why]),
-        ("not in the model", [each for each in rows if each[0].why]),
+        ("read", [row for row in rows if not row.why]),
+        ("not in the model", [row for row in rows if row.why]),
     ):
         if chosen:
             found.append(f"{heading}:")
-        width = max((len(called(row)) for row, _ in chosen), default=0)
-        found += [f"  {called(row):{width}}  {row.why or row.became}  ({span})" for row, span in chosen]
+        width = max((len(row.called) for row in chosen), default=0)
+        found += [f"  {row.called:{width}}  {row.why or row.became}  ({row.span})" for row in chosen]
     return found

@@ -8,8 +8,7 @@ from xml.sax.saxutils import quoteattr
 
 import numpy
 
-_THIN = 1e-6
-"""Relative: MuJoCo keeps coordinates with seven digits, so that what is thinner than this is flat."""
+from composer.meshes.plausible import is_flat
 
 
 class UnusableError(Exception):
@@ -71,9 +70,5 @@ def read_mesh(mujoco: Any, attributes: dict[str, str], most_faces: int) -> Mesh:
 
 def check_thick(mesh: Mesh) -> None:
     """Raises UnusableError for a mesh that is a point, a line or flat."""
-    centred = mesh.vertices - mesh.vertices.mean(axis=0)
-    _, lengths, _ = numpy.linalg.svd(centred, full_matrices=False)
-    axes = numpy.linalg.svd(centred, full_matrices=False)[2]
-    thick = numpy.ptp(centred @ axes.T, axis=0)
-    if len(lengths) < 3 or thick.min() <= _THIN * thick.max():
+    if is_flat(mesh.vertices):
         raise UnusableError("it is flat")

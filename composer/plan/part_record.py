@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from composer.numerics.pose import Pose
-from composer.sources.source import Source
+from composer.sources.source import ReadAs, Source
+from composer.tree.read_row import ReadRow
 
 IN_PLACE = Pose()
+Tables: TypeAlias = Mapping[ReadAs, tuple[ReadRow, ...]]
+"""What was read of sources that are not MJCF, and what was not."""
 
 
 @dataclass(frozen=True, slots=True)

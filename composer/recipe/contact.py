@@ -14,7 +14,7 @@ from composer.recipe.fault import Fault, Path, unknown_key
 from composer.recipe.pattern import GLOB, pattern_fault
 from composer.recipe.raw import path_of
 from composer.recipe.reader import Reader
-from composer.recipe.reference import Schema
+from composer.recipe.reference import Schema, reference
 from composer.recipe.shown import kind_of
 
 EXCLUDE: Literal["exclude"] = "exclude"
@@ -102,10 +102,10 @@ def _schema() -> Schema:
 def _found_schema() -> Schema:
     """Return the schema of an `exclude` that does not name each pair."""
     samples = {
-        "type": "integer", "minimum": 1, "maximum": _MOST_SAMPLES,
+        **reference("integer"), "minimum": 1, "maximum": _MOST_SAMPLES,
         "description": f"in how many random poses nothing may touch (default: {SAMPLES})",
     }  # fmt: skip
-    seed = {"type": "integer", "minimum": 0, "description": "of the poses (default: 0)"}
+    seed = {**reference("integer"), "minimum": 0, "description": "of the poses (default: 0)"}
     auto = {
         **mapping({"samples": samples, "seed": seed}),
         "description": "bodies that need not collide; `plan` has the reason of each pair",

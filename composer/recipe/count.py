@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from composer.recipe.fault import Fault, Path
-from composer.recipe.reference import Schema
+from composer.recipe.reference import Schema, reference
 from composer.recipe.shown import kind_of
 
 SCHEMAS: dict[str, Schema] = {
-    "expect": {"type": "integer", "minimum": 0, "description": "how many elements must be selected"},
+    "expect": {**reference("integer"), "minimum": 0, "description": "how many elements must be selected"},
     "optional": {"type": "boolean", "description": "whether it may be that nothing is selected"},
 }
 COUNT = tuple(SCHEMAS)

@@ -28,4 +28,6 @@ def kind_of(value: object) -> str:
         return "nothing"
     kind = "text" if isinstance(value, str) else "a boolean" if isinstance(value, bool) else "a number"
     text = shown(value)
+    if isinstance(value, float) and text.removeprefix("-").isdigit():
+        text += ".0"  # what is expected may be a whole number, which this is not
     return f"{kind} `{text}`" if len(text) <= 40 and "\n" not in text else kind

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 from itertools import islice
 
@@ -39,7 +39,7 @@ def validate(node: Node, sink: Sink) -> Recipe | None:
     return recipe
 
 
-def validate_what_remains(node: Node, sink: Sink, gone: Container[Path] = ()) -> Remains | None:
+def validate_what_remains(node: Node, sink: Sink, gone: Collection[Path] = ()) -> Remains | None:
     """Return the recipe without the pieces that have faults, or None if too little would remain.
 
     `gone` are the paths of keys whose values have faults that are already reported. These keys do not count as missing.
@@ -50,7 +50,7 @@ def validate_what_remains(node: Node, sink: Sink, gone: Container[Path] = ()) ->
     recipe, faults = judge(node)
     if recipe is not None:
         return Remains(recipe, node, frozenset())
-    _report((each for each in faults if (*way(node, _mapping_of(each)), each.lacks) not in gone), node, sink)
+    _report((each for each in faults if not _follows(each, node, gone)), node, sink)
     return remains(node, faults, judge)
 
 
@@ -73,6 +73,18 @@ def judge(node: Mapping) -> tuple[Recipe | None, list[Fault]]:
     version = [fault for fault in found if fault.code == "recipe-version"]
     remaining = list(_without_misspelt(list(_one_each(early, found))))
     return None, version or list(_without_strangers(remaining))
+
+
+def _follows(fault: Fault, node: Mapping, gone: Collection[Path]) -> bool:
+    """Whether a fault is about a mapping that lacks something only because that is `gone`."""
+    at = way(node, _mapping_of(fault))
+    if fault.lacks is not None:
+        return (*at, fault.lacks) in gone
+    if all(each[:-1] != at for each in gone):
+        return False
+    mapping = find(node, at)
+    is_empty = isinstance(mapping, Mapping) and not mapping.entries
+    return fault.code == "missing-key" or (fault.code == "wrong-type" and is_empty)
 
 
 def _no_mapping(node: Node, sink: Sink) -> None:

@@ -62,7 +62,14 @@ def columns(model: Any) -> dict[str, dict[str, list[Any]]]:
         for kind, arrays in COLUMNS.items()
     }
     found["actuator"] |= _controls(model)
+    found["exclude"] = _excludes(model)
     return found
+
+
+def _excludes(model: Any) -> dict[str, list[Any]]:
+    """Return the bodies whose contacts are excluded, in pairs. MuJoCo keeps both in one number."""
+    signatures = [int(each) for each in model.exclude_signature]
+    return {"body1": [each >> 16 for each in signatures], "body2": [each & 0xFFFF for each in signatures]}
 
 
 def _controls(model: Any) -> dict[str, list[Any]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path, PurePath
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from composer.reading.door import NOTHING, Door
 from composer.sources.kind import Kind
@@ -22,6 +22,10 @@ FORMATS: dict[str, Format] = {
     ".xacro": "urdf",
 }
 """The format of a file by its suffix in lower case."""
+
+
+ReadAs: TypeAlias = tuple[Path, tuple[tuple[str, Path], ...], UrdfChoices]
+"""A file, and how it is read; equal for sources that give the same model."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +60,10 @@ class Source:
     def format(self) -> Format:
         """The format of the file by its suffix; a file with another suffix never becomes a source."""
         return FORMATS[self.path.suffix.lower()]
+
+    @property
+    def read_as(self) -> ReadAs:
+        return self.path, self.packages, self.urdf
 
 
 def has_format(path: PurePath) -> bool:

@@ -17,6 +17,7 @@ from composer.tree.files import join
 from composer.tree.key import PartKeys
 from composer.tree.order import place_of
 from composer.tree.origin import Origins
+from composer.tree.read_row import ReadRow
 from composer.tree.settings import Settings, read_settings
 
 
@@ -28,7 +29,8 @@ class Unit:
     the unit's folder in a bundle; `contents` has, by written path, files that are not found under this path on
     disk: their bytes, or a path that passed a door; `door` limits what else the model may read; `part_keys` has the
     keys of each part of a composition, by path (`left/gripper`); `header` are the comments in the root that
-    preceded it; `adopted` are the settings that the parts of a composition agree on. Edits change a unit in place
+    preceded it; `adopted` are the settings that the parts of a composition agree on; `table` says what was read of a
+    source that is not MJCF, and what was not. Edits change a unit in place
     and the linker consumes it: call `copied()` first to keep it.
     """
 
@@ -42,6 +44,7 @@ class Unit:
     header: tuple[Node, ...] = ()
     adopted: tuple[Adopted, ...] = ()
     door: Door = NOTHING
+    table: tuple[ReadRow, ...] = ()
 
     @cached_property
     def settings(self) -> Settings:
@@ -82,6 +85,7 @@ class Unit:
             header=header,
             adopted=self.adopted,
             door=self.door,
+            table=self.table,
         )
 
     def source_of(self, path: str) -> bytes | Path:

@@ -13,10 +13,10 @@ from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
 
+from composer.meshes.plausible import measures
 from composer.reading.door import Door
 from composer.reading.refused import Refused
 
-_MOST = 1e9
 _FEWEST = 4
 """The vertices that MuJoCo wants of a mesh."""
 
@@ -252,35 +252,6 @@ def measure(mujoco: Any, argument: dict[str, Any]) -> list[dict[str, Any] | None
         except (OSError, ValueError, IndexError, MemoryError):
             found.append(None)
     return found
-
-
-def measures(vertices: Any, faces: Any) -> dict[str, Any]:
-    """The extents in metres, the number of faces, and how many edges have not exactly two faces."""
-    import numpy
-
-    extents = vertices.max(axis=0) - vertices.min(axis=0)
-    _, same = numpy.unique(vertices, axis=0, return_inverse=True)
-    corners = same.ravel()[faces]
-    corners = corners[
-        (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 0] != corners[:, 2])
-    ]
-    edges = numpy.sort(corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    _, counts = numpy.unique(edges, axis=0, return_counts=True)
-    open_edges = int((counts % 2).sum())
-    return {
-        "extents": [min(float(each), _MOST) for each in extents],
-        "volume": min(_volume(vertices, faces), _MOST),
-        "faces": len(faces),
-        "open": open_edges,
-        "edges": len(counts),
-    }
-
-
-def _volume(vertices: Any, faces: Any) -> float:
-    import numpy
-
-    a, b, c = (vertices[faces[:, corner]] - vertices.mean(axis=0) for corner in range(3))
-    return float(abs((a * numpy.cross(b, c)).sum()) / 6)
 
 
 def _stl(data: bytes) -> tuple[Any, Any]:

@@ -17,6 +17,7 @@ from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.engine.run import call
 from composer.engine.session import Session
+from composer.meshes.plausible import doubts, measured
 from composer.reading.refused import Refused
 from composer.urdf.converting import convert, measure
 from composer.urdf.robot import Look, Robot
@@ -27,7 +28,10 @@ _FOLDER = "converted"
 _MOST_FACES = 200_000
 """Of an STL file, in MuJoCo."""
 _NO_VOLUME = 1e-12
-_HUGE, _TOO_FAR, _THIN = 20.0, 50.0, 1e-6
+_SHAPE_ADVICE = {
+    "flat": "use a box, or a mesh with a thickness",
+    "open": "give the link an `<inertial>`, or close the mesh",
+}
 
 
 @dataclass(slots=True)
@@ -184,35 +188,18 @@ class Meshes:
 
     def _judge(self, mesh: Node, path: Path, facts: dict[str, Any]) -> None:
         """Warn of what is hardly meant."""
-        scale = _numbers(mesh.get("scale"), (1.0, 1.0, 1.0))
-        extents = [abs(factor * each) for factor, each in zip(scale, facts["extents"], strict=True)]
-        largest, span, called = max(extents), self._span(mesh), f"`{self.shown(path)}`"
-        reach = _reach(self.robot.root)
-        cause = Cause(f"size of meshes of {self.robot.unit.file}", called)
-        if largest > _HUGE and largest > _TOO_FAR * reach:
-            size, small = f"{largest:.4g} m", " ".join(f"{each / 1000:g}" for each in scale)
-            message = f"the mesh {called} is {size} long, and the joints of the robot are at most {reach:.2g} m apart"
-            help = f'if it is in millimetres, write `scale="{small}"`'
-            self.sink.warning("mesh-size", message, span, help=help, cause=cause)
-        elif largest < 1e-3 and reach > _TOO_FAR * largest and largest > 0:
-            large = " ".join(f"{each * 1000:g}" for each in scale)
-            size = f"{1000 * largest:.2g} mm"
-            message = f"the mesh {called} is {size} long, and joints of the robot are {reach:.2g} m apart"
-            help = f'if it is scaled twice, write `scale="{large}"`'
-            self.sink.warning("mesh-size", message, span, help=help, cause=cause)
-        link = _shape(mesh).getparent()
-        if _shape(mesh).tag != "collision":
-            return
-        if min(extents) <= _THIN * largest:
-            message = f"the mesh {called} is flat: it has no volume, so that nothing is inside it"
-            self.sink.warning("mesh-shape", message, span, help="use a box, or a mesh with a thickness")
-        elif facts["open"] and link is not None and link.find("inertial") is None:
-            message = (
-                f"the mesh {called} is open ({facts['open']} of {facts['edges']} edges have no second face),"
-                f" and the mass of the link `{link.get('name')}` is computed from it"
-            )
+        shape, scale = _shape(mesh), _numbers(mesh.get("scale"), (1.0, 1.0, 1.0))
+        link, called = shape.getparent(), f"`{self.shown(path)}`"
+        touches, inside = shape.tag == "collision", None
+        if touches and link is not None and link.find("inertial") is None:
+            inside = f"the mass of the link `{link.get('name')}` is computed from it"
+        for doubt in doubts(measured(facts, scale), _reach(self.robot.root), touches=touches, inside=inside):
+            help, cause = _SHAPE_ADVICE.get(doubt.kind), None
+            if help is None:
+                help = doubt.advice(scale, 'scale="{}"')
+                cause = Cause(f"{doubt.kind} meshes of {self.robot.unit.file}", called)
             self.sink.warning(
-                "mesh-shape", message, span, help="give the link an `<inertial>`, or close the mesh"
+                doubt.code, f"the mesh {called} {doubt.what}", self._span(mesh), help=help, cause=cause
             )
 
 
@@ -235,9 +222,9 @@ def _suffix(path: str) -> str:
 
 
 def _reach(root: Node) -> float:
-    """The largest distance of two joints that follow on each other, at least 0.1 m."""
+    """The largest distance of two joints that follow on each other, in metres."""
     origins = (each.get("xyz") for each in root.iterfind("joint/origin"))
-    return max([0.1, *(dist((0, 0, 0), _numbers(each, (0.0, 0.0, 0.0))) for each in origins)])
+    return max((dist((0, 0, 0), _numbers(each, (0.0, 0.0, 0.0))) for each in origins), default=0.0)
 
 
 def _numbers(text: str | None, otherwise: tuple[float, ...]) -> tuple[float, ...]:

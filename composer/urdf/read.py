@@ -209,6 +209,7 @@ class UrdfReader:
         known |= add_actuators(written, unit, self.source.urdf.actuators, self.sink)
         self.reading.ordinary(robot.root, robot.keeps_visuals, known)
         self.reading.note(written, self.sink)
+        unit.table = self.reading.table(written)
         return unit
 
     def _hide_collisions(self, pairs: list[tuple[Node, Node]]) -> None:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
-from composer.diagnostics.span import Span
+from composer.tree.read_row import ReadRow
 from composer.tree.unit import Unit
 
 CODE = "urdf-unread"
@@ -140,32 +140,31 @@ class Reading:
         else:
             self.unread(what, element)
 
-    def lines(self, unit: Unit) -> Iterator[tuple[Row, Span]]:
-        """The rows with the places of their first elements."""
-        for row in self.rows.values():
-            yield row, unit.origins.span(row.first, unit.file)
+    def table(self, unit: Unit) -> tuple[ReadRow, ...]:
+        """The rows as data, with the places of their first elements."""
+        return tuple(
+            ReadRow(
+                row.what,
+                row.count,
+                row.became,
+                row.why,
+                unit.origins.span(row.first, unit.file),
+                row.is_minor,
+            )
+            for row in self.rows.values()
+        )
 
     def note(self, unit: Unit, sink: Sink) -> None:
         """One note with all that is not in the model."""
-        missing = [row for row in self.rows.values() if row.why and not row.is_minor]
+        missing = [row for row in self.table(unit) if row.why and not row.is_minor]
         if not missing:
             return
         kinds = f"{len(missing)} kinds of elements are" if len(missing) > 1 else "one kind of element is"
-        notes = [
-            Note(f"{unit.origins.span(row.first, unit.file)}: {called(row)}: {row.why}") for row in missing
-        ]
+        notes = [Note(f"{row.span}: {row.called}: {row.why}") for row in missing]
         sink.note(
             CODE, f"{kinds} not in the model", unit.origins.span(unit.root, unit.file), notes=notes,
             help=f"`allow: [{CODE}]` acknowledges it",
         )  # fmt: skip
-
-
-def called(row: Row) -> str:
-    """`<gazebo><kp>` (12)."""
-    words = row.what.split()
-    tags = "".join(f"<{tag}>" for tag in words[0].split("/"))
-    inside = f" `{words[1]}`" if len(words) > 1 else ""
-    return f"`{tags}`{inside} ({row.count})"
 
 
 def _positive(text: str | None) -> bool:

@@ -73,7 +73,11 @@ def described(
         for kind, columns in scene.items()
         if isinstance(columns, dict) and "name" in columns
     }
-    scene["origins"] = origins.data(elements)
+    bodies, excluded = scene["body"]["name"], scene["exclude"]
+    pairs = [
+        (bodies[one], bodies[two]) for one, two in zip(excluded["body1"], excluded["body2"], strict=True)
+    ]
+    scene["origins"] = origins.data(elements, pairs)
     scene["title"] = title = _title(side)
     if editor is not None:
         scene["editor"] = {"template": editor, "files": origins.absolute}

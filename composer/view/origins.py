@@ -46,15 +46,33 @@ class Origins:
         self._part_places: list[Any] = []
         self._numbers: dict[str, int] = {}
 
-    def data(self, names: Mapping[str, Sequence[str]]) -> dict[str, Any]:
-        """Return for each kind a list as long as its `names`: place, part, words and changes of an element, or null."""
+    def data(self, names: Mapping[str, Sequence[str]], excluded: Sequence[tuple[str, str]]) -> dict[str, Any]:
+        """Return for each kind a list as long as its `names`: place, part, words and changes of an element, or null.
+
+        `excluded` are the pairs of bodies that are excluded from contact; there is a list for these too.
+        """
         traced = self.side.traced
         of = (
             {}
             if traced is None
             else {kind: self._of_kind(kind, names[kind], traced) for kind in KINDS if kind in names}
         )
-        return {"files": list(self._files.rows), "parts": self._part_places, "of": of}
+        exclude = self._of_excludes(excluded)  # the files that it names are listed, too
+        return {"files": list(self._files.rows), "parts": self._part_places, "of": of, "exclude": exclude}
+
+    def _of_excludes(self, pairs: Sequence[tuple[str, str]]) -> list[Any]:
+        """Return for each pair its place, words, and why it is excluded, or null: `exclude: auto` has a reason."""
+        why = {frozenset((each.one, each.other)): each.why for each in self.side.excluded}
+        traced = self.side.traced
+        nodes = () if traced is None else traced.model.root.iterfind("contact/exclude")
+        found = {frozenset((str(node.get("body1")), str(node.get("body2")))): node for node in nodes}
+        rows: list[Any] = []
+        for pair in map(frozenset, pairs):
+            place, words = None, ""
+            if traced is not None and pair in found:
+                place, _, words, _ = self._element(found[pair], traced)
+            rows.append([place, words, why.get(pair)])
+        return rows
 
     def _of_kind(self, kind: str, names: Sequence[str], traced: Traced) -> list[Any]:
         asked = query.read(kind, None, Sink())

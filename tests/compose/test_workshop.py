@@ -10,6 +10,8 @@ import pytest
 
 from composer.compose.compose import Composer
 from composer.context import Context
+from composer.diagnostics.span import Span
+from composer.expand.plain import node_of
 from composer.limits import allow
 from composer.plan.planner import make_plan
 from composer.sources.fetching import Fetching
@@ -115,6 +117,33 @@ def test_hulls_stand_where_the_meshes_do_and_weigh_nothing(tmp_path: Path) -> No
 
 @needs_extra
 @pytest.mark.slow
+def test_settings_are_parameters_and_what_is_made_differs_by_them(tmp_path: Path) -> None:
+    edits = """{select: {geom: one}, collision: {spheres: {count: "${2 * balls}", seed: "${balls}"}}}
+  - {select: {geom: two}, collision: {fit: "${around}"}}
+params: {balls: 1, around: box}"""
+    (tmp_path / "arm.xml").write_text(ARM, encoding="utf-8")
+    recipe = tmp_path / "recipe.yaml"
+    recipe.write_text(f"recipe: 1\nbase: ./arm.xml\nedit:\n  - {edits}\n", encoding="utf-8")
+    for balls in (2, 3):
+        for around in ("box", "capsule"):
+            context = Context(
+                environment={"MJCOMPOSE_CACHE": str(tmp_path / "cache")}, folder=tmp_path, fetching=Fetching()
+            )
+            given = {
+                name: node_of(value, Span("given", 1, 1))
+                for name, value in (("balls", balls), ("around", around))
+            }
+            made = build(Request(recipe, given), context)
+            assert not context.sink.diagnostics
+            assert made is not None
+            of_one, of_two = json.loads(made.bundle.files["manifest.json"])["made"]
+            assert of_one["how"] == f"spheres (count {2 * balls}, seed {balls})"
+            assert len(of_one["shapes"]) == 2 * balls
+            assert of_two["shapes"] == [f"two_{around}"]
+
+
+@needs_extra
+@pytest.mark.slow
 def test_primitives_are_around_the_meshes(tmp_path: Path) -> None:
     for primitive in ("box", "sphere", "capsule", "cylinder"):
         found, _ = built(tmp_path, f"{{select: {{geom: two}}, collision: {{fit: {primitive}}}}}")
@@ -153,10 +182,27 @@ def test_a_simpler_mesh_stands_where_the_old_one_did(tmp_path: Path) -> None:
 
 @needs_extra
 @pytest.mark.slow
-def test_an_open_mesh_is_doubtful_where_an_inside_is_needed(tmp_path: Path) -> None:
+def test_an_open_mesh_is_reported_where_an_inside_is_needed(tmp_path: Path) -> None:
     _, context = built(tmp_path, "{select: {geom: open}, collision: {decompose: {parts: 2}}}")
-    assert [each.code for each in context.sink.diagnostics] == ["mesh-doubtful"]
+    assert [each.code for each in context.sink.diagnostics] == ["mesh-shape"]
     _, context = built(tmp_path, "{select: {geom: open}, collision: {hull: {}}}")
+    assert not context.sink.diagnostics
+
+
+@needs_extra
+@pytest.mark.slow
+def test_meshes_of_an_odd_size_are_one_warning_whose_help_keeps_their_scale(tmp_path: Path) -> None:
+    arm = ARM.replace('scale="0.1 0.2 0.1"', 'scale="300 600 300"').replace('pos="5 0 0"', 'pos="3 0 0"')
+    arm = arm.replace('pos="9 0 0"', 'pos="0 3 0"')
+    _, context = built(tmp_path, '{select: {geom: "{one,open}"}, collision: {fit: box}}', arm)
+    (warning,) = context.sink.diagnostics
+    assert warning.code == "mesh-size" and "at most 3 m apart" in warning.message
+    assert "{select: {mesh: ball}, set: {scale: [0.3, 0.6, 0.3]}}" in (warning.help or "")
+    assert [each.message for each in warning.others] == ["mesh `open` (arm.xml:9:5)"]
+    # In a model that is as large itself it is not odd.
+    _, context = built(
+        tmp_path, "{select: {geom: one}, collision: {fit: box}}", arm.replace("0 3 0", "0 30 0")
+    )
     assert not context.sink.diagnostics
 
 

@@ -141,7 +141,6 @@ NOT_A_BUILD = {
     "no-server": "needs a port that is taken: tests/cli/test_view.py",
     "no-video": "needs a machine without an encoder: tests/cli/test_render.py",
     "cannot-format": "is not about a build: tests/formatting",
-    "mesh-doubtful": "needs the extra `mesh`: tests/compose/test_workshop.py",
     "mesh-tools-missing": "needs to be without the extra `mesh`: tests/meshes/test_make.py",
     "mujoco-crash": "a model that crashes one MuJoCo is refused by another",
     "mujoco-timeout": "takes long by its nature",

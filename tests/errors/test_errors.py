@@ -41,6 +41,7 @@ SEVERAL = {
     "check_failed",
     "budget_of_nothing",
     "motors_sheet",
+    "parameters_of_verbs",
     "runs_on_lacks",
     "runs_on_misspelt",
     "check_names",

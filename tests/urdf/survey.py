@@ -32,7 +32,6 @@ from composer.sources.source import Source  # noqa: E402
 from composer.sources.urdf_choices import UrdfChoices  # noqa: E402
 from composer.tree.write import write  # noqa: E402
 from composer.urdf.read import UrdfReader  # noqa: E402
-from composer.urdf.report import called  # noqa: E402
 
 POSES = 50
 PAGE = ROOT / "docs" / "urdf.md"
@@ -108,9 +107,10 @@ def looked_at(path: Path, root: Path, session: Session) -> Found:
             found.errors.append(f"{each.code}: {each.message}")
         elif each.severity == "warning":
             found.warnings[each.code] = found.warnings.get(each.code, 0) + 1 + len(each.others)
-    found.unread = [called(row) for row in reader.reading.rows.values() if row.why and not row.is_minor]
-    if found.model is None:
+    if found.model is None or reader.robot is None:
         return found
+    table = reader.reading.table(reader.robot.unit)
+    found.unread = [row.called for row in table if row.why and not row.is_minor]
     try:
         alone = by_mujoco(path, root)
     except (ValueError, mujoco.FatalError):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -58,8 +59,12 @@ def test_what_is_plausible(
     assert told(reader("r.urdf", robot(ARM[0], link("upper", inertial + shape("m.obj")), *ARM[2:]))) == codes
 
 
-def test_a_flat_mesh(reader: Reader, tmp_path: Path) -> None:
-    (tmp_path / "m.obj").write_text(obj(flat=True))
+@pytest.mark.parametrize("tilted", [False, True])
+def test_a_flat_mesh(reader: Reader, tmp_path: Path, tilted: bool) -> None:
+    mesh = obj(flat=True)
+    if tilted:  # the box around it has a height
+        mesh = re.sub(r"^v (\S+) (\S+) 0$", r"v \1 \2 \1", mesh, flags=re.MULTILINE)
+    (tmp_path / "m.obj").write_text(mesh)
     assert "mesh-shape" in told(
         reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + shape("m.obj")), *ARM[2:]))
     )
@@ -70,7 +75,7 @@ def test_the_help_for_millimetres_is_right(reader: Reader, tmp_path: Path) -> No
     read = reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + shape("m.obj")), *ARM[2:]))
     read.unit()
     (warning,) = (each for each in read.sink.sorted() if each.code == "mesh-size")
-    assert warning.help == 'if it is in millimetres, write `scale="0.001 0.001 0.001"`'
+    assert warning.help == 'if its file is in millimetres, write `scale="0.001 0.001 0.001"`'
     assert warning.span and warning.span.line == 3
 
 

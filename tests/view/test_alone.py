@@ -56,6 +56,44 @@ def model(tmp_path: Path) -> Path:
     return tmp_path
 
 
+CHAIN = """<mujoco>
+  <worldbody>
+    <body name="near"><geom size="0.1"/>
+      <body name="next" pos="0.5 0 0"><joint name="hinge" axis="0 1 0" range="-20 20"/><geom size="0.1"/>
+        <body name="far" pos="0.5 0 0"><joint name="more" axis="0 1 0" range="-20 20"/><geom size="0.1"/></body>
+      </body>
+    </body>
+    <body name="free" pos="1 2 3"><freejoint name="free"/><geom size="0.1"/></body>
+  </worldbody>
+</mujoco>
+"""
+EXCLUDING = """recipe: 1
+base: ./model.xml
+contact:
+  exclude:
+    - {body1: near, body2: free}
+    - auto
+"""
+
+
+def test_excluded_contacts_stand_in_the_tree_and_beside_their_bodies_with_the_reason(
+    model: Path, open_page: Callable[..., Any]
+) -> None:
+    (model / "model.xml").write_text(CHAIN)
+    (model / "recipe.yaml").write_text(EXCLUDING)
+    with Session() as session:
+        page = open_page(page_of("recipe.yaml", model, session).as_uri())
+    page.get_by_text("excluded contacts").click()
+    page.get_by_text("near – far").click()
+    reason = "they touched in none of 1000 random poses (seed 0) recipe.yaml:6"
+    rows = page.locator(".info .changes li").all_inner_texts()
+    assert {" ".join(each.split()) for each in rows} == {
+        "free written in the recipe recipe.yaml:5",
+        "next a joint connects them recipe.yaml:6",
+        f"far {reason}",
+    }
+
+
 def _same(page: Any, session: Session) -> None:
     """Whether the page has bodies where MuJoCo has them."""
     qpos = page.evaluate("Array.from(mjcompose.world.pose.qpos)")

@@ -8,7 +8,7 @@ from typing import Any
 
 from composer.diagnostics.suggest import advised, closest, exists_note
 from composer.recipe.fault import EXCLUSIVE, Fault, Path, unknown_key
-from composer.recipe.reference import Schema
+from composer.recipe.reference import Schema, or_template, reference
 from composer.recipe.shown import kind_of, shown
 from composer.recipe.verbs.verb import Selected, Verb, read_mapping
 
@@ -125,7 +125,8 @@ def read_settings(
             right = False
     for key in method.needed:
         if key not in value:
-            add(Fault("missing-key", f"`{name}` lacks `{key}`", at, help=f"write `{name}: {{{example}}}`"))
+            message = f"`{name}` lacks `{key}`"
+            add(Fault("missing-key", message, at, help=f"write `{name}: {{{example}}}`", lacks=key))
             right = False
     for key, setting in method.settings.items():
         if key in value and (fault := _number_fault(value[key], key, setting, (*at, key))) is not None:
@@ -166,7 +167,7 @@ def in_words(method: str, wanted: Any) -> str:
 def settings_schema(method: Method) -> Schema:
     properties = {
         name: {
-            "type": "integer" if setting.whole else "number",
+            **reference("integer" if setting.whole else "number"),
             "minimum": setting.least,
             "maximum": setting.most,
             "description": setting.about,
@@ -184,7 +185,9 @@ def settings_schema(method: Method) -> Schema:
 
 def _schema() -> Schema:
     properties = {
-        name: settings_schema(method) if method.settings else {"enum": [*FITS], "description": method.about}
+        name: settings_schema(method)
+        if method.settings
+        else or_template({"enum": [*FITS], "description": method.about})
         for name, method in METHODS.items()
     }
     return {

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from composer.recipe.fault import Fault, unknown_key
-from composer.recipe.reference import Schema, reference
+from composer.recipe.reference import Schema, or_template, reference
 from composer.recipe.shown import kind_of
 from composer.recipe.verbs.verb import Changed, Selected, Verb, read_mapping, with_values
 
@@ -61,12 +61,14 @@ def _schema() -> Schema:
     return {
         "type": "object",
         "properties": {
-            FROM: {
-                "enum": [*SOURCES],
-                "description": "from the geoms that are meshes, or from all geoms of the body",
-            },
+            FROM: or_template(
+                {
+                    "enum": [*SOURCES],
+                    "description": "from the geoms that are meshes, or from all geoms of the body",
+                }
+            ),
             DENSITY: {**reference("number"), "exclusiveMinimum": 0, "description": "in kg/m³"},
-            GROUP: {"type": "integer", "description": "from the geoms of this group alone"},
+            GROUP: {**reference("integer"), "description": "from the geoms of this group alone"},
         },
         "required": [FROM, DENSITY],
         "additionalProperties": False,

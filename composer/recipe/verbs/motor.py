@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from composer.recipe.fault import EXCLUSIVE, Fault, unknown_key
-from composer.recipe.reference import Schema, reference
+from composer.recipe.reference import Schema, or_template, reference
 from composer.recipe.shown import kind_of
 from composer.recipe.verbs.verb import Changed, Selected, Verb, read_mapping, with_values
 
@@ -91,11 +91,13 @@ def _schema() -> Schema:
         "minLength": 1,
         "description": "a motor of the section `motors`, or one that comes with mjcompose",
     }
-    effort: Schema = {
-        "enum": [*EFFORTS],
-        "description": "whether it gives its peak or its rated torque",
-        "default": EFFORTS[0],
-    }
+    effort = or_template(
+        {
+            "enum": [*EFFORTS],
+            "description": "whether it gives its peak or its rated torque",
+            "default": EFFORTS[0],
+        }
+    )
     return {
         "type": "object",
         "properties": {MODEL: model, **numbers, "effort": effort},

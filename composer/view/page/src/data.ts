@@ -10,6 +10,9 @@ export type Place = [file: number, line: number, column: number];
 export type Change = [what: string, before: string | null, after: string | null, words: string, place: Place | null];
 export type Origin = [place: Place | null, part: number, words: string, changes: Change[]] | null;
 
+/** Where a pair of bodies is excluded from contact, and why, if `exclude: auto` found it. */
+export type Excluded = [place: Place | null, words: string, why: string | null];
+
 export interface Texture { blob: string; kind: "2d" | "cube" | "skybox"; width: number; height: number }
 export interface HeightField { blob: string; rows: number; columns: number; size: number[] }
 export interface Skin {
@@ -32,11 +35,11 @@ export interface Choice { name: string; label: string; values: string[]; value: 
 export interface Scene {
   format: number; title: string; made: string;
   body: Columns; joint: Columns; geom: Columns; site: Columns; camera: Columns; light: Columns; material: Columns;
-  tendon: Columns; actuator: Columns; key: Columns;
+  tendon: Columns; actuator: Columns; key: Columns; exclude: { body1: number[]; body2: number[] };
   mesh: string[]; hfield: HeightField[]; texture: Texture[]; skin: Skin[]; flex: Flex[];
   wrap: { type: number[]; object: number[]; parameter: number[] };
   poses: PoseFacts[]; qpos0: number[]; timestep: number; look: Look;
-  origins: { files: string[]; parts: [string, Place | null][]; of: Record<string, Origin[]> };
+  origins: { files: string[]; parts: [string, Place | null][]; of: Record<string, Origin[]>; exclude: Excluded[] };
   editor?: { template: string; files: Record<string, string> };
   key_named?: string | null;
   choices?: Choice[];

@@ -46,7 +46,21 @@ export class Info {
       h("header", {}, h("h2", { title: "copy the name", onclick: () => copy(name) }, name), h("span", { className: "badge" }, kind)),
       facts,
       ...(origin ? this.origin(origin) : []),
+      ...(element.kind === "body" ? this.excluded(element.index) : []),
     ];
+  }
+
+  /** The bodies that a body is kept from touching, each with the reason, if it has one, and its place. */
+  private *excluded(body: number): Generator<HTMLElement> {
+    const { exclude: { body1, body2 }, origins } = this.model.scene;
+    const rows = body1.flatMap((one, k) => {
+      if (one !== body && body2[k] !== body) return [];
+      const [place, words, why] = origins.exclude[k], other = this.link({ kind: "body", index: one === body ? body2[k] : one });
+      return [h("li", {}, other, h("span", { className: "why" }, ` ${why ?? words} `), this.place(place))];
+    });
+    if (!rows.length) return;
+    yield h("h3", {}, "Contacts that are excluded");
+    yield h("ul", { className: "changes" }, ...rows);
   }
 
   private link(element: Element): HTMLElement {

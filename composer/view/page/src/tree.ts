@@ -3,7 +3,7 @@ import type { Element, Model } from "./data";
 import { h } from "./dom";
 
 const LEAVES = ["joint", "geom", "site", "camera", "light"] as const;
-const MARKS: Record<string, string> = { body: "◆", joint: "↻", geom: "■", site: "◎", camera: "▣", light: "✷", part: "▸", tendon: "∿", skin: "▒", flex: "▒", actuator: "⚙", key: "⚑" };
+const MARKS: Record<string, string> = { body: "◆", joint: "↻", geom: "■", site: "◎", camera: "▣", light: "✷", part: "▸", tendon: "∿", skin: "▒", flex: "▒", actuator: "⚙", key: "⚑", exclude: "⊘" };
 
 export class Tree {
   readonly root = h("div", { className: "tree", role: "tree" });
@@ -52,6 +52,22 @@ export class Tree {
       const count = kind === "skin" || kind === "flex" ? scene[kind].length : scene[kind].name.length;
       if (count) this.root.append(this.fold(kind, `${kind}s`, null, count, () => Array.from({ length: count }, (_, index) => this.leaf({ kind, index })), false));
     }
+    const pairs = scene.exclude.body1.length;
+    if (pairs) this.root.append(this.fold("exclude", "excluded contacts", null, pairs, () => this.excludes(), false));
+  }
+
+  /** The pairs of bodies that do not touch, each with the reason, if it has one. */
+  private excludes(): HTMLElement[] {
+    const { exclude: { body1, body2 }, origins } = this.model.scene;
+    return body1.map((one, k) => {
+      const [first, second] = [one, body2[k]].map((index) => nameOf(this.model, { kind: "body", index }));
+      const [, words, why] = origins.exclude[k];
+      const line = this.line("exclude", `${first} – ${second}`, null, null, why ?? words);
+      line.title += ` ${why ?? words}`;
+      line.addEventListener("click", () => this.choose({ kind: "body", index: one }));
+      line.addEventListener("keydown", (event) => { if (event.key === "Enter") line.click(); });
+      return line;
+    });
   }
 
   private body(b: number): HTMLElement {
