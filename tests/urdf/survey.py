@@ -153,11 +153,11 @@ def poses(model: mujoco.MjModel) -> Iterator[np.ndarray]:
 
 def beside_pinocchio(path: Path, model: mujoco.MjModel) -> tuple[str, float]:
     """What differs from Pinocchio, whose places are those of the same names; masses where the URDF has them."""
-    simple = [
-        j
-        for j in range(model.njnt)
-        if model.jnt_type[j] in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
-    ]
+    kinds = (
+        int(mujoco.mjtJoint.mjJNT_HINGE),
+        int(mujoco.mjtJoint.mjJNT_SLIDE),
+    )  # no number is `in` enumerations
+    simple = [j for j in range(model.njnt) if model.jnt_type[j] in kinds]
     drawn = list(poses(model))
     given = [
         {"joints": {model.joint(j).name: [float(q[model.jnt_qposadr[j]])] for j in simple}, "free": {}}
