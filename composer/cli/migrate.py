@@ -44,7 +44,9 @@ _SHOWN = 5
 @click.option("--mujoco", "after", metavar="VERSION",
               help="The MuJoCo version to write for, which may be older.  [default: the installed one]")  # fmt: skip
 @output_option("Where to write the result: a new FILE.xml next to MODEL, or a new folder with all files.")
-@click.option("--in-place", is_flag=True, help="Write the changes to MODEL and the files it includes.")
+@click.option(
+    "--in-place", is_flag=True, help="Write the changes to MODEL and the files that it includes or attaches."
+)
 @click.option("--adopt", multiple=True, metavar="CHANGE",
               help="Adopt a changed default instead of writing out the old one, as in --adopt native-ccd.")  # fmt: skip
 @click.option("--with-python", "pythons", multiple=True, metavar="PATH", type=click.Path(path_type=Path),
@@ -152,7 +154,7 @@ def _bound(result: Result, target: Path) -> str | None:
     migrated, model = result.migrated, result.model
     others = [path for path in migrated.changed if path != model]
     if others:
-        return f"`{others[0].name}`, which it includes, is another one, too"
+        return f"`{others[0].name}`, which it includes or attaches, is another one, too"
     same_place = os.path.realpath(target.parent) == os.path.realpath(model.parent)
     if not same_place and (migrated.assets or len(migrated.files) > 1):
         return "it would stand in another folder than they"

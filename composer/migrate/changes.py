@@ -108,7 +108,9 @@ def _dampratio(editing: Editing) -> None:
                 node,
                 f"{called(node)} has another damping by its `dampratio` in MuJoCo {editing.after} than in"
                 f" {editing.before}",
-                "write the damping as `kv`; with the other MuJoCo (`--with-python`, `--prove`) that is done",
+                "write the damping as `kv`; with the other MuJoCo (`--with-python`, `--prove`) that is done"
+                if editing is editing.whole[0]
+                else "write the damping as `kv`",
             )
 
 
@@ -128,8 +130,11 @@ def _fits_boxes(editing: Editing) -> bool:
 
 
 def _turns(editing: Editing) -> bool:
-    free = next(editing.root.iter("freejoint"), None) is not None
-    return free or any(editing.value(node, "type") in ("ball", "free") for node in editing.at("body/joint"))
+    return any(
+        next(each.root.iter("freejoint"), None) is not None
+        or any(each.value(node, "type") in ("ball", "free") for node in each.at("body/joint"))
+        for each in editing.whole
+    )
 
 
 TABLE: tuple[Change, ...] = (

@@ -43,7 +43,10 @@ class Meaning:
 
 @dataclass(slots=True)
 class Editing:
-    """`before` and `after` are the versions from which and to which the model goes."""
+    """`before` and `after` are the versions from which and to which the model goes.
+
+    `whole` are the model and those that it attaches, each with its own tree; a model alone is the whole.
+    """
 
     unit: Unit
     sink: Sink
@@ -55,6 +58,10 @@ class Editing:
     renamed: dict[Node, dict[str, str]] = field(default_factory=dict)
     values: dict[str, object] = field(default_factory=dict)
     refused: set[Node] = field(default_factory=set)
+    whole: list[Editing] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.whole = self.whole or [self]
 
     @property
     def root(self) -> Node:

@@ -67,20 +67,27 @@ def sum_of_two(editing: Editing) -> None:
 
 
 def _combine(editing: Editing, factor: float, was: str, now: str) -> None:
+    if editing is not editing.whole[0]:
+        return  # a geom touches those of all models that are attached
     for name in ("margin", "gap"):
-        geoms = [node for node in editing.at("body/geom") if _collides(editing, node)]
-        values = {node: _number(editing, node, name) for node in geoms}
-        having = [node for node, value in values.items() if value]
-        if not having or (len(having) == 1 and not _is_copied(having[0])):
+        geoms = [
+            (each, node) for each in editing.whole for node in each.at("body/geom") if _collides(each, node)
+        ]
+        values = [_number(each, node, name) for each, node in geoms]
+        having = [pair for pair, value in zip(geoms, values, strict=True) if value]
+        if not having or (len(having) == 1 and not _is_copied(*having[0])):
             continue
-        if len(set(values.values())) == 1:  # any two have the same: half of it each
-            for node in editing.at(*_GEOMS):
-                if node.get(name) is not None:
-                    editing.set(node, name, number_text(_number(editing, node, name) * factor))
+        if len(set(values)) == 1:  # any two have the same: half of it each
+            for each in editing.whole:
+                for node in each.at(*_GEOMS):
+                    if node.get(name) is not None:
+                        each.set(node, name, number_text(_number(each, node, name) * factor))
             continue
-        editing.warn(
-            having[0],
-            f"{len(having)} geoms have a `{name}`, and a contact of two of them has {was} in MuJoCo {editing.before}"
+        first, node = having[0]
+        several = "copies of one geom" if len(having) == 1 else f"{len(having)} geoms"
+        first.warn(
+            node,
+            f"{several} have a `{name}`, and a contact of two of them has {was} in MuJoCo {editing.before}"
             f" and {now} in {editing.after}",
             f"write the `{name}` of such contacts as `<pair>`, or give it to one of the two geoms alone",
         )
@@ -90,5 +97,6 @@ def _collides(editing: Editing, node: Node) -> bool:
     return any(editing.value(node, name) != "0" for name in ("contype", "conaffinity"))
 
 
-def _is_copied(node: Node) -> bool:
-    return any(above.tag == "replicate" for above in node.iterancestors())
+def _is_copied(editing: Editing, node: Node) -> bool:
+    """Whether the model may have several of it: a model may be attached more than once."""
+    return editing is not editing.whole[0] or any(above.tag == "replicate" for above in node.iterancestors())

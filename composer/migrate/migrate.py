@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -56,40 +56,103 @@ def migrate(
     adopt: Collection[str] = (),
     values: Mapping[str, object] | None = None,
 ) -> Migrated | None:
-    """The model for another version; None where it cannot be one, which is reported. The unit is changed.
+    """The model for another version, with the models that it attaches; None where it cannot be one, which is reported.
 
-    `values` has what the MuJoCo of `before` measured of the model, where that is known.
+    The unit is changed. `values` has what the MuJoCo of `before` measured of the model, where that is known.
     """
-    sources = _sources(unit, context)
-    if sources is None:
+    whole: list[Editing] = []
+    left: list[Meaning] = []
+    for each in _with_attached(unit, context, left):
+        # What was measured has the names of the whole model, in which attached ones have a prefix.
+        known = dict(values or {}) if each is unit else {}
+        whole.append(Editing(each, context.sink, before, after, values=known))
+    sources = [_sources(editing.unit, context) for editing in whole]
+    if context.sink.has_errors:
         return None
-    assets = tuple(dict.fromkeys(_assets(unit)))
-    editing = Editing(unit, context.sink, before, after, values=dict(values or {}))
+    assets = tuple(dict.fromkeys(path for editing in whole for path in _assets(editing.unit)))
+    adopted = _carried_out(whole, adopt)
+    if adopted is None:
+        return None
+    result = Migrated(before, after, assets=assets, adopted=tuple(adopted))
+    for editing, files in zip(whole, sources, strict=True):
+        assert files is not None
+        for path, (source, data) in files.items():
+            try:
+                text = source.rewritten(editing.root, editing.renamed)
+            except MarkupError:
+                _cannot_edit(path, context)
+                return None
+            mark = _MARK if data.startswith(_MARK) else b""
+            new = mark + text.encode("utf-8", "surrogateescape")
+            if result.files.setdefault(path, (data, new))[1] != new:
+                _two_texts(path, context)
+                return None
+    result.steps = tuple(step for editing in whole for step in editing.steps)
+    result.meanings = (*left, *(each for editing in whole for each in editing.meanings))
+    return result
+
+
+def _with_attached(
+    unit: Unit,
+    context: Context,
+    left: list[Meaning],
+    seen: set[str] | None = None,
+    above: tuple[str, ...] = (),
+) -> Iterator[Unit]:
+    """A model and those that it attaches, and these in turn, each once; what is `left` as it is.
+
+    `above` are the models that lead to it: MuJoCo 4.0 crashes where one is made of itself.
+    """
+    seen = set() if seen is None else seen
+    above = above or (os.path.realpath(unit.directory / os.path.basename(unit.file)),)
+    yield unit
+    for element in unit.root.iterfind("asset/model"):
+        file = str(element.get("file") or "")
+        path = Path(os.path.normpath(join(str(unit.directory), file)))
+        shown, real = context.shown(path), os.path.realpath(path)
+        span = unit.origins.span(element, unit.file, "file")
+        if real in above:
+            help = "take this `<model>` out, or name another file"
+            context.sink.error("source-cycle", f"the model `{file}` is made of itself", span, help=help)
+            continue
+        if not file or real in seen or not unit.door.exists(path):
+            continue  # MuJoCo says so of a file that does not exist
+        seen.add(real)
+        if "urdf" in f"{element.get('content_type')} {path.suffix}".lower():
+            left.append(Meaning("attached", f"`{shown}` is URDF, and stays as it is", span, None))
+            continue
+        attached = parse_file(path, context.sink, file=shown, span=span, door=unit.door)
+        if attached is not None:
+            yield from _with_attached(attached, context, left, seen, (*above, real))
+
+
+def _carried_out(whole: list[Editing], adopt: Collection[str]) -> list[str] | None:
+    """Change all models, one change after the other; the changes that were left out, or None after errors."""
     adopted = []
-    for change, act in between(before, after):
+    for change, act in between(whole[0].before, whole[0].after):
         if act is None:
             continue
         if change.name in adopt:
             adopted.append(change.name)
             continue
-        editing.change = change
-        unit.forget_classes()
-        act(editing)
-    editing.change = None
-    _leave_out(editing)
-    if context.sink.has_errors:
-        return None
-    result = Migrated(before, after, assets=assets, adopted=tuple(adopted))
-    for path, (source, data) in sources.items():
-        try:
-            text = source.rewritten(unit.root, editing.renamed)
-        except MarkupError:
-            _cannot_edit(path, context)
-            return None
-        mark = _MARK if data.startswith(_MARK) else b""
-        result.files[path] = data, mark + text.encode("utf-8", "surrogateescape")
-    result.steps, result.meanings = tuple(editing.steps), tuple(editing.meanings)
-    return result
+        for editing in whole:
+            editing.change = change
+            editing.whole = whole
+            editing.unit.forget_classes()
+        for editing in whole:
+            act(editing)
+    for editing in whole:
+        editing.change = None
+        _leave_out(editing)
+    return None if whole[0].sink.has_errors else adopted
+
+
+def _two_texts(path: Path, context: Context) -> None:
+    context.sink.error(
+        "migrate-cannot",
+        f"`{context.shown(path)}` is included by two of these models, and would have to be another text for each",
+        help="make a copy of it for one of them",
+    )
 
 
 def _leave_out(editing: Editing) -> None:

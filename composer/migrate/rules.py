@@ -311,7 +311,7 @@ def _write(editing: Editing, node: Node, **numbers: float) -> None:
 
 
 def has_elasticity(editing: Editing) -> bool:
-    return any(_number(node, "young") for _, node in _flexes(editing))
+    return any(_number(node, "young") for each in editing.whole for _, node in _flexes(each))
 
 
 def implicit_flexes(editing: Editing) -> None:
@@ -376,7 +376,9 @@ def _gives_gains(tag: str, node: Node) -> bool:
 def keys_of_replicates(editing: Editing) -> None:
     """Before 3.16 each copy of a replicate had a copy of every key."""
     moving = [
-        node for node in editing.at("replicate") if next(node.iter("joint", "freejoint"), None) is not None
+        node
+        for node in editing.at("replicate")
+        if next(node.iter("joint", "freejoint", "attach"), None) is not None
     ]
     for node in editing.at("keyframe/key") if moving else ():
         editing.warn(

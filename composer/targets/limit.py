@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 from composer.targets.draft import Draft
 
@@ -21,9 +22,27 @@ class Outcome(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
+class Refusal:
+    """An element of a compiled model that a simulator does not take; of its options the kind is `option`."""
+
+    kind: str
+    number: int
+    why: str
+    help: str
+
+
+Refuses = Callable[[Any, Any], Iterator[Refusal]]
+"""Of MuJoCo and a compiled model: what a simulator refuses of it."""
+
+
+@dataclass(frozen=True, slots=True)
 class Limit:
-    """A feature that a target does not support. `apply` changes the draft and records what is lost."""
+    """A feature that a target does not support. `apply` changes the draft and records what is lost.
+
+    `refuses` judges the compiled model alone, for simulators that take MuJoCo's own `mjModel`.
+    """
 
     feature: str
     outcome: Outcome
     apply: Callable[[Draft], None]
+    refuses: Refuses | None = None

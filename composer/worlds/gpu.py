@@ -10,6 +10,7 @@ import numpy as np
 from composer.compiled.varying import MEAN_INERTIA, value_of
 from composer.worlds.errors import failure
 from composer.worlds.probing import check_nothing_is_shared, is_stepped
+from composer.worlds.simulator import Simulator
 from composer.worlds.worlds import Worlds
 
 _INSTEAD = "leave out of the recipe what changes it, or use `worlds.mujoco`"
@@ -29,8 +30,8 @@ def warp(worlds: Worlds) -> Any:
 
     Every array that differs is per world, including those that mj_setConst computes, which would be shared
     otherwise. Keys are not per world: `study.values("key_qpos")` has them. Arrays that Warp's model does not have
-    play no part in its steps. Needs `mujoco_warp`; raises LoadError without it, and for arrays that Warp shares
-    between worlds.
+    play no part in its steps. Needs `mujoco_warp`; raises LoadError without it, for a model that Warp does not take,
+    and for arrays that it shares between worlds.
     """
     try:
         import mujoco_warp
@@ -38,9 +39,10 @@ def warp(worlds: Worlds) -> Any:
         raise failure(
             "not-installed", f"`mujoco_warp` cannot be used: {error}", "`pip install mujoco-warp`"
         ) from error
-    model = mujoco_warp.put_model(worlds.nominal)
+    simulator = Simulator("warp", mujoco_warp.put_model)
+    model = simulator.take(worlds, worlds.nominal)
     names = per_world(model, worlds)
-    check_nothing_is_shared(worlds, mujoco_warp.put_model, [*names, *unread(worlds)], "MuJoCo Warp", _INSTEAD)
+    check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)], _INSTEAD)
     for name in names:
         put_worlds(model, name, worlds)
     return model

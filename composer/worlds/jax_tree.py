@@ -6,6 +6,7 @@ from typing import Any
 
 from composer.worlds.errors import failure
 from composer.worlds.probing import check_nothing_is_shared, is_stepped
+from composer.worlds.simulator import Simulator
 from composer.worlds.worlds import Worlds
 
 _INSTEAD = "leave out of the recipe what changes it, or use `worlds.mujoco`"
@@ -21,8 +22,8 @@ def mjx(worlds: Worlds, model: Any = None) -> tuple[Any, Any]:
     So a `randomization_fn` of mujoco_playground or brax is `lambda model: worlds.mjx(study, model)`. Inertia is
     included with mass, and values that mj_setConst computes, including `stat.meaninertia`, with their inputs.
 
-    Needs `mujoco-mjx`; raises LoadError without it, for arrays that MJX shares between worlds, and for another
-    model.
+    Needs `mujoco-mjx`; raises LoadError without it, for a model that MJX does not take, for arrays that it shares
+    between worlds, and for another model.
     """
     try:
         import jax
@@ -30,7 +31,8 @@ def mjx(worlds: Worlds, model: Any = None) -> tuple[Any, Any]:
     except ImportError as error:
         help = "`pip install mujoco-mjx`"
         raise failure("not-installed", f"`mujoco.mjx` cannot be used: {error}", help) from error
-    plain = module.put_model(worlds.nominal)
+    simulator = Simulator("mjx", module.put_model)
+    plain = simulator.take(worlds, worlds.nominal)
     base = plain if model is None else model
     replaced: dict[str, Any] = {}
     for name in worlds.arrays:
@@ -51,7 +53,7 @@ def mjx(worlds: Worlds, model: Any = None) -> tuple[Any, Any]:
                 help,
             )
         replaced[name] = jax.numpy.asarray(worlds.values(name).reshape(worlds.count, *leaf.shape), leaf.dtype)
-    check_nothing_is_shared(worlds, module.put_model, replaced, "MJX", _INSTEAD)
+    check_nothing_is_shared(worlds, simulator, replaced, _INSTEAD)
     axes = jax.tree_util.tree_map(lambda _: None, base).tree_replace(dict.fromkeys(replaced, 0))
     return base.tree_replace(replaced), axes
 

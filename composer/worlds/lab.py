@@ -14,6 +14,7 @@ from composer.compiled.whose import whose
 from composer.worlds.errors import failure
 from composer.worlds.gpu import per_world, unread
 from composer.worlds.probing import check_nothing_is_shared, is_stepped
+from composer.worlds.simulator import Simulator
 from composer.worlds.worlds import Worlds
 
 _INSTEAD = "leave out of the recipe what changes it, or use `worlds.mujoco`"
@@ -31,7 +32,8 @@ def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
     takes, and is one like those of `mjlab.envs.mdp.dr`. In a scene mjlab computes again what follows from masses and
     poses, for of the world body more than the entity is part.
 
-    Needs `mjlab`; raises LoadError without it, and for arrays that MuJoCo Warp shares between worlds. A missing
+    Needs `mjlab`; raises LoadError without it, for a model that MuJoCo Warp does not take, and for arrays that it
+    shares between worlds. A missing
     element in the scene, or a number of environments other than that of worlds, raises LoadError when the
     environment is made.
     """
@@ -40,10 +42,12 @@ def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
         from mjlab.managers.event_manager import EventTermCfg, RecomputeLevel
     except ImportError as error:
         raise failure("not-installed", f"`mjlab` cannot be used: {error}", "`pip install mjlab`") from error
-    names = [name for name in per_world(mujoco_warp.put_model(worlds.nominal), worlds) if is_stepped(name)]
+    simulator = Simulator("warp", mujoco_warp.put_model)
+    model = simulator.take(worlds, worlds.nominal)
+    names = [name for name in per_world(model, worlds) if is_stepped(name)]
     if dotted := [name for name in names if "." in name]:
         raise failure("not-per-world", f"mjlab has `{dotted[0]}` once for all worlds", _INSTEAD)
-    check_nothing_is_shared(worlds, mujoco_warp.put_model, [*names, *unread(worlds)], "MuJoCo Warp", _INSTEAD)
+    check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)], _INSTEAD)
 
     def set_worlds(env: Any, env_ids: Any = None) -> None:
         _set(worlds, names, entity, env.sim, env_ids)

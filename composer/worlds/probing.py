@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy as np
 from composer.compiled.kinds import Model
 from composer.compiled.varying import flat, put
 from composer.worlds.errors import failure
+from composer.worlds.simulator import Simulator
 from composer.worlds.worlds import Worlds
 
 _FLAG = "has"
@@ -36,14 +37,16 @@ def is_stepped(name: str) -> bool:
 
 
 def check_nothing_is_shared(
-    worlds: Worlds, convert: Callable[[Model], Any], varied: Collection[str], simulator: str, instead: str
+    worlds: Worlds, simulator: Simulator, varied: Collection[str], instead: str
 ) -> None:
     """Compare a simulator's conversions of the nominal model and of one in which every varying number differs.
 
     Every difference must be among the `varied` arrays. MuJoCo Warp, for instance, leaves springs of tendons out of
     its steps if the converted model has none, whatever the arrays of the worlds say. Raises LoadError.
     """
-    before, after = (dict(_leaves(convert(each))) for each in (worlds.nominal, _otherwise(worlds)))
+    before, after = (
+        dict(_leaves(simulator.take(worlds, each))) for each in (worlds.nominal, _otherwise(worlds))
+    )
     last = {name.rpartition(".")[2] for name in varied}
     shared = [
         name for name, value in before.items()
@@ -51,7 +54,7 @@ def check_nothing_is_shared(
         and name in after and not _same(value, after[name]) and not (_FLAG in name and _covers(value, after[name]))
     ]  # fmt: skip
     if shared:
-        message = f"{simulator} has {_listed(shared)} once for all worlds, computed from what differs"
+        message = f"{simulator.name} has {_listed(shared)} once for all worlds, computed from what differs"
         raise failure(
             "not-per-world", message, instead, [f"between these worlds differ {_listed(worlds.arrays)}"]
         )

@@ -100,9 +100,7 @@ class Worlds:
     def whose(self, name: str) -> list[Whose]:
         """Return kind, name and attribute for each differing number of an array.
 
-                study.whose("geom_friction")[0]   # Whose(kind="geom", element="pads/left", attribute="friction[0]")
-
-        Raises KeyError.
+            study.whose("geom_friction")[0]   # Whose(kind="geom", element="pads/left", attribute="friction[0]")
 
         Raises KeyError.
         """

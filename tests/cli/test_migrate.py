@@ -66,12 +66,103 @@ def test_what_is_included_changes_where_it_stands(folder: Path) -> None:
     (folder / "two.xml").write_text(IN_TWO)
     (folder / "rest.xml").write_text(REST)
     alone = run("migrate", "two.xml", "--from", "3.2.2", "-o", "new.xml")
-    assert alone.exit_code == 1 and "`rest.xml`, which it includes, is another one, too" in alone.stderr
+    assert (
+        alone.exit_code == 1
+        and "`rest.xml`, which it includes or attaches, is another one, too" in alone.stderr
+    )
     result = run("migrate", "two.xml", "--from", "3.2.2", "--in-place")
     assert result.exit_code == 0, result.output
     assert "mpr" not in (folder / "rest.xml").read_text()
     assert 'ccd_iterations="20"' in (folder / "rest.xml").read_text()
     assert '<include file="rest.xml"/>' in (folder / "two.xml").read_text()
+
+
+ATTACHING = """\
+<mujoco>
+  <asset><model name="hand" file="parts/hand.xml"/>{more}</asset>
+  <worldbody><geom size=".1" {geom}/><frame pos="0 0 1"><attach model="hand" body="palm" prefix="p_"/></frame></worldbody>
+</mujoco>
+"""
+HAND = """\
+<mujoco model="hand">
+  <asset><model name="tip" file="tip.xml"/></asset>
+  <worldbody><body name="palm"><joint/><geom size=".1" margin=".2"/>
+    <frame><attach model="tip" body="tip" prefix="t_"/></frame></body></worldbody>
+</mujoco>
+"""
+TIP = """\
+<mujoco model="tip">
+  <option mpr_iterations="20"/>
+  <worldbody><body name="tip"><geom size=".1" margin=".2"/></body></worldbody>
+</mujoco>
+"""
+
+
+def attaching(folder: Path, **given: str) -> None:
+    (folder / "parts").mkdir()
+    (folder / "all.xml").write_text(ATTACHING.format(**{"geom": "", "more": "", **given}))
+    (folder / "parts/hand.xml").write_text(HAND)
+    (folder / "parts/tip.xml").write_text(TIP)
+
+
+def test_what_is_attached_is_migrated_too(folder: Path) -> None:
+    attaching(folder, geom='margin=".2"')
+    alone = run("migrate", "all.xml", "--from", "3.2.2", "-o", "one.xml")
+    assert alone.exit_code == 1 and "which it includes or attaches, is another one, too" in alone.stderr
+    result = run("migrate", "all.xml", "--from", "3.2.2", "-o", "new")
+    assert (result.exit_code, result.stderr) == (0, "")
+    tip = (folder / "new/parts/tip.xml").read_text()
+    assert 'ccd_iterations="20"' in tip and "mpr" not in tip
+    for name in ("all.xml", "parts/hand.xml", "parts/tip.xml"):
+        assert 'margin="0.1"' in (folder / "new" / name).read_text(), "contacts have the sum of two now"
+    assert (folder / "parts/tip.xml").read_text() == TIP
+
+
+def test_margins_are_judged_over_all_that_is_attached(folder: Path) -> None:
+    """The geoms of the model itself have none, and those of the parts touch each other and the model's."""
+    attaching(folder)
+    result = run("migrate", "all.xml", "--from", "3.2.2", "--in-place")
+    assert result.exit_code == 0, result.output
+    assert "parts/hand.xml:3:40: warning[migrate-changed]: 2 geoms have a `margin`" in result.stderr
+    assert 'margin=".2"' in (folder / "parts/hand.xml").read_text()
+    assert 'ccd_iterations="20"' in (folder / "parts/tip.xml").read_text()
+
+
+def test_what_an_attached_model_cannot_be(folder: Path) -> None:
+    attaching(folder)
+    (folder / "parts/tip.xml").write_text(TIP.replace("<geom", '<composite type="cable"/><geom'))
+    result = run("migrate", "all.xml", "--from", "3.2.2", "-o", "new")
+    assert result.exit_code == 1 and not (folder / "new").exists()
+    assert "parts/tip.xml:3:31: error[migrate-cannot]: MuJoCo 4.0 has no `<composite>`" in result.stderr
+
+
+def test_models_that_attach_one_another_end(folder: Path) -> None:
+    attaching(folder)
+    (folder / "parts/tip.xml").write_text(HAND.replace("tip.xml", "../all.xml").replace('"palm"', '"tip"'))
+    result = run("migrate", "all.xml", "--from", "3.2.2", "-o", "new")
+    assert result.exit_code == 1
+    assert (
+        "parts/tip.xml:2:34: error[source-cycle]: the model `../all.xml` is made of itself" in result.stderr
+    )
+
+
+def test_an_attached_urdf_is_left(folder: Path) -> None:
+    attaching(folder, more='<model name="u" file="parts/u.urdf"/>')
+    (folder / "parts/u.urdf").write_text('<robot name="u"><link name="l"/></robot>')
+    result = run("migrate", "all.xml", "--from", "3.2.2", "-o", "new")
+    assert "all.xml:2:" in result.stderr and "`parts/u.urdf` is URDF, and stays as it is" in result.stderr
+
+
+def test_a_file_that_would_be_two(folder: Path) -> None:
+    """The class around it gives another orientation in one of the two models."""
+    attaching(folder)
+    shared = '<mujocoinclude><worldbody><body name="{}"><geom size=".1" quat="1 0 0 1"/></body></worldbody></mujocoinclude>'
+    (folder / "parts/shared.xml").write_text(shared.format("s"))
+    turned = '<default><geom euler="1 0 0"/></default><include file="shared.xml"/>'
+    (folder / "parts/hand.xml").write_text(HAND.replace("<asset>", turned + "<asset>"))
+    (folder / "parts/tip.xml").write_text(TIP.replace("<option", '<include file="shared.xml"/><option'))
+    result = run("migrate", "all.xml", "--from", "3.2.2", "-o", "new")
+    assert result.exit_code == 1 and "`parts/shared.xml` is included by two of these models" in result.stderr
 
 
 def test_to_an_older_one(folder: Path) -> None:

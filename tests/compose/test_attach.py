@@ -53,8 +53,12 @@ def places(model: mujoco.MjModel) -> dict[str, np.ndarray]:
     """Where every named body, geom and site is, the joints somewhere."""
     data = mujoco.MjData(model)
     data.qpos[:] = model.qpos0
+    kinds = (
+        int(mujoco.mjtJoint.mjJNT_HINGE),
+        int(mujoco.mjtJoint.mjJNT_SLIDE),
+    )  # no number is `in` enumerations
     for at in range(model.njnt):
-        if model.jnt_type[at] in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE):
+        if model.jnt_type[at] in kinds:
             data.qpos[model.jnt_qposadr[at]] = 0.3
     mujoco.mj_forward(model, data)
     found = {}

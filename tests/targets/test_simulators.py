@@ -5,53 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from targets.refused import ALL, model
 from targets.writing import codes, written
 
-BODY = """<mujoco model="m"><option {option}>{flags}</option>
-  <worldbody><body name="b" {body}><joint name="j" {joint}/><geom name="g" size=".1" {geom}/><site name="s"/></body>
-  <body name="c"><geom name="h" type="mesh" mesh="m"/></body></worldbody>
-  <asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset>
-  {more}</mujoco>"""
 
-
-def model(**given: str) -> str:
-    keys = ("option", "flags", "body", "joint", "geom", "more")
-    return BODY.format(**{key: given.get(key, "") for key in keys})
-
-
-BODY_SENSOR = '<sensor><contact body1="b" num="1"/></sensor>'
-NETFORCE = '<sensor><contact geom1="g" geom2="h" num="1" reduce="netforce"/></sensor>'
-
-
-PLUGIN = (
-    '<extension><plugin plugin="mujoco.pid"><instance name="i"><config key="kp" value="1"/></instance></plugin>'
-    '</extension><actuator><plugin name="p" joint="j" plugin="mujoco.pid" instance="i" actdim="0"/></actuator>'
-)
-
-
-@pytest.mark.parametrize(
-    ("target", "given", "told"),
-    [
-        ("mjx", {"option": 'integrator="implicit"'}, "option: MJX has no integrator `implicit`"),
-        ("mjx", {"option": 'solver="PGS"'}, "option: MJX has no solver `pgs`"),
-        ("mjx", {"flags": '<flag energy="enable"/>'}, "option: MJX does not have the flag `energy`"),
-        ("mjx", {"geom": 'margin=".01"'}, "geom `g`: MJX has no margin for contacts with meshes and height fields"),
-        ("mjx", {"more": '<actuator><adhesion name="a" body="b" ctrlrange="0 1"/></actuator>'},
-         "general `a`: MJX has no such transmission"),
-        ("mjx", {"more": '<sensor><jointlimitpos name="l" joint="j"/></sensor>', "joint": 'range="-1 1"'},
-         "jointlimitpos `l`: MJX has no such sensor"),
-        ("mjx", {"more": BODY_SENSOR}, "contact: MJX has no contact sensor of a body"),
-        ("mjx", {"more": BODY_SENSOR.replace('body1="b"', 'site="s"')}, "contact: MJX has no contact sensor of a site"),
-        ("mjx", {"more": '<contact><pair name="p" geom1="g" geom2="h" margin=".1"/></contact>'},
-         "pair `p`: MJX has no margin for contacts with meshes and height fields"),
-        ("mjx", {"more": NETFORCE}, "contact: MJX has no contact sensor of the net force"),
-        ("warp", {"option": 'solver="PGS"'}, "option: MuJoCo Warp has no solver `pgs`"),
-        ("warp", {"body": 'sleep="init"', "joint": 'type="free"'},
-         "body `b`: MuJoCo Warp has no body that sleeps from the start"),
-        ("warp", {"more": PLUGIN}, "plugin `p`: a plugin computes this actuator"),
-        ("warp", {"flags": '<flag fwdinv="enable"/>'}, "option: MuJoCo Warp does not have the flag `fwdinv`"),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("target", "given", "told"), ALL)
 def test_it_is_refused(target: str, given: dict[str, str], told: str, tmp_path: Path) -> None:
     bundle, context = written(model(**given), target, tmp_path)
     assert bundle is None

@@ -6,9 +6,7 @@ fetches, and writes the table of `docs/urdf.md`.
 
 from __future__ import annotations
 
-import json
 import os
-import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -21,7 +19,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 
-from targets.environments import FOLDER, READERS, is_ready, python_of  # noqa: E402
+from targets.environments import FOLDER, is_ready, python_of  # noqa: E402
 
 from composer.diagnostics.sink import Sink  # noqa: E402
 from composer.engine import Session  # noqa: E402
@@ -30,6 +28,7 @@ from composer.reading.door import Door  # noqa: E402
 from composer.sources.path import KIND  # noqa: E402
 from composer.sources.source import Source  # noqa: E402
 from composer.sources.urdf_choices import UrdfChoices  # noqa: E402
+from composer.targets.reading import READERS, read_back  # noqa: E402
 from composer.tree.write import write  # noqa: E402
 from composer.urdf.read import UrdfReader  # noqa: E402
 
@@ -154,24 +153,23 @@ def poses(model: mujoco.MjModel) -> Iterator[np.ndarray]:
 
 def beside_pinocchio(path: Path, model: mujoco.MjModel) -> tuple[str, float]:
     """What differs from Pinocchio, whose places are those of the same names; masses where the URDF has them."""
-    simple = [
-        j
-        for j in range(model.njnt)
-        if model.jnt_type[j] in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
-    ]
+    kinds = (
+        int(mujoco.mjtJoint.mjJNT_HINGE),
+        int(mujoco.mjtJoint.mjJNT_SLIDE),
+    )  # no number is `in` enumerations
+    simple = [j for j in range(model.njnt) if model.jnt_type[j] in kinds]
     drawn = list(poses(model))
     given = [
         {"joints": {model.joint(j).name: [float(q[model.jnt_qposadr[j]])] for j in simple}, "free": {}}
         for q in drawn
     ]
     with TemporaryDirectory() as folder:
-        file = Path(folder, "poses.json")
-        file.write_text(json.dumps(given))
-        command = [str(python_of("pinocchio")), "-P", str(READERS / "pinocchio.py"), str(path), str(file)]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode:
+        alone = Path(folder, "robot", path.name)  # files are written beside its folder
+        alone.parent.mkdir()
+        alone.write_bytes(path.read_bytes())
+        facts = read_back(READERS["pinocchio"], str(python_of("pinocchio")), alone, given)
+    if isinstance(facts, str):
         return "refuses it", 0.0
-    facts = json.loads(done.stdout)
     moved = {model.body(model.jnt_bodyid[j]).name for j in simple}
     mass = max(
         [

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import copy
 import warnings
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
+import pytest
+from targets.refused import model as model_text
 
+import composer
 from composer import worlds
+from composer.diagnostics.diagnostic import Diagnostic
 
 ARM = Path(__file__).with_name("arm")
 
@@ -37,6 +42,18 @@ def made(model: mujoco.MjModel, **arrays: Any) -> worlds.Worlds:
         study.table, arrays=found, count=count, cell=np.zeros(count, int), sample=np.arange(count)
     )
     return replace(study, nominal=copy.copy(model), table=table)
+
+
+def refused(convert: Callable[[worlds.Worlds], Any], given: dict[str, str], **arrays: Any) -> Diagnostic:
+    """What is reported of worlds of a model with this, which a simulator does not take."""
+    study = made(
+        mujoco.MjModel.from_xml_string(model_text(**given)), **arrays or {"geom_rgba": (0, [0.5, 1.0])}
+    )
+    with pytest.raises(composer.LoadError) as caught:
+        convert(study)
+    (found,) = caught.value.diagnostics
+    assert found.code == "target-cannot" and found.help is not None
+    return found
 
 
 def stepped(study: worlds.Worlds, steps: int = 100) -> np.ndarray:

@@ -7,7 +7,8 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
-from worlds.studies import TENDON, arm, made, stepped
+from targets.refused import of
+from worlds.studies import TENDON, arm, made, refused, stepped
 
 import composer
 from composer import worlds
@@ -77,3 +78,16 @@ def test_what_is_once_for_all_worlds(mjx: Any, arrays: dict[str, Any], said: str
     with pytest.raises(composer.LoadError, match=said) as caught:
         worlds.mjx(study)
     assert caught.value.diagnostics[0].code == "not-per-world"
+
+
+@pytest.mark.parametrize(("given", "told"), of("mjx"))
+def test_what_it_does_not_take(mjx: Any, given: dict[str, str], told: str) -> None:
+    """MJX refuses what builds for it refuse, and the error names the element as theirs does."""
+    found = refused(worlds.mjx, given)
+    assert told.rpartition(": MJX")[2] in found.message and "mujoco-mjx" in str(found.notes)
+
+
+def test_a_world_that_it_does_not_take(mjx: Any) -> None:
+    """The nominal model has no margin."""
+    found = refused(worlds.mjx, {}, geom_margin=(0, [0.0, 0.01]))
+    assert found.message == "geom `g`: MJX has no margin for contacts with meshes and height fields"

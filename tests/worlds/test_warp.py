@@ -8,7 +8,8 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
-from worlds.studies import TENDON, arm, made, stepped
+from targets.refused import of
+from worlds.studies import TENDON, arm, made, refused, stepped
 
 import composer
 from composer import worlds
@@ -69,3 +70,10 @@ def test_what_is_not_installed(monkeypatch: pytest.MonkeyPatch, package: str, ca
     with pytest.raises(composer.LoadError, match=r"cannot be used: (import of|No module named)") as caught:
         getattr(worlds, call)(arm())
     assert caught.value.diagnostics[0].code == "not-installed"
+
+
+@pytest.mark.parametrize(("given", "told"), of("warp"))
+def test_what_it_does_not_take(mujoco_warp: Any, given: dict[str, str], told: str) -> None:
+    """MuJoCo Warp refuses what builds for it refuse, and the error names the element as theirs does."""
+    found = refused(worlds.warp, given)
+    assert told.rpartition(": ")[2] in found.message and "mujoco-warp" in str(found.notes)

@@ -12,15 +12,16 @@ from composer.targets.restrictions.mjx import (
     MJX_OPTIONS,
     MJX_PAIR_MARGINS,
     MJX_SENSORS,
+    MJX_SOFT,
 )
-from composer.targets.restrictions.unread import NO_PLUGINS, NO_SOFT
+from composer.targets.restrictions.unread import NO_PLUGINS
 from composer.targets.target import Target
 
 TARGET = Target(
     "mjx",
     "MJX, MuJoCo in JAX",
     (
-        NO_SOFT, NO_PLUGINS, MJX_COLLISIONS, MJX_MARGINS, MJX_PAIR_MARGINS, MJX_ACTUATORS, MJX_EQUALITY, MJX_SENSORS,
+        MJX_SOFT, NO_PLUGINS, MJX_COLLISIONS, MJX_MARGINS, MJX_PAIR_MARGINS, MJX_ACTUATORS, MJX_EQUALITY, MJX_SENSORS,
         MJX_CONTACT_SENSORS, MJX_OPTIONS,
     ),
     write_mjcf,

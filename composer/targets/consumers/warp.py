@@ -6,12 +6,14 @@ from composer.targets.mjcf import write_mjcf
 from composer.targets.restrictions.warp import (
     WARP_ACTUATOR_PLUGINS,
     WARP_ACTUATORS,
+    WARP_BESIDE_FLEXES,
     WARP_EQUALITY,
     WARP_FLEXES,
     WARP_OPTIONS,
     WARP_PLUGINS,
     WARP_SENSORS,
     WARP_SLEEP,
+    WARP_VELOCITIES,
 )
 from composer.targets.target import Target
 
@@ -25,6 +27,8 @@ TARGET = Target(
         WARP_OPTIONS,
         WARP_PLUGINS,
         WARP_FLEXES,
+        WARP_BESIDE_FLEXES,
+        WARP_VELOCITIES,
         WARP_ACTUATOR_PLUGINS,
         WARP_SLEEP,
     ),

@@ -7,8 +7,8 @@ from itertools import chain
 from typing import Any
 
 from composer.compiled.enums import words
-from composer.targets.draft import Draft
-from composer.targets.limit import Limit, Outcome
+from composer.targets.limit import Outcome
+from composer.targets.restrictions.compiled import refused_elements
 
 # From `_COLLISION_FUNC` of MJX 3.17.
 _KNOWN = frozenset(
@@ -22,20 +22,16 @@ _KNOWN = frozenset(
 )
 
 
-def _unknown_pairs(draft: Draft) -> None:
-    geoms = dict(draft.of("geom"))
-    shapes = words(draft.mujoco, "geom_type")
+def _unknown_pairs(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    shapes = words(mujoco, "geom_type")
     told = set()
-    pairs = zip(draft.model.pair_geom1.tolist(), draft.model.pair_geom2.tolist(), strict=True)
-    for first, second in chain(colliding(draft.model), pairs):
-        pair = sorted((first, second), key=lambda number: int(draft.model.geom_type[number]))
-        one, other = (shapes[int(draft.model.geom_type[number])] for number in pair)
-        if (one, other) not in _KNOWN and (first, one, other) not in told and pair[0] in geoms:
-            told.add((first, one, other))
-            draft.lose(
-                "collisions", geoms[pair[0]], f"MJX cannot compute contacts of a {one} with a {other}", refused=True,
-                help="edit one of the two: `set: {type: capsule}`, or `set: {contype: 0, conaffinity: 0}`",
-            )  # fmt: skip
+    pairs = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True)
+    for first, second in chain(colliding(model), pairs):
+        pair = sorted((first, second), key=lambda number: int(model.geom_type[number]))
+        one, other = (shapes[int(model.geom_type[number])] for number in pair)
+        if (one, other) not in _KNOWN and (pair[0], one, other) not in told:
+            told.add((pair[0], one, other))
+            yield pair[0], f"MJX cannot compute contacts of a {one} with a {other}"
 
 
 def colliding(model: Any) -> Iterator[tuple[int, int]]:
@@ -58,4 +54,7 @@ def colliding(model: Any) -> Iterator[tuple[int, int]]:
             yield first, second
 
 
-MJX_COLLISIONS = Limit("collisions", Outcome.REFUSED, _unknown_pairs)
+MJX_COLLISIONS = refused_elements(
+    "collisions", "geom", _unknown_pairs,
+    "edit one of the two: `set: {type: capsule}`, or `set: {contype: 0, conaffinity: 0}`", Outcome.REFUSED,
+)  # fmt: skip

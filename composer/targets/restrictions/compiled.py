@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from composer.targets.draft import Draft
-from composer.targets.limit import Limit, Outcome
+from composer.targets.limit import Limit, Outcome, Refusal, Refuses
 
+OPTION = "option"
 Missing = tuple[str, str, Collection[str], str]
 """An array of the compiled model, its enumeration, those members that the simulator lacks, and what that means."""
 Flagged = Callable[[Any, Any], Iterator[tuple[int, str]]]
@@ -22,12 +23,15 @@ def refused_members(feature: str, kind: str, missing: Sequence[Missing], help: s
 
     A member that the running MuJoCo does not have is ignored.
     """
-    return Limit(feature, Outcome.SOME_REFUSED, partial(_members, feature, kind, tuple(missing), help))
+    return refused_elements(feature, kind, partial(_members, tuple(missing)), help)
 
 
-def refused_elements(feature: str, kind: str, flagged: Flagged, help: str) -> Limit:
+def refused_elements(
+    feature: str, kind: str, flagged: Flagged, help: str, outcome: Outcome = Outcome.SOME_REFUSED
+) -> Limit:
     """Return a limit that refuses a model with an element that `flagged` finds."""
-    return Limit(feature, Outcome.SOME_REFUSED, partial(_elements, feature, kind, flagged, help))
+    refuses = partial(_elements, kind, flagged, help)
+    return Limit(feature, outcome, partial(_refuse, feature, refuses), refuses)
 
 
 def refused_options(
@@ -36,58 +40,65 @@ def refused_options(
     enums: Sequence[tuple[str, str, Collection[str]]],
     flags: Collection[str],
     help: str,
+    together: Flagged | None = None,
 ) -> Limit:
-    """Return a limit that refuses a model with one of these values of an option, or one of these flags enabled."""
-    return Limit(
-        feature, Outcome.SOME_REFUSED, partial(_options, feature, name, tuple(enums), tuple(flags), help)
-    )
+    """Return a limit that refuses a model with one of these values of an option, or one of these flags enabled.
+
+    `together` finds what is refused only in combination with something else; its numbers mean nothing.
+    """
+    flagged = partial(_options, name, tuple(enums), tuple(flags), together)
+    return refused_elements(feature, OPTION, flagged, help)
 
 
-def _members(feature: str, kind: str, missing: Sequence[Missing], help: str, draft: Draft) -> None:
+def _refuse(feature: str, refuses: Refuses, draft: Draft) -> None:
+    nodes = {OPTION: {0: next(draft.root.iterchildren(OPTION), draft.root)}}
+    for each in refuses(draft.mujoco, draft.model):
+        if each.kind not in nodes:
+            nodes[each.kind] = dict(draft.of(each.kind))
+        if each.number in nodes[each.kind]:
+            node = nodes[each.kind][each.number]
+            draft.lose(feature, node, each.why, refused=True, help=each.help)
+
+
+def _elements(kind: str, flagged: Flagged, help: str, mujoco: Any, model: Any) -> Iterator[Refusal]:
+    for number, why in flagged(mujoco, model):
+        yield Refusal(kind, number, why, help)
+
+
+def _members(missing: Sequence[Missing], mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
     for array, enum, names, why in missing:
-        values = getattr(draft.model, array)
-        numbers = _numbers(draft.mujoco, enum, names)
-        for number, node in draft.of(kind):
-            if int(values[number]) in numbers:
-                draft.lose(feature, node, why, refused=True, help=help)
-
-
-def _elements(feature: str, kind: str, flagged: Flagged, help: str, draft: Draft) -> None:
-    nodes = dict(draft.of(kind))
-    for number, why in flagged(draft.mujoco, draft.model):
-        if number in nodes:
-            draft.lose(feature, nodes[number], why, refused=True, help=help)
+        for number in np.flatnonzero(np.isin(getattr(model, array), _numbers(mujoco, enum, names))).tolist():
+            yield number, why
 
 
 def _options(
-    feature: str,
     name: str,
     enums: Sequence[tuple[str, str, Collection[str]]],
     flags: Sequence[str],
-    help: str,
-    draft: Draft,
-) -> None:
-    option = draft.model.opt
-    node = next(draft.root.iterchildren("option"), draft.root)
+    together: Flagged | None,
+    mujoco: Any,
+    model: Any,
+) -> Iterator[tuple[int, str]]:
     for field, enum, names in enums:
-        word = _word(draft.mujoco, enum, int(getattr(option, field)))
+        word = _word(mujoco, enum, int(getattr(model.opt, field)))
         if word in names:
-            draft.lose(
-                feature,
-                node,
-                f"{name} has no {field} `{word.partition('_')[2].lower()}`",
-                refused=True,
-                help=help,
-            )
+            yield 0, f"{name} has no {field} `{word.partition('_')[2].lower()}`"
     for flag in flags:
-        bit = getattr(draft.mujoco.mjtEnableBit, f"mjENBL_{flag.upper()}", None)
-        if bit is not None and int(option.enableflags) & int(bit):
-            draft.lose(feature, node, f"{name} does not have the flag `{flag}`", refused=True, help=help)
+        if is_enabled(mujoco, model, flag):
+            yield 0, f"{name} does not have the flag `{flag}`"
+    if together is not None:
+        yield from together(mujoco, model)
 
 
-def _numbers(mujoco: Any, enum: str, names: Collection[str]) -> set[int]:
+def is_enabled(mujoco: Any, model: Any, flag: str) -> bool:
+    """Whether a flag is on that is off by default; a MuJoCo may not have it."""
+    bit = getattr(mujoco.mjtEnableBit, f"mjENBL_{flag.upper()}", None)
+    return bit is not None and bool(int(model.opt.enableflags) & int(bit))
+
+
+def _numbers(mujoco: Any, enum: str, names: Collection[str]) -> list[int]:
     members = getattr(mujoco, enum).__members__
-    return {int(members[name]) for name in names if name in members}
+    return [int(members[name]) for name in names if name in members]
 
 
 def _word(mujoco: Any, enum: str, value: int) -> str:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from composer.compiled.enums import words
 from composer.targets.restrictions.collisions import colliding
 from composer.targets.restrictions.compiled import refused_elements, refused_members, refused_options
+from composer.targets.restrictions.unread import NO_SOFT
 
 _SENSORS = (
     "JOINTLIMITPOS", "JOINTLIMITVEL", "JOINTLIMITFRC", "TENDONLIMITPOS", "TENDONLIMITVEL", "TENDONLIMITFRC",
@@ -39,12 +41,24 @@ MJX_SENSORS = refused_members(
     (("sensor_type", "mjtSensor", tuple(f"mjSENS_{name}" for name in _SENSORS), "MJX has no such sensor"),),
     "leave it out with `edit`",
 )  # fmt: skip
+
+
+def _medium(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    """`implicitfast`, where a medium brakes."""
+    option = model.opt
+    if option.integrator == int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST) and (
+        option.density > 0 or option.viscosity > 0 or option.wind.any()
+    ):
+        yield 0, "MJX has no integrator `implicitfast` in a medium: with `density`, `viscosity` or `wind`"
+
+
 MJX_OPTIONS = refused_options(
     "options",
     "MJX",
     (("integrator", "mjtIntegrator", ("mjINT_IMPLICIT",)), ("solver", "mjtSolver", ("mjSOL_PGS",))),
     ("override", "energy", "fwdinv", "diagexact", "speculative"),
     "write another one in the section `option` of the recipe",
+    _medium,
 )
 
 
@@ -96,3 +110,14 @@ def _contact_sensors(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
 MJX_CONTACT_SENSORS = refused_elements(
     "contact sensors", "sensor", _contact_sensors, "name geoms in its place, with another `reduce`"
 )
+
+
+def _flexes(_mujoco: object, model: Any) -> Iterator[tuple[int, str]]:
+    for number in range(model.nflex):
+        yield number, "MJX has no flexes"
+
+
+MJX_SOFT = replace(
+    NO_SOFT, refuses=refused_elements("soft", "flex", _flexes, "leave it out with `edit`").refuses
+)
+"""What is written for MJX is without them; a model that still has one is refused."""

@@ -7,16 +7,17 @@ from typing import Any
 
 import numpy as np
 
+from composer.targets.limit import Outcome
 from composer.targets.restrictions.compiled import (
+    is_enabled,
     refused_elements,
     refused_members,
     refused_options,
     with_plugins,
 )
-from composer.targets.restrictions.left_out import refused
 
 _OUT = "leave it out with `edit`"
-_AWAKE = "write `set: {sleep: allowed}`"
+_DENSE_DOFS = 60
 
 WARP_ACTUATORS = refused_members(
     "actuators", "actuator",
@@ -33,29 +34,57 @@ WARP_EQUALITY = refused_members(
     (("eq_type", "mjtEq", ("mjEQ_FLEXVERT", "mjEQ_DISTANCE"), "MuJoCo Warp has no such constraint"),),
     _OUT,
 )  # fmt: skip
+
+
+def _options(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    """Options that MuJoCo Warp has, but not beside others."""
+    option, sleeps = model.opt, is_enabled(mujoco, model, "sleep")
+    discrete = getattr(mujoco.mjtIntegrator, "mjINT_DISCRETE", None)
+    if option.noslip_iterations > 0 and discrete is not None and option.integrator == int(discrete):
+        yield 0, "MuJoCo Warp has no `noslip_iterations` with the integrator `discrete`"
+    if option.jacobian == int(mujoco.mjtJacobian.mjJAC_DENSE) and model.nv > _DENSE_DOFS:
+        yield 0, f"MuJoCo Warp has no `jacobian` `dense` for more than {_DENSE_DOFS} degrees of freedom"
+    if sleeps and option.solver != int(mujoco.mjtSolver.mjSOL_NEWTON):
+        yield 0, "MuJoCo Warp has the flag `sleep` with the solver `Newton` alone"
+    if sleeps and (model.eq_type == int(mujoco.mjtEq.mjEQ_FLEX)).any():
+        yield 0, "MuJoCo Warp has no flag `sleep` with equality constraints of flexes"
+
+
 WARP_OPTIONS = refused_options(
     "options",
     "MuJoCo Warp",
     (("solver", "mjtSolver", ("mjSOL_PGS",)),),
     ("override", "fwdinv", "diagexact", "ipc", "speculative"),
     "write another one in the section `option` of the recipe",
+    _options,
 )
 
 
 WARP_PLUGINS = refused_elements("plugins", "body", with_plugins("body"), _OUT)
 WARP_ACTUATOR_PLUGINS = refused_elements("actuators", "actuator", with_plugins("actuator"), _OUT)
-WARP_SLEEP = refused(
-    "sleep", ".//body[@sleep='init']", "MuJoCo Warp has no body that sleeps from the start", _AWAKE
-)
 WARP_SENSORS = refused_elements("sensors", "sensor", with_plugins("sensor"), _OUT)
 
 
-def _flexes(_mujoco: object, model: Any) -> Iterator[tuple[int, str]]:
-    """Yield the flexes that it refuses: quadratic and rigid ones, and those with contacts between their own parts."""
+def _sleepers(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    """Yield the bodies that set `sleep` themselves; otherwise the compiler chooses `auto_…`."""
+    policies = getattr(mujoco, "mjtSleepPolicy", None)
+    if policies is not None:
+        for body, policy in zip(model.tree_bodyadr.tolist(), model.tree_sleep_policy.tolist(), strict=True):
+            if policy in map(int, (policies.mjSLEEP_NEVER, policies.mjSLEEP_ALLOWED, policies.mjSLEEP_INIT)):
+                yield body, "MuJoCo Warp does not have `sleep` of a body"
+
+
+WARP_SLEEP = refused_elements("sleep", "body", _sleepers, "write `unset: [sleep]`", Outcome.REFUSED)
+
+
+def _flexes(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    """Yield the flexes that it refuses: quadratic and rigid ones, and those with some kinds of contacts."""
     nothing = np.zeros(model.nflex, dtype=int)  # a MuJoCo may not have all of these
-    interpolated, rigid, internal = (
-        getattr(model, name, nothing) for name in ("flex_interp", "flex_rigid", "flex_internal")
+    interpolated, rigid, internal, passive = (
+        getattr(model, name, nothing)
+        for name in ("flex_interp", "flex_rigid", "flex_internal", "flex_passive")
     )
+    touching = (model.flex_contype & model.flex_conaffinity) != 0
     for number in range(model.nflex):
         if abs(int(interpolated[number])) == 2:
             yield number, "MuJoCo Warp has no flexes of quadratic elements"
@@ -63,6 +92,35 @@ def _flexes(_mujoco: object, model: Any) -> Iterator[tuple[int, str]]:
             yield number, "MuJoCo Warp has no rigid flexes"
         elif internal[number]:
             yield number, "MuJoCo Warp has no contacts inside a flex: `internal`"
+        elif interpolated[number] and model.flex_selfcollide[number] and touching[number]:
+            yield number, "MuJoCo Warp has no contacts of an interpolated flex with itself: `selfcollide`"
+        elif interpolated[number] and passive[number] and model.flex_dim[number] >= 2:
+            yield number, "MuJoCo Warp has no passive contacts of an interpolated flex: `passive`"
+
+
+def _beside_flexes(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    """The shapes that MuJoCo Warp refuses in a model with flexes, whether they touch one or not."""
+    if model.nflex:
+        for word in ("sdf", "hfield"):
+            shape = int(getattr(mujoco.mjtGeom, f"mjGEOM_{word.upper()}"))
+            for number in np.flatnonzero(model.geom_type == shape).tolist():
+                yield number, f"MuJoCo Warp has no `{word}` in a model with flexes"
+
+
+def _velocities(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    """The contact sensors with `linvel` or `angvel` in a model with flexes."""
+    fields = getattr(mujoco, "mjtConDataField", None)
+    if fields is None or not model.nflex:
+        return
+    bits = 1 << int(fields.mjCONDATA_LINVEL) | 1 << int(fields.mjCONDATA_ANGVEL)
+    contact = int(mujoco.mjtSensor.mjSENS_CONTACT)
+    for number in np.flatnonzero(model.sensor_type == contact).tolist():
+        if int(model.sensor_intprm[number][0]) & bits:
+            yield number, "MuJoCo Warp has no `linvel` and `angvel` of contacts in a model with flexes"
 
 
 WARP_FLEXES = refused_elements("soft", "flex", _flexes, _OUT)
+WARP_BESIDE_FLEXES = refused_elements("soft", "geom", _beside_flexes, _OUT)
+WARP_VELOCITIES = refused_elements(
+    "contact sensors", "sensor", _velocities, "leave `linvel` and `angvel` out of its `data`"
+)
