@@ -10,7 +10,7 @@ import click
 
 from composer.cli.reporting import use_color
 from composer.diagnostics.codes import CODES
-from composer.diagnostics.page import code_of, in_terminal, page
+from composer.diagnostics.page import address, code_of, in_terminal, page
 from composer.diagnostics.suggest import closest
 
 _WIDEST = 100
@@ -21,14 +21,16 @@ def say_page(asked: Path, form: str) -> None:
     code = code_of(str(asked))
     if code is None:
         raise click.UsageError(_no_code(asked))
-    text = page(code)
+    text, url = page(code), address(code)
     if form == "json":
-        click.echo(json.dumps({"explains": "code", "code": code, "summary": CODES[code], "page": text}, indent=2,
-                              ensure_ascii=False))  # fmt: skip
+        data = {"explains": "code", "code": code, "summary": CODES[code], "page": text, "url": url}
+        click.echo(json.dumps(data, indent=2, ensure_ascii=False))
         return
     color = use_color(out=True)
     width = min(shutil.get_terminal_size((_WIDEST, 24)).columns, _WIDEST)
     click.echo(in_terminal(text, width, color), color=color)
+    if url is not None:
+        click.echo(f"\n{url}")
 
 
 def say_codes(form: str) -> None:

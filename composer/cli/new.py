@@ -1,4 +1,4 @@
-"""`mjcompose new`: write a starter recipe that builds as it is, or a repository around one."""
+"""`mjcompose new`: write a starter recipe that builds as it is, a repository around one, or the examples."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import os
 import re
 import shlex
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -27,16 +27,26 @@ if TYPE_CHECKING:
     is_flag=True,
     help="Write a repository to the folder PATH: recipe, lock, parts, CI and README. Existing files are kept.",
 )
+@click.option(
+    "--examples",
+    is_flag=True,
+    help="Write the recipes and models of the docs to the folder PATH (default: recipes). Existing files are kept.",
+)
 @reporting_options
-def command(path: Path | None, project: bool, form: str) -> None:
+def command(path: Path | None, project: bool, examples: bool, form: str) -> None:
     """Write a commented starter recipe to PATH (default: model.yaml). It builds without changes."""
     from composer.bundle.output_error import OutputError, unwritable
     from composer.context import Context
 
+    if project and examples:
+        raise click.UsageError("--project and --examples exclude each other")
     context = Context()
     outcome = _Outcome("", (), ())
     try:
-        outcome = _project(path, context) if project else _recipe(path or Path("model.yaml"), context)
+        if examples:
+            outcome = _examples(path or Path("recipes"))
+        else:
+            outcome = _project(path, context) if project else _recipe(path or Path("model.yaml"), context)
     except OutputError as error:
         context.sink.add(error.diagnostic)
     except OSError as error:
@@ -97,13 +107,36 @@ def _project(folder: Path | None, context: Context) -> _Outcome:
     files = project(title, model, metadata.version("mujoco"), schema())
     recipe = f"recipes/{model}.yaml"
     written, kept = write_project(
-        files, needed(model), folder, lambda stage: made_lock(stage / recipe, None, context)
+        {name: text.encode() for name, text in files.items()},
+        needed(model),
+        folder,
+        lambda stage: made_lock(stage / recipe, None, context),
     )
     start = f"start with {folder / 'README.md'}"
     if "README.md" in kept:
         start = f"build its model with: mjcompose build {shlex.quote(str(folder / recipe))}"
-    count = f"{len(written)} file{'' if len(written) == 1 else 's'}"
-    words = [*(_kept(path, folder, files) for path in kept), f"wrote {count} to {folder}; {start}"]
+    words = [*(_kept(path, folder, files) for path in kept), f"wrote {_files(written)} to {folder}; {start}"]
+    return _outcome(words, folder, written, kept)
+
+
+def _examples(folder: Path) -> _Outcome:
+    from composer.recipe.schema import text as schema
+    from composer.starting.examples import examples
+    from composer.starting.write import write_project
+
+    files = examples(schema())
+    written, kept = write_project(files, (), folder, lambda stage: None)
+    own = [path for path in kept if (folder / path).read_bytes() != files[path]]
+    start = f"look at one with: mjcompose view {shlex.quote(str(folder / 'demo.yaml'))}"
+    words = [*(f"kept {folder / path}" for path in own), f"wrote {_files(written)} to {folder}; {start}"]
+    return _outcome(words, folder, written, kept)
+
+
+def _files(paths: Sequence[str]) -> str:
+    return f"{len(paths)} file{'' if len(paths) == 1 else 's'}"
+
+
+def _outcome(words: Iterable[str], folder: Path, written: Iterable[str], kept: Iterable[str]) -> _Outcome:
     wrote, left = (tuple(str(folder / path) for path in paths) for paths in (written, kept))
     return _Outcome("\n".join(words), wrote, left)
 

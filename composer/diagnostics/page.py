@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from functools import cache
 from pathlib import Path
 
 from composer.diagnostics.codes import CODES
@@ -33,6 +34,33 @@ def page(code: str) -> str:
     installed = here.with_name("pages") / name
     path = installed if installed.exists() else here.parents[2] / "docs" / "errors" / name
     return path.read_text(encoding="utf-8")
+
+
+def address(code: str, urls: Iterable[str] | None = None) -> str | None:
+    """Return the address of the page on the published site; None if the package names no site.
+
+    `urls` are addresses in the form of a package's metadata, by default those of this package, which `pyproject.toml`
+    has under `[project.urls]`.
+
+    >>> address("bare-angle", ["Documentation, https://example.org/latest/"])
+    'https://example.org/latest/errors/bare-angle.html'
+    >>> address("bare-angle", [])
+    """
+    for each in _urls() if urls is None else urls:
+        label, _, url = each.partition(", ")
+        if label.lower() == "documentation":
+            return f"{url.rstrip('/')}/errors/{code}.html"
+    return None
+
+
+@cache
+def _urls() -> tuple[str, ...]:
+    from importlib import metadata  # takes longer to import than a page takes to print
+
+    try:
+        return tuple(metadata.metadata("mjcompose").get_all("Project-URL") or ())
+    except metadata.PackageNotFoundError:
+        return ()
 
 
 def in_terminal(markdown: str, width: int = 100, color: bool = False) -> str:

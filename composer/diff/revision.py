@@ -58,7 +58,7 @@ def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, s
     """
     near = next(each for each in path.absolute().parents if each.is_dir())
     git = _Git(near, {name: value for name, value in environment.items() if name not in _OWN})
-    top = Path(git.run("rev-parse", "--show-toplevel", fault=f"`{near}` is in no git repository"))
+    top = Path(git.run("rev-parse", "--show-toplevel", fault=f"`{near}` is not in a git repository"))
     commit = git.run(
         "rev-parse", "--verify", "--quiet", "--end-of-options", f"{revision}^{{commit}}",
         fault=f"the revision `{revision}` does not exist in the repository of `{path.name}`",
@@ -66,7 +66,9 @@ def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, s
     inside = Path(
         os.path.relpath(os.path.realpath(near), os.path.realpath(top)), path.absolute().relative_to(near)
     )
-    repository = Path(git.run("rev-parse", "--absolute-git-dir", fault=f"`{near}` is in no git repository"))
+    repository = Path(
+        git.run("rev-parse", "--absolute-git-dir", fault=f"`{near}` is not in a git repository")
+    )
     try:  # byte for byte: runs no filters and hooks, which may come from anyone
         write_tree(Git(git.environment, quiet), repository, commit, into)
         from_lfs(into, _lfs_folder(git))

@@ -9,6 +9,7 @@ from pathlib import Path
 from lsprotocol import types as lsp
 
 from composer.diagnostics.diagnostic import Diagnostic, Severity
+from composer.diagnostics.page import address
 from composer.diagnostics.span import Span
 from composer.lsp.answers import Action, Change, Completion, Fold, Hint, Hover, Item, Lens, Symbol
 from composer.lsp.lines import column_of, units
@@ -93,9 +94,10 @@ class Converter:
             for note in (*found.notes, *found.others)
             if note.span is not None
         ]
+        url = address(found.code)
         return lsp.Diagnostic(
             place, _words(found), _SEVERITIES[found.severity], found.code, source="mjcompose",
-            related_information=related or None,
+            related_information=related or None, code_description=None if url is None else lsp.CodeDescription(url),
         )  # fmt: skip
 
     def completion(self, found: Completion) -> lsp.CompletionList:

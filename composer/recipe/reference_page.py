@@ -19,15 +19,14 @@ from composer.sources.kinds import KINDS
 MANUAL = "https://mujoco.readthedocs.io/en/stable/XMLreference.html"
 _HEAD = f"""# Reference
 
-Written by `mjcompose schema reference` from the models that read recipes and from the grammar of MJCF: do not edit it.
-What the keys mean together, with examples, is in [recipes](recipes.md), [variation](variation.md),
-[randomisation](randomisation.md) and [checks](checks.md). Every chapter begins with examples that together have each of
-its keys; the tests build them. Elements and their attributes are MJCF's own, with the
-meaning that MuJoCo's [XML reference]({MANUAL}) gives them.
+All keys of a recipe, as `mjcompose schema reference` prints them. [Recipes](recipes.md), [variation](variation.md),
+[randomisation](randomisation.md) and [checks](checks.md) explain what they mean together. Every chapter begins with
+examples that together use each of its keys; the tests build them. Elements and their attributes are those of MJCF, and
+mean what MuJoCo's [XML reference]({MANUAL}) says.
 
-`PREFIX`, `NAME` and the like stand for words of yours, `[]` for each item of a list. Keys in **bold** are required,
-where neither `extends` nor a variant gives them. `${{…}}` may stand for any value, and a number may have the unit `deg`
-or `rad`.
+You choose the words that `PREFIX`, `NAME` and the like stand for. `[]` stands for each item of a list. Keys in **bold**
+are required unless `extends` or a variant gives them. `${{…}}` may stand for any value, and a number may have the unit
+`deg` or `rad`.
 """
 _CHAPTERS = {
     "selector": (

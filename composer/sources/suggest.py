@@ -93,7 +93,11 @@ def _without_folder(text: str, wanted: Path) -> tuple[str, str, str | None]:
     inside = written.removesuffix(missing.name)
     message = f"the model `{text}` does not exist, nor does the folder `{written}`"
     listed = sorted(folders, key=lambda each: each not in near)
-    note = exists_note("folder", [f"{inside}{each}" for each in listed]).message
+    note = (
+        exists_note("folder", [f"{inside}{each}" for each in listed]).message
+        if listed
+        else f"`{missing.parent}` contains no folders"
+    )
     corrected = missing.with_name(near[0]).joinpath(*wanted.parts[-depth:]) if near else None
     exists = corrected is not None and os.path.isfile(corrected)
     return message, note, f"{inside}{near[0]}{text.removeprefix(written)}" if exists else None

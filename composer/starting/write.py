@@ -11,7 +11,7 @@ from composer.bundle.staging import parents, real, stage_beside
 
 
 def write_project(
-    files: Mapping[str, str], needed: Collection[str], folder: Path, finish: Callable[[Path], object]
+    files: Mapping[str, bytes], needed: Collection[str], folder: Path, finish: Callable[[Path], object]
 ) -> tuple[list[str], list[str]]:
     """Write files below `folder`, which may exist; `finish` adds to them before they become visible.
 
@@ -21,9 +21,9 @@ def write_project(
     target = real(folder)
     try:
         with parents(target), stage_beside(target) as stage:
-            for path, text in files.items():
+            for path, content in files.items():
                 (stage / path).parent.mkdir(parents=True, exist_ok=True)
-                (stage / path).write_text(text, encoding="utf-8", newline="\n")
+                (stage / path).write_bytes(content)
             finish(stage)
             made = sorted(path.relative_to(stage).as_posix() for path in stage.rglob("*") if path.is_file())
             kept = [path for path in made if _is_kept(folder / path, stage / path, folder, path in needed)]

@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 from cli.shell import run, snapshot
 
+from composer.diagnostics import page
+
 
 def test_in_words(folder: Path) -> None:
     before = snapshot(folder)
@@ -103,8 +105,18 @@ def test_a_code(folder: Path) -> None:
     data = json.loads(run("explain", "bare-angle", "--json").stdout)
     assert (data["explains"], data["code"]) == ("code", "bare-angle")
     assert data["page"].startswith("# bare-angle\n")
+    assert data["url"] is None and "https://" not in told
     listed = run("explain", "--codes").stdout
     assert "\nbare-angle " in listed and json.loads(run("explain", "--codes", "--json").stdout)["bare-angle"]
+
+
+def test_a_code_with_its_address_once_the_package_has_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        page, "_urls", lambda: ("Source, https://a.org", "Documentation, https://b.org/latest")
+    )
+    url = "https://b.org/latest/errors/bare-angle.html"
+    assert run("explain", "bare-angle").stdout.endswith(f"\n\n{url}\n")
+    assert json.loads(run("explain", "bare-angle", "--json").stdout)["url"] == url
 
 
 @pytest.mark.parametrize(

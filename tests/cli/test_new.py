@@ -74,3 +74,29 @@ def test_a_link_that_leads_to_itself(folder: Path) -> None:
         result = run(*words)
         assert result.exit_code in (1, 2), (words, result.stderr)
         assert "error[output-unwritable]" in result.stderr or "Error: " in result.stderr
+
+
+def test_the_examples_build_without_warnings_outside_the_repository(folder: Path) -> None:
+    result = run("new", "--examples", "given")
+    assert result.exit_code == 0 and result.stdout.startswith("wrote ")
+    built = run("build", "given/demo.yaml", "-o", "demo.zip")
+    assert built.exit_code == 0 and built.stderr == ""
+    for recipe in (folder / "given").rglob("*.yaml"):
+        first = recipe.read_text(encoding="utf-8").partition("\n")[0]
+        assert "$schema" not in first or (recipe.parent / first.partition("$schema=")[2]).is_file(), recipe
+
+
+def test_examples_that_were_changed_are_kept(folder: Path) -> None:
+    assert run("new", "--examples").exit_code == 0
+    assert run("new", "--examples").stdout.startswith("wrote 0 files to recipes")
+    (folder / "recipes" / "demo.yaml").write_text("recipe: 1\n", encoding="utf-8")
+    (folder / "recipes" / "cell.yaml").unlink()
+    again = run("new", "--examples")
+    assert again.stdout.splitlines()[0] == "kept recipes/demo.yaml"
+    assert "wrote 1 file to recipes" in again.stdout
+    assert (folder / "recipes" / "demo.yaml").read_text(encoding="utf-8") == "recipe: 1\n"
+
+
+def test_examples_and_a_project_exclude_each_other(folder: Path) -> None:
+    result = run("new", "--examples", "--project")
+    assert result.exit_code == 2 and "exclude each other" in result.stderr

@@ -123,7 +123,7 @@ def test_faults(repository: Path, tmp_path: Path) -> None:
         check_out("nowhere", path, tmp_path, os.environ)
     with pytest.raises(RevisionError, match="the revision `--help` does not exist"):
         check_out("--help", path, tmp_path, os.environ)
-    with pytest.raises(RevisionError, match="is in no git repository"):
+    with pytest.raises(RevisionError, match="is not in a git repository"):
         check_out(
             "HEAD", tmp_path / "a.yaml", tmp_path, {**os.environ, "GIT_CEILING_DIRECTORIES": str(tmp_path)}
         )

@@ -72,8 +72,7 @@ class Replay:
     def _write(self, file: Path, text: str, is_yaml: bool) -> None:
         file.parent.mkdir(parents=True, exist_ok=True)
         if is_yaml and file.exists() and not text.startswith("recipe:"):
-            sections = {**_sections(file.read_text(encoding="utf-8")), **_sections(text)}
-            text = "\n".join(f"{section.rstrip()}\n" for section in sections.values())
+            text = _joined(_sections(file.read_text(encoding="utf-8")), _sections(text))
         file.write_text(text, encoding="utf-8")
 
     def _run(self, words: list[str], fails: bool) -> str | None:
@@ -89,7 +88,7 @@ class Replay:
         assert result.exit_code in expected, f"{words}: {result.stderr}"
         if found := re.search(r"^wrote (\S+\.png)", result.stdout, re.MULTILINE):
             self.written = self.folder / found[1]
-        return result.stdout + result.stderr
+        return result.stderr + result.stdout  # the order in a terminal, where warnings come first
 
     def _python(self, program: str, arguments: list[str]) -> str | None:
         made = subprocess.run(
@@ -115,6 +114,18 @@ class Replay:
 def _sections(text: str) -> dict[str, str]:
     """The text of each key at the top of a YAML file."""
     return {section.partition(":")[0]: section for section in _SECTION.split(text.strip())}
+
+
+def _joined(old: dict[str, str], new: dict[str, str]) -> str:
+    """The text of a file in which a reader replaces sections, or adds them at the end after an empty line."""
+    for key, section in new.items():
+        if key in old:
+            old[key] = section.rstrip() + ("\n" if old[key].endswith("\n") else "")
+        else:
+            last = next(reversed(old))
+            old[last] = f"{old[last].rstrip()}\n"
+            old[key] = section.rstrip()
+    return "\n".join(old.values()) + "\n"
 
 
 def _commands(text: str) -> Iterator[tuple[str, list[str]]]:
