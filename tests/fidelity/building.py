@@ -12,7 +12,7 @@ from pathlib import Path
 
 import mujoco
 from fidelity import stored
-from fidelity.corpus import Composition
+from fidelity.corpus import Composition, repository
 from fidelity.rival import attached
 
 from composer.engine import Session
@@ -89,11 +89,12 @@ def stand_in(composition: Composition, out: Path) -> Build:
 def reread(path: Path) -> bytes:
     """An MJCF file parsed into mjcompose's tree and written again. Raises ValueError where it is refused."""
     from composer.diagnostics.sink import Sink
+    from composer.reading.project import own_door
     from composer.tree.parse import parse_file
     from composer.tree.write import write
 
-    sink = Sink()
-    unit = parse_file(path, sink)
+    sink, top = Sink(), repository(path)
+    unit = parse_file(path, sink, door=own_door(path, () if top is None else (top,)))
     if unit is None:
         raise ValueError("; ".join(found.message for found in sink.diagnostics))
     return write(unit.root)

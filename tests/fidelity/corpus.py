@@ -118,3 +118,9 @@ def _attachment(folder: Path, given: Mapping[str, Any]) -> Attachment:
         tuple(given.get("pos", (0.0, 0.0, 0.0))),
         tuple(given.get("quat", (1.0, 0.0, 0.0, 0.0))),
     )
+
+
+def repository(model: Path) -> Path | None:
+    """The top of the repository that a model of the corpus was in, of which the corpus lacks what marks it as one."""
+    above = reversed(model.absolute().parents)
+    return next((each for each in above if each.parent.name == "models"), None)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from fidelity.corpus import Attachment, Composition
+from fidelity.corpus import Attachment, Composition, repository
 
 
 def write_recipe(composition: Composition, folder: Path) -> Path:
@@ -23,7 +23,7 @@ def write_recipe(composition: Composition, folder: Path) -> Path:
         "base": {"model": _reference(composition.parent, folder)},
     }
     models = [composition.parent, *(attachment.child for attachment in composition.attachments)]
-    if tops := sorted({os.fspath(top) for model in models if (top := _repository(model)) is not None}):
+    if tops := sorted({os.fspath(top) for model in models if (top := repository(model)) is not None}):
         recipe["trust"] = {"files": tops}
     attach = recipe["attach"] = {}
     for number, attachment in enumerate(composition.attachments, 1):
@@ -32,12 +32,6 @@ def write_recipe(composition: Composition, folder: Path) -> Path:
     path = folder / "recipe.yaml"
     path.write_text(yaml.safe_dump(recipe, sort_keys=False, allow_unicode=True), encoding="utf-8")
     return path
-
-
-def _repository(model: Path) -> Path | None:
-    """The top of the repository that a model of the corpus was in, of which the corpus lacks what marks it as one."""
-    above = reversed(model.absolute().parents)
-    return next((each for each in above if each.parent.name == "models"), None)
 
 
 def _separator(composition: Composition) -> str:
