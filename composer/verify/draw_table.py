@@ -161,12 +161,12 @@ def _question(each: Tabled) -> dict[str, Any]:
 
 def _bounds(each: Tabled, component: int) -> tuple[float | None, float | None]:
     """Return the least and the greatest number that may be drawn, in the table's unit; None for no bound."""
-    drawing = each.field.drawing
-    if drawing.kind == CHOICE:
-        numbers = drawing.extremes(component) or tuple(map(float, each.numbers[component]))  # type: ignore[arg-type]
+    distribution = each.field.distribution
+    if distribution.kind == CHOICE:
+        numbers = distribution.extremes(component) or tuple(map(float, each.numbers[component]))  # type: ignore[arg-type]
     else:
-        numbers = drawing.extremes(component)
-    unit = drawing.unit
+        numbers = distribution.extremes(component)
+    unit = distribution.unit
     if unit is None and each.unit == "degree" and each.angles[component : component + 1] == (True,):
         unit = "deg"
     own = "deg" if is_in_degrees(each.tag, each.first.attribute) else "rad"
@@ -177,15 +177,15 @@ def _bounds(each: Tabled, component: int) -> tuple[float | None, float | None]:
 
 def _field(field: DrawField) -> dict[str, Any]:
     """Return what the recipe says about a field, with the numbers as written."""
-    drawing = field.drawing
+    distribution = field.distribution
     return {
         "select": str(field.select),
         "attribute": field.attr,
         "operation": field.operation,
         "per": field.per,
-        "distribution": drawing.kind,
+        "distribution": distribution.kind,
         "parameters": {
-            name: list(each) if len(each) > 1 else each[0] for name, each in drawing.parameters.items()
+            name: list(each) if len(each) > 1 else each[0] for name, each in distribution.parameters.items()
         },
-        "unit": drawing.unit,
+        "unit": distribution.unit,
     }
