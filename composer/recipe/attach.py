@@ -27,7 +27,7 @@ from composer.recipe.fault import Fault, checked, refusal
 from composer.recipe.form import Form
 from composer.recipe.in_place import below_model
 from composer.recipe.placing import ORIENTATIONS, JointField, JointWord, Offset
-from composer.recipe.presence import exclusive
+from composer.recipe.presence import report_exclusive
 from composer.recipe.raw import path_of
 from composer.recipe.reference import Schema
 from composer.recipe.replicate import Axes, Axis
@@ -129,8 +129,8 @@ class Attachment(UsedModel):
             in_place = below_model(value, owner, cls.model_fields)
             if in_place is not None:
                 raise refusal([in_place], value)
-            exclusive(PLACES, list(value), owner, (), faults)
-            exclusive(ORIENTATIONS, list(value), owner, (), faults)
+            report_exclusive(PLACES, list(value), owner, (), faults)
+            report_exclusive(ORIENTATIONS, list(value), owner, (), faults)
             if value.get("prefix") == "" and value.get("replicate"):
                 faults.append(_nameless_copies(owner))
         attachment: Attachment = checked(handler, value, faults)
