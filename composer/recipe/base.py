@@ -11,7 +11,7 @@ from pydantic_core import CoreSchema
 from composer.recipe.allow import Allowed
 from composer.recipe.drop import Drop, Drops
 from composer.recipe.edit import Edit, Edits
-from composer.recipe.fault import refusal
+from composer.recipe.fault import validation_error
 from composer.recipe.in_place import below_model
 from composer.recipe.text import Choice
 from composer.recipe.used_model import UsedModel
@@ -36,7 +36,7 @@ class Base(UsedModel):
     def _short(cls, value: Any, handler: ModelWrapValidatorHandler[Base]) -> Base:
         in_place = below_model(value, "`base`", cls.model_fields) if isinstance(value, Mapping) else None
         if in_place is not None:
-            raise refusal([in_place], value)
+            raise validation_error([in_place], value)
         return handler({"model": value} if isinstance(value, str) else value)
 
     @classmethod

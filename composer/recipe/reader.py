@@ -14,7 +14,7 @@ from composer.grammar.format import number_text
 from composer.recipe.advice import element_instead
 from composer.recipe.angles import bare_angle
 from composer.recipe.element import Element, Value
-from composer.recipe.fault import Fault, Path, unplaced
+from composer.recipe.fault import Fault, Path, fault_at
 from composer.recipe.fragment import check_fragment
 from composer.recipe.presence import report_clashing, report_missing
 from composer.recipe.raw import path_of
@@ -245,7 +245,7 @@ class Reader:
                 help=help,
                 fix=fix,
             )
-        return unplaced(unknown_attribute(name, owner, attributes), at, key=True, help=help, fix=fix)
+        return fault_at(unknown_attribute(name, owner, attributes), at, key=True, help=help, fix=fix)
 
     def names(self, value: Any, at: Path, owner: str) -> Iterable[tuple[str, Any]]:
         """Yield the entries of a mapping from names to elements."""
