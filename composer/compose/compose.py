@@ -67,7 +67,7 @@ from composer.tree.unit import Unit
 from composer.tree.watch import Watch, nobody
 
 if TYPE_CHECKING:
-    from composer.compose.model_edits import Changes
+    from composer.compose.model_edits import ModelEdits
     from composer.compose.workshop import Workshop
     from composer.engine import Session
     from composer.link.subtree import Subtree
@@ -279,7 +279,7 @@ class Composer:
         if not link(linking):
             return None
         _carry_out(plan, linking, making, early.done)
-        changes = self._changes(plan, linking, making)
+        changes = self._model_edits(plan, linking, making)
         are_named = True
         if changes and self.context.sink.has_errors:  # without what is at fault a selector means other things
             are_named = changes.in_doubt()
@@ -318,12 +318,12 @@ class Composer:
             tabled=tuple(changes.tabled) if changes else (),
         )
 
-    def _changes(self, plan: Plan, linking: Linking, making: ElementBuilder) -> Changes | None:
+    def _model_edits(self, plan: Plan, linking: Linking, making: ElementBuilder) -> ModelEdits | None:
         if not (plan.edits or plan.draws):
             return None
-        from composer.compose.model_edits import Changes  # few recipes need it
+        from composer.compose.model_edits import ModelEdits  # few recipes need it
 
-        return Changes(plan, linking, making, self.parts, self.cost, self.edits, self._workshop())
+        return ModelEdits(plan, linking, making, self.parts, self.cost, self.edits, self._workshop())
 
     def _workshop(self) -> Workshop:
         """Where meshes are worked on: one for the whole composition."""
@@ -364,9 +364,9 @@ class Composer:
             self.watch([unit], subtree)
             self.subtrees[plan.place_of(wanted.at)] = subtree
         if wanted.drop or wanted.edit:
-            from composer.compose.part_edits import OwnEdits  # few recipes need it
+            from composer.compose.part_edits import PartEdits  # few recipes need it
 
-            edits = OwnEdits(
+            edits = PartEdits(
                 plan,
                 wanted,
                 unit,

@@ -36,7 +36,7 @@ _SECTIONS_WITHOUT_NAMES = ("edit", "randomize", "check", "keyframe")
 
 
 @dataclass(frozen=True, slots=True)
-class Changes:
+class ModelEdits:
     """The edits and draws of a recipe on its model. Draws are appended to `drawn` and `tabled`."""
 
     plan: Plan

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(slots=True)
-class OwnEdits:
+class PartEdits:
     """Edits a unit. Its keys are laid out anew, and edits of keys are carried out after that."""
 
     plan: Plan
