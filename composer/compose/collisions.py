@@ -13,7 +13,7 @@ from composer import engine
 from composer.compiled.needless import ADJACENT, NEVER, TOUCHING, needless
 from composer.compiled.touching import touching
 from composer.compose.elements import ElementBuilder
-from composer.compose.kept import KEPT, compiled
+from composer.compose.finished_model import FINISHED, keep_finished
 from composer.context import Context
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import locate
@@ -67,9 +67,9 @@ def _exclude_needless(
     samples, seed = step.collisions.samples, step.collisions.seed
     with ExitStack() as stack:
         session = session or stack.enter_context(engine.Session())
-        if not compiled(linking, context, session):
+        if not keep_finished(linking, context, session):
             return []
-        answer = engine.call(session, needless, [KEPT], {"samples": samples, "seed": seed})
+        answer = engine.call(session, needless, [FINISHED], {"samples": samples, "seed": seed})
     if not answer.ok:
         making.sink.error("mujoco-crash", f"MuJoCo stumbles over the contacts: {answer.error}", step.span)
         return []
@@ -110,10 +110,10 @@ def _exclude_touching(
 ) -> None:  # fmt: skip
     with ExitStack() as stack:
         session = session or stack.enter_context(engine.Session())
-        if not compiled(linking, context, session):
+        if not keep_finished(linking, context, session):
             return
         prefixes = sorted({part.prefix for part in plan.parts if part.prefix})
-        answer = engine.call(session, touching, [KEPT], prefixes)
+        answer = engine.call(session, touching, [FINISHED], prefixes)
     if not answer.ok:
         making.sink.error("mujoco-crash", f"MuJoCo stumbles over the contacts: {answer.error}", step.span)
         return
