@@ -10,11 +10,11 @@ from typing import Any, Literal
 
 from lxml.etree import _Element as Node
 
-from composer.compose.edit_cost import of_draws
+from composer.compose.edit_cost import cost_of_draws
 from composer.compose.edit_values import Unusable, Values
 from composer.compose.editing import Editing
 from composer.compose.mass import Masses
-from composer.compose.select import counted
+from composer.compose.select import select_counted
 from composer.compose.verbs.change import Change
 from composer.compose.verbs.operation import OPERATIONS
 from composer.compose.zeros import only_zeros, report_only_zeros
@@ -45,8 +45,10 @@ def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[T
     entry = step.field
     assert entry.select is not None
     at = (*entry.at, "expect")
-    cost = of_draws(0 if step.sample else step.samples, step.tabled)
-    found = counted(editing, entry.select, (*entry.at, "select"), entry.expect, entry.optional, at, cost)
+    cost = cost_of_draws(0 if step.sample else step.samples, step.tabled)
+    found = select_counted(
+        editing, entry.select, (*entry.at, "select"), entry.expect, entry.optional, at, cost
+    )
     draws = _Draws(step, editing, Masses(editing, found))
     drawn: list[Drawn] = []
     by: set[tuple[Any, ...]] = set()

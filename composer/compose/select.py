@@ -9,7 +9,7 @@ from typing import Any
 
 from lxml.etree import _Element as Node
 
-from composer.compose.edit_cost import of_condition, of_selecting
+from composer.compose.edit_cost import cost_of_condition, cost_of_selecting
 from composer.compose.edit_values import Unusable, Values, attributes_scope, equal
 from composer.compose.editing import Editing
 from composer.diagnostics.diagnostic import Note
@@ -40,7 +40,7 @@ def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | Non
     No elements are not an error here.
     """
     selection = _selection(editing)
-    if not editing.cost.allows(of_selecting(selector, editing.root), editing.sink, editing.span(path)):
+    if not editing.cost.allows(cost_of_selecting(selector, editing.root), editing.sink, editing.span(path)):
         return None
     try:
         return selection.of(selector)
@@ -59,7 +59,7 @@ def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | Non
     return None
 
 
-def counted(
+def select_counted(
     editing: Editing,
     selector: Selector,
     path: Path,
@@ -103,7 +103,7 @@ def _selection(editing: Editing) -> Selection:
 
 def _holds(editing: Editing, selection: Selection, node: Node, selector: Selector) -> bool:
     at = (*selector.at, "where")
-    if not editing.cost.allows(of_condition(selector.where), editing.sink, editing.span(at)):
+    if not editing.cost.allows(cost_of_condition(selector.where), editing.sink, editing.span(at)):
         raise Unusable
     values = Values(editing, node, 0, at)
     if isinstance(selector.where, str):
