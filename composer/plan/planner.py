@@ -32,7 +32,7 @@ from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
 from composer.recipe.draw_field import DrawField
 from composer.recipe.fault import Path as KeyPath
-from composer.recipe.in_place import completed
+from composer.recipe.in_place import with_inherited
 from composer.recipe.randomize import Randomize
 from composer.recipe.recipe import Recipe
 from composer.recipe.validate import validate_what_remains
@@ -355,7 +355,7 @@ class _Planner:
         for key, what in (("with", "recipes in files"), ("packages", "URDF"), ("urdf", "URDF")):
             if find(around.document, (*at, key)) is not None:
                 self._only_for(key, what, "a model in place", around.document, at)
-        read = validate_what_remains(completed(model, around.document), self.sink)
+        read = validate_what_remains(with_inherited(model, around.document), self.sink)
         if read is None:
             return None
         recipe = read.recipe

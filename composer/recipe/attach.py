@@ -25,7 +25,7 @@ from composer.recipe.element import Element, Single
 from composer.recipe.element_schema import at_most_one
 from composer.recipe.fault import Fault, validated_with, validation_error
 from composer.recipe.form import Form
-from composer.recipe.in_place import below_model
+from composer.recipe.in_place import fault_of_inline_recipe
 from composer.recipe.placing import ORIENTATIONS, JointField, JointWord, Offset
 from composer.recipe.presence import report_exclusive
 from composer.recipe.raw import path_of
@@ -126,7 +126,7 @@ class Attachment(UsedModel):
         if isinstance(value, Mapping):
             path = path_of(value)
             owner = f"part `{path[-1]}`" if path else "the part"
-            in_place = below_model(value, owner, cls.model_fields)
+            in_place = fault_of_inline_recipe(value, owner, cls.model_fields)
             if in_place is not None:
                 raise validation_error([in_place], value)
             report_exclusive(PLACES, list(value), owner, (), faults)

@@ -19,7 +19,7 @@ from composer.recipe.distribution import (
 )
 from composer.recipe.fault import EXCLUSIVE, Fault, Path, unknown_key
 from composer.recipe.raw import path_of
-from composer.recipe.select import inside, kinds_of, read_selector
+from composer.recipe.select import advice_on_narrowing, kinds_of, read_selector
 from composer.recipe.shown import kind_of, shown
 from composer.recipe.subscript import attribute_and_index
 from composer.recipe.verbs.values import MASS, Checker
@@ -136,7 +136,7 @@ def _unknown(name: str, value: dict[str, Any]) -> Iterator[Fault]:
         if key not in KEYS:
             message = f"field `{name}` of `randomize` has no key `{key}`"
             fault = unknown_key(message, key, KEYS, (name, key))
-            elsewhere = inside(key)
+            elsewhere = advice_on_narrowing(key)
             yield replace(fault, help=elsewhere, fix=None) if elsewhere else fault
 
 

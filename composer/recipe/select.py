@@ -87,7 +87,7 @@ def read_selector(
     )  # fmt: skip
 
 
-def inside(name: str) -> str | None:
+def advice_on_narrowing(name: str) -> str | None:
     """Return what to write if a key of a selector is beside it instead, or None for any other key."""
     return f"write it inside `select`: `select: {{TAG: NAME, {name}: …}}`" if name in NARROWING else None
 
