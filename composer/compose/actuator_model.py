@@ -82,8 +82,8 @@ class ActuatorModel:
         return f"rate of {self.form}" if self.dynamics == "integrator" else self.form
 
 
-def laws_of(linking: Linking, sink: Sink, found: list[Node]) -> dict[Node, ActuatorModel] | None:
-    """Return MuJoCo's law of each actuator, or None after a reported error if the model cannot be compiled."""
+def actuator_models(linking: Linking, sink: Sink, found: list[Node]) -> dict[Node, ActuatorModel] | None:
+    """Return the model of each actuator, or None after a reported error if the model cannot be compiled."""
     if linking.measure is None:
         sink.error("mujoco-missing", "only MuJoCo knows what these actuators do")
         return None
@@ -109,18 +109,18 @@ def laws_of(linking: Linking, sink: Sink, found: list[Node]) -> dict[Node, Actua
                 size.set("nuser_actuator", room)
     if not arrays:
         return None
-    laws: dict[Node, ActuatorModel] = {}
+    models: dict[Node, ActuatorModel] = {}
     count = len(arrays["actuator_gaintype"])
     width = len(arrays["actuator_user"]) // count
     general = GRAMMAR.element("actuator/general").attributes
     for row in range(count):
         number = int(arrays["actuator_user"][row * width])
         if number:
-            laws[found[number - 1]] = _law(arrays, row, count, general)
-    return laws
+            models[found[number - 1]] = _model(arrays, row, count, general)
+    return models
 
 
-def _law(
+def _model(
     arrays: Mapping[str, list[float]], row: int, count: int, general: Mapping[str, Attribute]
 ) -> ActuatorModel:
     def numbers_of(name: str) -> tuple[float, ...]:
