@@ -154,17 +154,17 @@ class Composer:
         """Return the base or a part of a plan alone, reduced to the requested subtree, or None if it has faults."""
         return self.guarded(plan, wanted.stands, partial(Composer._unit, plan=plan, wanted=wanted))
 
-    def look(self, plan: Plan) -> None:
+    def read_subtrees(self, plan: Plan) -> None:
         """Take the subtrees of a plan, and compose only the sources that they come from."""
         self.expect(plan)
-        self._look(plan, True)
+        self._read_subtrees(plan, True)
 
-    def _look(self, plan: Plan, stands: bool) -> None:
+    def _read_subtrees(self, plan: Plan, stands: bool) -> None:
         for each in part_requests(plan, stands):
             if each.body is not None or each.drop:
                 self.unit_of(plan, replace(each, edit=()))
             elif isinstance(each.model, Plan):
-                self._look(each.model, each.stands)
+                self._read_subtrees(each.model, each.stands)
 
     def expect(self, plan: Plan, stands: bool = True) -> None:
         """Record which sources the plan needs, and how often."""

@@ -37,7 +37,7 @@ def drawn_parameters(
             continue
         taken[name] = field
         source = _Source(field, concrete, document, sink)
-        if not source.is_there():
+        if not source.can_be_drawn():
             continue
         for number in (sample,) if sample else range(1, randomize.samples + 1):
             value = source.value(randomize.seed, number)
@@ -60,7 +60,7 @@ class _Source:
         self.parameter: Parameter | None = concrete.parameters.get(self.name)
         self.nominal: Value | None = concrete.scope.get(self.name)
 
-    def is_there(self) -> bool:
+    def can_be_drawn(self) -> bool:
         """Return whether the parameter exists and can be drawn in this way."""
         field, distribution = self.field, self.field.distribution
         span = locate(self.document, (*field.at, "param"))
