@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from typing import TYPE_CHECKING
 
 from composer.compose.edit_cost import count_values
 from composer.compose.edit_values import Unusable
@@ -18,8 +19,11 @@ from composer.plan.steps.edit_elements import EditElements
 from composer.tree.kinds import section_of
 from composer.tree.selector import paths_of
 
+if TYPE_CHECKING:
+    from composer.compose.workshop import Workshop
 
-def edit(step: EditElements, editing: Editing) -> EditOutcome | None:
+
+def edit(step: EditElements, editing: Editing, workshop: Workshop) -> EditOutcome | None:
     """Apply an entry to every element that it selects. Report at most one error per entry.
 
     Return what was changed, or None after an error.
@@ -33,7 +37,7 @@ def edit(step: EditElements, editing: Editing) -> EditOutcome | None:
         is_right = entry.expect == 0 or entry.optional
         return EditOutcome({}) if is_right and not editing.cost.ended else None
     selected = Counter(listed_kind(node, section_of(node)) for node in found)
-    work = Entry(editing, found, Masses(editing, found))
+    work = Entry(editing, found, Masses(editing, found), workshop)
     try:
         for name, value in entry.verbs.items():
             CARRY_OUT[name](work, value, (*entry.at, name))

@@ -44,8 +44,8 @@ class ModelEdits:
     making: ElementBuilder
     parts: Mapping[Node, str]
     cost: EditCost
-    outcomes: dict[Place, EditOutcome] = field(default_factory=dict)
-    workshop: Workshop | None = None
+    outcomes: dict[Place, EditOutcome]
+    workshop: Workshop
     drawn: list[Drawn] = field(default_factory=list)
     tabled: list[Tabled] = field(default_factory=list)
 
@@ -103,7 +103,7 @@ class ModelEdits:
                 self.linking.watch(self.linking.units, step)
 
     def _carry_out(self, step: EditElements, editing: Editing) -> None:
-        outcome = edit(step, editing)
+        outcome = edit(step, editing, self.workshop)
         if outcome is not None:
             self.outcomes[self.plan.place_of(step.edit.at)] = outcome
 
@@ -126,7 +126,6 @@ class ModelEdits:
             self.parts,
             cost=self.cost,
             motors=plan.motors,
-            workshop=self.workshop,
         )
 
     def _edited_beside(self, step: EditElements, editing: Editing, keys: list[Node]) -> list[Node]:
