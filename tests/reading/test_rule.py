@@ -72,7 +72,7 @@ ALLOWED = {
     "targets/plain/files.py": "the bundle, in a folder of ours",
     "verify/world_table.py": "what MuJoCo's process has just written into a folder of ours",
     "verify/worlds.py": "writes",
-    "worlds/table.py": "writes",
+    "worlds/table_file.py": "writes",
     "view/description.py": "what MuJoCo's process has just written into a folder of ours",
     "view/page.py": "files of this package",
     "view/server.py": "files of this package",
