@@ -111,8 +111,7 @@ def _converted(
     before = after = model.control
     if old != to or "input" in given:
         after = _control_of(to, model, {**made, **given})
-    keeps = before == after
-    if not keeps:
+    if before != after:
         is_now, was = _in_words(after, "another thing"), _in_words(before, "what it was")
         lost.append(f"the control is {is_now} now, not {was}")
     limits: dict[str, str] | None = {}
@@ -127,33 +126,45 @@ def _converted(
         limits = {"ctrllimited": "false"}
         node.attrib.pop("ctrlrange", "")
     wrong = [name for name in map(str, node.keys()) if name not in kind.attributes]
-    transmission = [name for name in wrong if name in ("body", "orientation")]
-    if transmission:
+    if "body" in wrong or "orientation" in wrong:
         message = f"{editing.called(node)} acts on a body, which a `{to}` cannot"
         refuse(editing, node, Fault("wrong-type", message, at))
-    lost += [f"`{name}`" for name in wrong if name in _UNSAID and (model.act_limited or name != "actrange")]
-    if to not in ("general", "pid"):
-        lost += [f"`{name}range`" for name in model.limited[1:] if name]
-    if model.gain == "so3" and to != "general":
-        lost.append("that it acts about all three axes: it acts along its `gear` now")
+    lost += _lost_attributes(to, model, wrong)
     if old != to and not _keeps_activation(to, {**made, **given}):
         _refuse_actrange(editing, node, to, at)
-    editing.forget(node)
-    for name in {*wrong, *_replaced({**limits, **made, **given})}:
-        node.attrib.pop(name, "")
-    node.tag = to
-    for name, text in {**limits, **made, **given}.items():
-        node.set(name, text)
-        if name in given and kind.attributes[name].is_interval:
-            editing.making.intervals[node, name] = editing.span((*at, name))
+    _rewrite(editing, node, to, {**limits, **made, **given}, wrong)
     editing.write(
         node, {name: (*at, name) for name in given} | {name: at for name in made if name not in given}
     )
-    editing.note(node)
-    if not keeps:
+    for name in given:
+        if kind.attributes[name].is_interval:
+            editing.making.intervals[node, name] = editing.span((*at, name))
+    if before != after:
         lost += _lost_in_keys(editing, node)
         editing.linking.keys.void_keys.add(node)
     return lost
+
+
+def _lost_attributes(to: str, model: ActuatorModel, wrong: list[str]) -> Iterator[str]:
+    """Yield in words what the new kind has no attribute for. `wrong` are the attributes that it does not have."""
+    yield from (
+        f"`{name}`" for name in wrong if name in _UNSAID and (model.act_limited or name != "actrange")
+    )
+    if to not in ("general", "pid"):
+        yield from (f"`{name}range`" for name in model.limited[1:] if name)
+    if model.gain == "so3" and to != "general":
+        yield "that it acts about all three axes: it acts along its `gear` now"
+
+
+def _rewrite(editing: Editing, node: Node, to: str, written: Mapping[str, str], wrong: list[str]) -> None:
+    """Make the actuator one of the new kind with these attributes, without those that it cannot have."""
+    editing.forget(node)
+    for name in {*wrong, *_replaced(written)}:
+        node.attrib.pop(name, "")
+    node.tag = to
+    for name, text in written.items():
+        node.set(name, text)
+    editing.note(node)
 
 
 def _lost_in_keys(editing: Editing, node: Node) -> Iterator[str]:
