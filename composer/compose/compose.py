@@ -257,44 +257,15 @@ class Composer:
         if plan.base.keyframes == "none" and BASE not in plan.key_sources:
             remove_keys(base)
         self.watch([base, *units], plan)
-        making = ElementBuilder(
-            plan.document, plan.file, self.context.sink, plan.angle_context,
-            "radian", base.settings.eulerseq, self.context.folder, base.file, base.origins,
-            self.context.door_of_text,
-        )  # fmt: skip
-        base.origins.texts[plan.file] = plan.path
-        parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
-        linking = Linking(
-            base, parts, self.context.sink, _request(plan), measure=self.measure, watch=self.watch
-        )
-        self.watch(linking.units, linking)
-        if self.notes_parts:
-            self._note_parts(plan, units)
-        # Whether the model is in degrees is known only with all parts.
-        making.model_angle = model_angle(linking)
-        for step, part in zip(plan.parts, parts, strict=True):
-            add_joints(step, part, linking, making)
+        making = self._builder(plan, base)
+        linking = self._linking(plan, base, units, making)
         early = EarlyAdditions(plan, linking, making)
         linking.later_places = early
         if not link(linking):
             return None
         _carry_out(plan, linking, making, early.done)
         changes = self._model_edits(plan, linking, making)
-        are_named = True
-        if changes and self.context.sink.has_errors:  # without what is at fault a selector means other things
-            are_named = changes.in_doubt()
-        elif changes:
-            changes.of_elements()
-        check_intervals(making)
-        if are_named:
-            write_keyframes(plan, linking, making)
-        if self.context.sink.has_errors:
-            # A missing file is reported beside other errors. What a joint moves is not known without what is at fault.
-            check_files(linking.base, linking.files, self.context.sink, self.context.shown)
-        elif are_named:
-            for step, part in zip(plan.parts, parts, strict=True):
-                check_mass(step, part, linking, making)
-        check_size(linking.base, self.context.sink, attached_size(linking.base))
+        self._edit(plan, changes, linking, making)
         if self.context.sink.error_count > before:
             return None
         finish(linking)
@@ -307,7 +278,7 @@ class Composer:
             changes.of_keys()
         roots = [base.root, *(unit.root for unit in units)]
         self.unplaced[base.root] = unplaced_records(
-            plan, part_requests(plan, stands), parts, [self.unplaced.get(root, []) for root in roots]
+            plan, part_requests(plan, stands), linking.parts, [self.unplaced.get(root, []) for root in roots]
         )
         if self.context.sink.error_count > before:
             return None
@@ -317,6 +288,49 @@ class Composer:
             drawn=(*plan.drawn, *(changes.drawn if changes else ())),
             tabled=tuple(changes.tabled) if changes else (),
         )
+
+    def _builder(self, plan: Plan, base: Unit) -> ElementBuilder:
+        """Return what makes the recipe's own elements in the base."""
+        base.origins.texts[plan.file] = plan.path
+        return ElementBuilder(
+            plan.document, plan.file, self.context.sink, plan.angle_context,
+            "radian", base.settings.eulerseq, self.context.folder, base.file, base.origins,
+            self.context.door_of_text,
+        )  # fmt: skip
+
+    def _linking(self, plan: Plan, base: Unit, units: list[Unit], making: ElementBuilder) -> Linking:
+        """Return the base and its parts, with the joints between them, ready to be linked."""
+        parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
+        linking = Linking(
+            base, parts, self.context.sink, _request(plan), measure=self.measure, watch=self.watch
+        )
+        self.watch(linking.units, linking)
+        if self.notes_parts:
+            self._note_parts(plan, units)
+        # Whether the model is in degrees is known only with all parts.
+        making.model_angle = model_angle(linking)
+        for step, part in zip(plan.parts, parts, strict=True):
+            add_joints(step, part, linking, making)
+        return linking
+
+    def _edit(self, plan: Plan, changes: ModelEdits | None, linking: Linking, making: ElementBuilder) -> None:
+        """Carry out the edits, lay out the keys, and report what is wrong with the model before it is finished."""
+        sink = self.context.sink
+        are_named = True
+        if changes and sink.has_errors:  # without what is at fault a selector means other things
+            are_named = changes.in_doubt()
+        elif changes:
+            changes.of_elements()
+        check_intervals(making)
+        if are_named:
+            write_keyframes(plan, linking, making)
+        if sink.has_errors:
+            # A missing file is reported beside other errors. What a joint moves is not known without what is at fault.
+            check_files(linking.base, linking.files, sink, self.context.shown)
+        elif are_named:
+            for step, part in zip(plan.parts, linking.parts, strict=True):
+                check_mass(step, part, linking, making)
+        check_size(linking.base, sink, attached_size(linking.base))
 
     def _model_edits(self, plan: Plan, linking: Linking, making: ElementBuilder) -> ModelEdits | None:
         if not (plan.edits or plan.draws):
