@@ -44,7 +44,7 @@ class ActuatorModel:
 
     @property
     def is_affine(self) -> bool:
-        """Whether it is a gain and springs and dampers to a constant: a servo, or nothing but a force."""
+        """Return whether the force is a gain with springs and dampers: a servo, or a plain force."""
         return self.gain == "fixed" and self.bias in ("none", "affine") and not any(self.gainprm[1:])
 
     @property
@@ -62,7 +62,7 @@ class ActuatorModel:
 
     @property
     def form(self) -> str:
-        """What its gain is for: `position`, `velocity`, `force` or `other`, for a pid such as `position+velocity`."""
+        """Return what the gain is for: `position`, `velocity`, `force`, `other`, or of a pid `position+velocity`."""
         if self.gain == "pid":
             return "+".join(INPUTS[each] for each in self.inputs)
         if not self.is_affine or (self.bias == "affine" and self.biasprm[0] != 0):
@@ -78,7 +78,7 @@ class ActuatorModel:
 
     @property
     def control(self) -> str:
-        """What its control sets: the quantity of `form`, or its rate if the activation integrates the control."""
+        """Return what the control sets: the quantity of `form`, or its rate if the activation integrates it."""
         return f"rate of {self.form}" if self.dynamics == "integrator" else self.form
 
 

@@ -36,9 +36,9 @@ def set_collisions(
     session: engine.Session | None,
     samples: bool = True,
 ) -> list[tuple[Node, str]]:
-    """Write the excludes and pairs that the recipe asks for by its parts, in the order of the file.
+    """Write the excludes and pairs that the recipe describes by its parts, in the order of the file.
 
-    Gives the excludes of bodies that need not collide, each with its reason; none without time for `samples`.
+    Return the excludes that were found, each with the reason.
     """
     found: list[tuple[Node, str]] = []
     steps = [step for step in plan.steps if isinstance(step, SetCollisions)]
@@ -125,7 +125,7 @@ def _exclude_touching(
 def _bodies(
     step: SetCollisions, index: int, plan: Plan, linking: Linking, making: ElementBuilder
 ) -> list[Node]:
-    """The bodies with geoms that can collide on one side."""
+    """Return the bodies on one side that have geoms which can collide."""
     places = {place.part: place for place in plan.walk() if place.part}
     everything = [
         body for world in linking.base.root.iterchildren("worldbody") for body in (world, *world.iter("body"))
@@ -156,14 +156,14 @@ def _bodies(
 
 
 def _is_of(name: str, place: Place) -> bool:
-    """Whether a body is of a part; the world is the base's."""
+    """Return whether a body belongs to a part. The world belongs to the base."""
     if name == "world":
         return not place.prefix
     return bool(name) and name.startswith(place.prefix) and not name.startswith(tuple(place.others))
 
 
 def _collides(geom: Node, linking: Linking) -> bool:
-    """Whether a geom can touch anything: one that is only seen cannot."""
+    """Return whether a geom can touch anything."""
     classes = linking.base.classes
     # The `contype` of one geom and the `conaffinity` of the other are enough for a contact.
     values = [classes.effective(geom, childclass_of(geom), name) for name in _COLLIDING]
@@ -213,7 +213,7 @@ def _append(
     linking: Linking, making: ElementBuilder, step: SetCollisions, tag: str, keys: tuple[str, str],
     pairs: Sequence[tuple[str, ...]],
 ) -> list[Node]:  # fmt: skip
-    """Write what is not written yet; gives that."""
+    """Write the elements that do not exist yet, and return them."""
     written = []
     # Which of the two is named first does not matter, and MuJoCo 4.0 counts the same pair twice.
     known = {

@@ -340,7 +340,7 @@ class Composer:
         return ModelEdits(plan, linking, making, self.parts, self.cost, self.edits, self._workshop())
 
     def _workshop(self) -> Workshop:
-        """Where meshes are worked on: one for the whole composition."""
+        """Return the place where meshes are worked on, one for the whole composition."""
         if self.workshop is None:
             from composer.compose.workshop import Workshop  # few recipes need it
 

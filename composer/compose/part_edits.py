@@ -102,7 +102,7 @@ class PartEdits:
 
 
 def _still_meant(keys: Mapping[str, PartKeys], emptied: Set[Node]) -> dict[str, PartKeys]:
-    """The keys of the parts of a nested recipe, by the same paths, without the numbers that mean nothing any more."""
+    """Return the keys of the parts of a nested recipe without the numbers that lost their meaning."""
 
     def kept(key: Key) -> Key:
         values = {

@@ -227,7 +227,7 @@ def _edits_data(plan: Plan, edits: Iterable[Edit], foreseen: Foreseen) -> dict[s
 
 
 def _made_data(made: MadeShapes) -> dict[str, Any]:
-    """What was made of a mesh, and how far it is from it."""
+    """Return what was made of a mesh, and how far it is from it."""
     return {
         "mesh": made.mesh,
         "geom": made.of,

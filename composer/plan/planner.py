@@ -391,7 +391,7 @@ class _Planner:
     def _arguments(
         self, given: Map[str, Any], document: Mapping, at: tuple[str | int, ...]
     ) -> Iterator[tuple[str, str]]:
-        """The arguments of a xacro template as text, which is all that they are there."""
+        """Yield the arguments of a xacro template as text."""
         for name, value in given.items():
             if isinstance(value, list):
                 self.sink.error(
@@ -428,7 +428,7 @@ class _Planner:
                 yield name, folder
 
     def _workspace(self, folder: Path, span: Span) -> Iterator[tuple[str, Path]]:
-        """The packages of a ROS workspace."""
+        """Yield the packages of a ROS workspace."""
         found: dict[str, Path] = {}
         for name, at in ros_package.in_workspace(folder):
             if name in found:
