@@ -42,7 +42,7 @@ from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
 from composer.link.request import Request
 from composer.link.source_check import STUMBLES, check_source, put_right
-from composer.plan.drawn import Drawn, Tabled
+from composer.plan.drawn import Drawn, ElementDraws
 from composer.plan.foreseen import EditOutcome, Excluded
 from composer.plan.part_record import PartRecord
 from composer.plan.plan import BASE, Plan, part_name
@@ -99,7 +99,7 @@ class Composed:
     files: tuple[FileUse, ...]
     members: tuple[PartRecord, ...] = ()
     drawn: tuple[Drawn, ...] = ()
-    tabled: tuple[Tabled, ...] = ()
+    tabled: tuple[ElementDraws, ...] = ()
     shapes: tuple[MadeShapes, ...] = ()
     excluded: tuple[Excluded, ...] = ()
 

@@ -21,7 +21,7 @@ from composer.document.node import texts
 from composer.link.key_layouts import keys_of
 from composer.link.keyframes import lay_out_replaced
 from composer.link.linking import Linking
-from composer.plan.drawn import Drawn, Tabled
+from composer.plan.drawn import Drawn, ElementDraws
 from composer.plan.foreseen import EditOutcome, Place
 from composer.plan.plan import Plan
 from composer.plan.steps.edit_elements import EditElements
@@ -47,7 +47,7 @@ class ModelEdits:
     outcomes: dict[Place, EditOutcome]
     workshop: Workshop
     drawn: list[Drawn] = field(default_factory=list)
-    tabled: list[Tabled] = field(default_factory=list)
+    tabled: list[ElementDraws] = field(default_factory=list)
 
     def of_elements(self) -> None:
         """Carry out all edits and draws, except for those about keys."""

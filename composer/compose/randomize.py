@@ -24,7 +24,7 @@ from composer.expr.value import Value
 from composer.grammar.degrees import is_in_degrees
 from composer.numerics.stream import bits
 from composer.plan.angle_context import AngleSettings
-from composer.plan.drawn import Drawn, Tabled
+from composer.plan.drawn import Drawn, ElementDraws
 from composer.plan.plan import BASE
 from composer.plan.steps.draw_values import DrawValues
 from composer.recipe.distribution import CHOICE
@@ -36,7 +36,7 @@ from composer.tree.select import name_of, parent_of
 from composer.tree.selector import XPATH
 
 
-def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[Tabled]]:
+def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[ElementDraws]]:
     """Write the draw of every selected element, and report at most one error for the field.
 
     For sample 0 nothing is written. Instead, the draws of all other samples are checked, so that errors are known
@@ -52,7 +52,7 @@ def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[T
     draws = _Draws(step, editing, Masses(editing, found))
     drawn: list[Drawn] = []
     by: set[tuple[Any, ...]] = set()
-    tabled: list[Tabled] = []
+    tabled: list[ElementDraws] = []
     zeros = only_zeros(editing, found, (entry.attr,)) if entry.operation == "scale" else []
     try:
         for index, node in enumerate(found):
@@ -113,13 +113,13 @@ class _Draws:
         ]
         return written if isinstance(drawn, list) else written[0]
 
-    def tabled(self, node: Node) -> Tabled:
+    def tabled(self, node: Node) -> ElementDraws:
         """Return the draws of all samples for an element."""
         step = self.step
         first = self._stated(node, self._drawn(node, 1))
         angles = tuple(self._angles(node)) if step.field.operation != "scale" else ()
         kind = kind_of(node)
-        return Tabled(
+        return ElementDraws(
             first, step.field, name_of(node), _place(node), kind.tag, kind.family or kind.tag,
             self._numbers(node, len(first.columns())), angles, self._angle_settings.angle,
         )  # fmt: skip
