@@ -26,7 +26,7 @@ from composer.plan.pieces import check_pieces
 from composer.plan.plan import AttachPart, LoadBase, Plan
 from composer.plan.read import folder_of
 from composer.plan.steps.set_singleton import SetSingleton
-from composer.plan.steps.step import Written
+from composer.plan.steps.step import StepInput
 from composer.plan.steps.table import steps_of
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
@@ -174,7 +174,7 @@ class _Planner:
         parts = without_rings(tuple(self._parts(found, inside)), recipe.separator, self.sink)
         if base is None:
             return None
-        steps = tuple(steps_of(Written(recipe, document, randomize, sample)))
+        steps = tuple(steps_of(StepInput(recipe, document, randomize, sample)))
         plan = Plan(
             name=name,
             description=recipe.description,
