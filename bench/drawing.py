@@ -7,15 +7,15 @@ import time
 
 from bench.row import Row
 from bench.timing import best_times
-from composer.recipe.distribution import Drawing
+from composer.recipe.distribution import FieldDistribution
 
 _SAMPLES = range(1, 5001)
 _TO_HASHES = 15.0
 _DRAWN = (
-    Drawing("uniform", {"min": (0.4,), "max": (1.2,)}),
-    Drawing("normal", {"mean": (0.0,), "std": (0.02,)}),
-    Drawing("truncnormal", {"mean": (1.0,), "std": (0.2,), "min": (0.5,), "max": (2.0,)}),
-    Drawing("loguniform", {"min": (0.5,), "max": (2.0,)}),
+    FieldDistribution("uniform", {"min": (0.4,), "max": (1.2,)}),
+    FieldDistribution("normal", {"mean": (0.0,), "std": (0.02,)}),
+    FieldDistribution("truncnormal", {"mean": (1.0,), "std": (0.2,), "min": (0.5,), "max": (2.0,)}),
+    FieldDistribution("loguniform", {"min": (0.5,), "max": (2.0,)}),
 )
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import shlex
-from collections.abc import Iterable
-from contextlib import nullcontext
-from dataclasses import replace
+from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field, replace
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from composer.context import Context
     from composer.document import Node
     from composer.engine import Session
+    from composer.expand.matrix import Cell
 
 
 def build_cells(
@@ -70,43 +72,13 @@ def build_cells(
         if made is not None:
             return finish(made, maker, wanted, context, session)
         return build_one(maker, wanted, given, context, session, why)
-    try:
-        kind_of_output(wanted.out, len(chosen))  # of all shards, which write to one place
-    except OutputError as error:
-        context.sink.add(error.diagnostic)
-        report(context, wanted.form)
-        return USAGE
-    folder = place(context.folder, _folder(wanted.out))
-    try:
-        if isinstance(folder, str):
-            from composer.bundle.remote import check_writable
-
-            check_writable(folder)
-    except OutputError as error:
-        context.sink.add(error.diagnostic)
-        report(context, wanted.form)
-        return FINDINGS
+    folder, code = _checked_folder(wanted, len(chosen), context)
+    if code:
+        return code
     if shard is not None:
         chosen = shard.of(chosen)
-    tally = Tally(recipe, len(chosen))
-    samples, index = RunTable({"model": str, "sample": int}), RunTable(COLUMNS)
     beside = None if picks or only_samples else _folder(wanted.out)
-
-    def take(each: MadeCell) -> None:
-        note_files(each.files)
-        pictured = replace(context, sink=Sink())
-        if each.made is not None and not each.failed:
-            add_picture(each.made, wanted, pictured)
-        failed = each.failed or pictured.sink.has_errors
-        tally.take(each.cell.label, (*each.found, *pictured.sink.diagnostics), context.sink, failed=failed)
-        if each.made is not None and not failed:
-            say(said(each.made, wanted), form=wanted.form)
-            if each.made.draws is not None:
-                samples.add((each.cell.name, each.cell.sample), each.made.draws)
-            if beside is not None:
-                path = os.path.relpath(wanted.target(each.made.name, each.made.mujoco), beside)
-                index.add(*index_row(each.cell, each.made, path, len(each.outcomes)))
-
+    results = _Results(wanted, context, Tally(recipe, len(chosen)), beside)
     putting = partial(put, wanted=replace(wanted, picturing=None))  # pictures are drawn by this process
     away = None
     if wanted.kind != "text":  # text alone refers to this machine's files
@@ -117,33 +89,101 @@ def build_cells(
     ):
         try:
             # A crew records what it has done, and may wait long for it.
-            with deferring() if crew is None else nullcontext(), stopped(context) as ended:
-                for each in counting(running.made(chosen), len(chosen), lambda each: each.cell.name):
-                    take(each)
-                    check_room(each)
-            if ended:
-                for each in running.finished():
-                    if not found_no_room(each):
-                        take(each)
-                click.echo(_how_to_go_on(tally.whole, len(chosen), maker), err=True)
-        except (KeyboardInterrupt, SystemExit) as ended:
-            for each in running.finished():
-                take(each)
-            click.echo(_how_to_go_on(tally.whole, len(chosen), maker), err=True)
-            return (
-                ended.code if isinstance(ended, SystemExit) and isinstance(ended.code, int) else INTERRUPTED
-            )
+            patience = deferring() if crew is None else nullcontext()
+            ended = _take_all(running, chosen, results, patience, maker)
         finally:  # also after an interruption
-            forms = (".csv", ".parquet") if parquet else (".csv",)
-            drawn, all_of_them = (
-                [_in(beside, f"{name}{form}", shard) for form in forms] for name in (SAMPLES, MODELS)
-            )
-            _put_table(samples, [table] if table else drawn, "what was drawn for", wanted.form, context)
-            _put_table(index, all_of_them, "the index of", wanted.form, context)
+            results.write_tables(table, parquet, shard)
+    if ended is not None:
+        return ended
     report(context, wanted.form)
     say_details(context)
-    tally.say(wanted.form)
+    results.tally.say(wanted.form)
     return FINDINGS if context.sink.has_errors else 0
+
+
+def _checked_folder(wanted: Wanted, count: int, context: Context) -> tuple[Path | str, int]:
+    """Return the folder of the models, and the exit code if they cannot be written there, which is reported."""
+    code, folder = USAGE, _folder(wanted.out)
+    try:
+        kind_of_output(wanted.out, count)  # of all shards, which write to one place
+        code, place_of_models = FINDINGS, place(context.folder, folder)
+        if isinstance(place_of_models, str):
+            from composer.bundle.remote import check_writable
+
+            check_writable(place_of_models)
+    except OutputError as error:
+        context.sink.add(error.diagnostic)
+        report(context, wanted.form)
+        return folder, code
+    return place_of_models, 0
+
+
+@dataclass(slots=True)
+class _Results:
+    """What the cells of a run gave: counts for the summary, and rows for the tables.
+
+    The index lists paths relative to the folder `beside`. Without one, no index is written.
+    """
+
+    wanted: Wanted
+    context: Context
+    tally: Tally
+    beside: str | None
+    samples: RunTable = field(default_factory=lambda: RunTable({"model": str, "sample": int}))
+    index: RunTable = field(default_factory=lambda: RunTable(COLUMNS))
+
+    def take(self, each: MadeCell) -> None:
+        """Report a cell that is done, and add its rows."""
+        wanted, sink = self.wanted, self.context.sink
+        note_files(each.files)
+        pictured = replace(self.context, sink=Sink())
+        if each.made is not None and not each.failed:
+            add_picture(each.made, wanted, pictured)
+        failed = each.failed or pictured.sink.has_errors
+        self.tally.take(each.cell.label, (*each.found, *pictured.sink.diagnostics), sink, failed=failed)
+        if each.made is not None and not failed:
+            say(said(each.made, wanted), form=wanted.form)
+            if each.made.draws is not None:
+                self.samples.add((each.cell.name, each.cell.sample), each.made.draws)
+            if self.beside is not None:
+                path = os.path.relpath(wanted.target(each.made.name, each.made.mujoco), self.beside)
+                self.index.add(*index_row(each.cell, each.made, path, len(each.outcomes)))
+
+    def write_tables(self, table: str | None, parquet: bool, shard: Shard | None) -> None:
+        """Write the draws, to `table` if it is given, and the index."""
+        forms = (".csv", ".parquet") if parquet else (".csv",)
+        drawn, all_of_them = (
+            [_in(self.beside, f"{name}{form}", shard) for form in forms] for name in (SAMPLES, MODELS)
+        )
+        form, context = self.wanted.form, self.context
+        _put_table(self.samples, [table] if table else drawn, "what was drawn for", form, context)
+        _put_table(self.index, all_of_them, "the index of", form, context)
+
+
+def _take_all(
+    running: CellRun,
+    chosen: Sequence[Cell],
+    results: _Results,
+    patience: AbstractContextManager[None],
+    maker: Maker,
+) -> int | None:
+    """Take the cells as they are done. Return the exit code after an interruption by the user."""
+    try:
+        with patience, stopped(results.context) as ended:
+            for each in counting(running.made(chosen), len(chosen), lambda each: each.cell.name):
+                results.take(each)
+                check_room(each)
+        if ended:
+            for each in running.finished():
+                if not found_no_room(each):
+                    results.take(each)
+            click.echo(_how_to_go_on(results.tally.whole, len(chosen), maker), err=True)
+    except (KeyboardInterrupt, SystemExit) as ended:
+        for each in running.finished():
+            results.take(each)
+        click.echo(_how_to_go_on(results.tally.whole, len(chosen), maker), err=True)
+        return ended.code if isinstance(ended, SystemExit) and isinstance(ended.code, int) else INTERRUPTED
+    return None
 
 
 def _folder(out: str) -> str:

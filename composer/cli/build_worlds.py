@@ -23,7 +23,7 @@ from composer.cli.wanted import Wanted
 from composer.cli.writing import put
 from composer.loading.errors import LoadError
 from composer.scratch import scratch
-from composer.worlds import table as tables
+from composer.worlds import table_file
 from composer.worlds.building import Shelf, is_united
 from composer.worlds.joining import Joined, Joining
 from composer.worlds.worlds import Worlds
@@ -61,7 +61,7 @@ def build_worlds(
         help = "write `matrix` or `randomize` into it, or build it without `--worlds`"
         context.sink.error("missing-key", f"`{maker.recipe}` is one model, which has no worlds", help=help)
     try:
-        tables.check_name(table)
+        table_file.check_name(table)
     except OutputError as error:
         context.sink.add(error.diagnostic)
     if context.sink.has_errors:
@@ -132,7 +132,7 @@ class _Run:
         """Write the bundle, and then the table; report what cannot be written."""
         try:
             said = self._put_first(first) if bundle is None else self._put(bundle, study)
-            tables.write(self.context.folder / self.table, study.nominal, study.table)
+            table_file.write(self.context.folder / self.table, study.nominal, study.table)
         except OutputError as error:
             self.context.sink.add(error.diagnostic)
             return

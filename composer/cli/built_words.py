@@ -18,56 +18,64 @@ if TYPE_CHECKING:
 
 
 def said(made: Made, wanted: Wanted) -> str:
-    """Return the report about a written model, in several lines."""
-    import json
-
-    out, sizes = hide(wanted.target(made.name, made.mujoco)), made.sizes or {}
+    """Return the report about a written model: JSON, or several lines of text."""
+    out = hide(wanted.target(made.name, made.mujoco))
     if wanted.form == "json":
-        answer: dict[str, object] = {
-            "output": out,
-            "name": made.name,
-            "sha256": made.sha256,
-            "sizes": dict(sizes),
-        }
-        if made.merged:
-            answer["merged"] = {kind: dict(names) for kind, names in made.merged.items()}
-        if adopted := [each for each in made.adopted if each.is_written]:
-            answer["adopted"] = [
-                {"setting": each.setting, "value": each.value, "parts": each.parts} for each in adopted
-            ]
-        if made.replaced:
-            answer["replaced"] = dict(made.replaced)
-        if wanted.licenses:
-            answer["licences"] = [asdict(row) for row in made.licences]
-        if wanted.picturing is not None:
-            answer["picture"] = picture_of(made.name)
-        if wanted.why:
-            answer["built"] = made.is_new
-            answer["why"] = list(made.why)
-        return json.dumps(answer)
+        import json
+
+        return json.dumps(_data(made, wanted, out))
+    return "\n".join(_lines(made, wanted, out))
+
+
+def _data(made: Made, wanted: Wanted, out: str) -> dict[str, object]:
+    answer: dict[str, object] = {
+        "output": out,
+        "name": made.name,
+        "sha256": made.sha256,
+        "sizes": dict(made.sizes or {}),
+    }
+    if made.merged:
+        answer["merged"] = {kind: dict(names) for kind, names in made.merged.items()}
+    if adopted := [each for each in made.adopted if each.is_written]:
+        answer["adopted"] = [
+            {"setting": each.setting, "value": each.value, "parts": each.parts} for each in adopted
+        ]
+    if made.replaced:
+        answer["replaced"] = dict(made.replaced)
+    if wanted.licenses:
+        answer["licences"] = [asdict(row) for row in made.licences]
+    if wanted.picturing is not None:
+        answer["picture"] = picture_of(made.name)
+    if wanted.why:
+        answer["built"] = made.is_new
+        answer["why"] = list(made.why)
+    return answer
+
+
+def _lines(made: Made, wanted: Wanted, out: str) -> Iterator[str]:
     files, be = out, "is"
     if wanted.kind == "mjb":
         from composer.bundle.mjb import manifest_beside
 
         files, be = f"{out} and {manifest_beside(Path(out)).name}", "are"
-    lines = [f"{files} {be} up to date" if made.is_written else f"wrote {files}"]
-    if sizes:
+    yield f"{files} {be} up to date" if made.is_written else f"wrote {files}"
+    if sizes := made.sizes or {}:
         counted = ", ".join(_count(*each) for each in (
             (sizes["nbody"] - 1, "body", "bodies"), (sizes["nsensor"], "sensor"), (sizes["nkey"], "keyframe")
         ))  # fmt: skip
-        lines.append(f"  {made.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {counted}")
+        yield f"  {made.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {counted}"
     else:
-        lines.append("  not verified: MuJoCo has not compiled it")
+        yield "  not verified: MuJoCo has not compiled it"
     if wanted.picturing is not None:
-        lines.append(f"  picture {picture_of(made.name)}")
-    lines += [*remarks(made, wanted), f"  contents sha256 {made.sha256}"]
+        yield f"  picture {picture_of(made.name)}"
+    yield from remarks(made, wanted)
+    yield f"  contents sha256 {made.sha256}"
     if wanted.licenses and not made.licences:
-        lines.append("  no licences: it takes nothing from other models")
+        yield "  no licences: it takes nothing from other models"
     elif wanted.licenses:
         from composer.bundle.licence_table import licence_table
 
-        lines.append(licence_table(made.licences))
-    return "\n".join(lines)
+        yield licence_table(made.licences)
 
 
 def remarks(made: Made, wanted: Wanted) -> Iterator[str]:

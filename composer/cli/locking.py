@@ -52,7 +52,7 @@ def made_lock(
     from composer.bundle.output_error import OutputError
     from composer.bundle.staging import staged_file
     from composer.plan.locked import changed, lock_of, use_lock
-    from composer.plan.matrix import like_first_cell
+    from composer.plan.matrix import filled_from_first_cell
     from composer.plan.planner import make_plan
     from composer.sources.blobs import digest
     from composer.sources.lock_file import to_text
@@ -72,7 +72,7 @@ def made_lock(
     if context.sink.error_count:
         return None
     given = given or {}
-    whole = like_first_cell(recipe, context, given).given
+    whole = filled_from_first_cell(recipe, context, given).given
     plan = make_plan(recipe, context, whole)
     if plan is None:
         return None

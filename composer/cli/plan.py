@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from composer.context import Context
     from composer.expand.matrix import Cell
     from composer.plan.foreseen import Foreseen
-    from composer.plan.matrix import LikeCell
+    from composer.plan.matrix import FilledValues
     from composer.plan.plan import Plan
 
 
@@ -52,7 +52,7 @@ def command(
     from composer.plan.describe import describe
     from composer.plan.drawn_parameters import check_sample
     from composer.plan.expanded import expanded_text
-    from composer.plan.matrix import LikeCell, like_first_cell
+    from composer.plan.matrix import FilledValues, filled_from_first_cell
     from composer.plan.planner import make_plan
 
     context = Context(fetching=fetching())
@@ -64,12 +64,12 @@ def command(
     if code:
         report(context, form)
         sys.exit(code)
-    like, cells = LikeCell(given), []
+    filled, cells = FilledValues(given), []
     if cell is not None:
         plan = make_plan(recipe, context, {**given, **cell.given}, cell.sample, cell.name)
     else:
-        like = like_first_cell(recipe, context, given)
-        plan = make_plan(recipe, context, like.given, sample or 0)
+        filled = filled_from_first_cell(recipe, context, given)
+        plan = make_plan(recipe, context, filled.given, sample or 0)
         if plan is not None:
             check_sample(plan, sample or 0, context.sink)
             cells = cells_of(recipe, context, given)
@@ -86,33 +86,35 @@ def command(
     elif expanded:
         click.echo(expanded_text(plan))
     elif form == "json":
-        click.echo(json.dumps(_data(plan, foreseen, like, cells), indent=2))
+        click.echo(json.dumps(_data(plan, foreseen, filled, cells), indent=2))
     else:
         click.echo(describe(plan, foreseen))
-        _say_cells(plan, like, cells)
+        _say_cells(plan, filled, cells)
     if context.sink.has_errors:
         sys.exit(FINDINGS)
 
 
-def _data(plan: Plan, foreseen: Foreseen | None, like: LikeCell, cells: Sequence[Cell]) -> dict[str, Any]:
+def _data(
+    plan: Plan, foreseen: Foreseen | None, filled: FilledValues, cells: Sequence[Cell]
+) -> dict[str, Any]:
     """Return the plan as data, with the cells that are built separately."""
     from composer.plan.describe import as_data
 
     data = as_data(plan, foreseen)
-    if like.cell is not None:
-        data["as_cell"] = like.cell
+    if filled.cell is not None:
+        data["as_cell"] = filled.cell
     if cells:
         data["cells"] = [{"name": cell.name, "set": cell.values(), "sample": cell.sample} for cell in cells]
     return data
 
 
-def _say_cells(plan: Plan, like: LikeCell, cells: Sequence[Cell]) -> None:
+def _say_cells(plan: Plan, filled: FilledValues, cells: Sequence[Cell]) -> None:
     """Print the cells; those that differ only in draws share a line."""
     from composer.expr.value import shown
 
-    if like.cell is not None:
-        values = ", ".join(f"`{name}`" for name in like.taken)
-        click.echo(f"  {values} as in the cell {like.cell}: without a default, only the cells have a value")
+    if filled.cell is not None:
+        values = ", ".join(f"`{name}`" for name in filled.taken)
+        click.echo(f"  {values} as in the cell {filled.cell}: without a default, only the cells have a value")
     if cells:
         what = "models" if plan.randomize is not None else "cells of the matrix"
         click.echo(f"{len(cells)} {what}, built by --all or --pick:")

@@ -16,6 +16,9 @@ from composer.compiled.kinds import Model
 from composer.compiled.rows import Array, unequal
 from composer.numerics.pose import Pose, rotate
 
+Entry = tuple[str, Array, Array, float]
+"""The name of a row of a key, its numbers alone and in the composition, and how far apart they may be."""
+
 
 class Keys(StrEnum):
     """How a part's keys are composed (`keyframes:` of a recipe)."""
@@ -119,9 +122,24 @@ def _says_otherwise(matching: Correspondence, key: int, target: int, moved: Pose
     )
 
 
-def _entries(
-    matching: Correspondence, key: int, target: int, moved: Pose | None
-) -> Iterator[tuple[str, Array, Array, float]]:
+def _entries(matching: Correspondence, key: int, target: int, moved: Pose | None) -> Iterator[Entry]:
+    yield from _of_joints(matching, key, target, moved)
+    alone, composed = matching.alone.model, matching.composed.model
+    for actuator, there in enumerate(matching.ids["actuator"]):
+        if there == ABSENT:
+            continue
+        name = matching.composed.describe("actuator", there)
+        for vector in ("ctrl", "act"):
+            mine, theirs = _entry(alone, vector, key, actuator), _entry(composed, vector, target, there)
+            yield f"key_{vector} of `{name}`", mine, theirs, 0.0
+    for kind in ("tendon", "flex"):
+        for index, there in enumerate(matching.ids[kind]):
+            if there != ABSENT:
+                yield from _plastic(matching, kind, key, target, index, there)
+    yield from _of_mocap_bodies(matching, key, target, moved)
+
+
+def _of_joints(matching: Correspondence, key: int, target: int, moved: Pose | None) -> Iterator[Entry]:
     alone, composed = matching.alone.model, matching.composed.model
     for joint, there in enumerate(matching.ids["joint"]):
         if there == ABSENT or alone.jnt_type[joint] != composed.jnt_type[there]:
@@ -137,19 +155,10 @@ def _entries(
         yield f"key_qpos of `{name}`", mine_q, theirs_q, bound
         yield f"key_qvel of `{name}`", mine_v, theirs_v, bound
         yield from _plastic(matching, "joint", key, target, joint, there)
-    for actuator, there in enumerate(matching.ids["actuator"]):
-        if there == ABSENT:
-            continue
-        name = matching.composed.describe("actuator", there)
-        for vector in ("ctrl", "act"):
-            mine, theirs = _entry(alone, vector, key, actuator), _entry(composed, vector, target, there)
-            yield f"key_{vector} of `{name}`", mine, theirs, 0.0
-    for tendon, there in enumerate(matching.ids["tendon"]):
-        if there != ABSENT:
-            yield from _plastic(matching, "tendon", key, target, tendon, there)
-    for flex, there in enumerate(matching.ids["flex"]):
-        if there != ABSENT:
-            yield from _plastic(matching, "flex", key, target, flex, there)
+
+
+def _of_mocap_bodies(matching: Correspondence, key: int, target: int, moved: Pose | None) -> Iterator[Entry]:
+    alone, composed = matching.alone.model, matching.composed.model
     for body, there in enumerate(matching.ids["body"]):
         if not body or there == ABSENT or alone.body_mocapid[body] < 0 or composed.body_mocapid[there] < 0:
             continue
@@ -182,7 +191,7 @@ def _mocap(model: Model, key: int, body: int) -> Array:
 
 def _plastic(
     matching: Correspondence, kind: str, key: int, target: int, index: int, there: int
-) -> Iterator[tuple[str, Array, Array, float]]:
+) -> Iterator[Entry]:
     if not hasattr(matching.alone.model, "key_plastic"):
         return
     mine = _plastic_state(matching.alone.model, kind, key, index)

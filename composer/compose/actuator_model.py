@@ -44,7 +44,7 @@ class ActuatorModel:
 
     @property
     def is_affine(self) -> bool:
-        """Whether it is a gain and springs and dampers to a constant: a servo, or nothing but a force."""
+        """Return whether the force is a gain with springs and dampers: a servo, or a plain force."""
         return self.gain == "fixed" and self.bias in ("none", "affine") and not any(self.gainprm[1:])
 
     @property
@@ -62,7 +62,7 @@ class ActuatorModel:
 
     @property
     def form(self) -> str:
-        """What its gain is for: `position`, `velocity`, `force` or `other`, for a pid such as `position+velocity`."""
+        """Return what the gain is for: `position`, `velocity`, `force`, `other`, or of a pid `position+velocity`."""
         if self.gain == "pid":
             return "+".join(INPUTS[each] for each in self.inputs)
         if not self.is_affine or (self.bias == "affine" and self.biasprm[0] != 0):
@@ -78,12 +78,12 @@ class ActuatorModel:
 
     @property
     def control(self) -> str:
-        """What its control sets: the quantity of `form`, or its rate if the activation integrates the control."""
+        """Return what the control sets: the quantity of `form`, or its rate if the activation integrates it."""
         return f"rate of {self.form}" if self.dynamics == "integrator" else self.form
 
 
-def laws_of(linking: Linking, sink: Sink, found: list[Node]) -> dict[Node, ActuatorModel] | None:
-    """Return MuJoCo's law of each actuator, or None after a reported error if the model cannot be compiled."""
+def actuator_models(linking: Linking, sink: Sink, found: list[Node]) -> dict[Node, ActuatorModel] | None:
+    """Return the model of each actuator, or None after a reported error if the model cannot be compiled."""
     if linking.measure is None:
         sink.error("mujoco-missing", "only MuJoCo knows what these actuators do")
         return None
@@ -109,18 +109,18 @@ def laws_of(linking: Linking, sink: Sink, found: list[Node]) -> dict[Node, Actua
                 size.set("nuser_actuator", room)
     if not arrays:
         return None
-    laws: dict[Node, ActuatorModel] = {}
+    models: dict[Node, ActuatorModel] = {}
     count = len(arrays["actuator_gaintype"])
     width = len(arrays["actuator_user"]) // count
     general = GRAMMAR.element("actuator/general").attributes
     for row in range(count):
         number = int(arrays["actuator_user"][row * width])
         if number:
-            laws[found[number - 1]] = _law(arrays, row, count, general)
-    return laws
+            models[found[number - 1]] = _model(arrays, row, count, general)
+    return models
 
 
-def _law(
+def _model(
     arrays: Mapping[str, list[float]], row: int, count: int, general: Mapping[str, Attribute]
 ) -> ActuatorModel:
     def numbers_of(name: str) -> tuple[float, ...]:

@@ -16,7 +16,7 @@ from composer.compose.edit_values import Unusable
 from composer.compose.editing import Editing
 from composer.compose.mesh_asset import write_file
 from composer.compose.refuse import refuse
-from composer.compose.workshop import Asked, Record
+from composer.compose.workshop import Asked, Record, Workshop
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.fault import Fault
 from composer.link import numbers
@@ -39,10 +39,10 @@ _UNSEEN = 3
 _SUFFIXES = {"hull": "hull", "decompose": "part", "spheres": "sphere"}
 
 
-def collide(editing: Editing, found: list[Node], value: Mapping[str, Any], at: Path) -> list[Record]:
+def collide(
+    editing: Editing, workshop: Workshop, found: list[Node], value: Mapping[str, Any], at: Path
+) -> list[Record]:
     """Make the geoms; gives what was made, or nothing where there was no time for it."""
-    workshop = editing.workshop
-    assert workshop is not None
     span = editing.span(at)
     asked: list[tuple[Node, Asked]] = []
     for node in found:

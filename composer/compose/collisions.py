@@ -13,7 +13,7 @@ from composer import engine
 from composer.compiled.needless import ADJACENT, NEVER, TOUCHING, needless
 from composer.compiled.touching import touching
 from composer.compose.elements import ElementBuilder
-from composer.compose.kept import KEPT, compiled
+from composer.compose.finished_model import FINISHED, keep_finished
 from composer.context import Context
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import locate
@@ -36,9 +36,9 @@ def set_collisions(
     session: engine.Session | None,
     samples: bool = True,
 ) -> list[tuple[Node, str]]:
-    """Write the excludes and pairs that the recipe asks for by its parts, in the order of the file.
+    """Write the excludes and pairs that the recipe describes by its parts, in the order of the file.
 
-    Gives the excludes of bodies that need not collide, each with its reason; none without time for `samples`.
+    Return the excludes that were found, each with the reason.
     """
     found: list[tuple[Node, str]] = []
     steps = [step for step in plan.steps if isinstance(step, SetCollisions)]
@@ -67,9 +67,9 @@ def _exclude_needless(
     samples, seed = step.collisions.samples, step.collisions.seed
     with ExitStack() as stack:
         session = session or stack.enter_context(engine.Session())
-        if not compiled(linking, context, session):
+        if not keep_finished(linking, context, session):
             return []
-        answer = engine.call(session, needless, [KEPT], {"samples": samples, "seed": seed})
+        answer = engine.call(session, needless, [FINISHED], {"samples": samples, "seed": seed})
     if not answer.ok:
         making.sink.error("mujoco-crash", f"MuJoCo stumbles over the contacts: {answer.error}", step.span)
         return []
@@ -110,10 +110,10 @@ def _exclude_touching(
 ) -> None:  # fmt: skip
     with ExitStack() as stack:
         session = session or stack.enter_context(engine.Session())
-        if not compiled(linking, context, session):
+        if not keep_finished(linking, context, session):
             return
         prefixes = sorted({part.prefix for part in plan.parts if part.prefix})
-        answer = engine.call(session, touching, [KEPT], prefixes)
+        answer = engine.call(session, touching, [FINISHED], prefixes)
     if not answer.ok:
         making.sink.error("mujoco-crash", f"MuJoCo stumbles over the contacts: {answer.error}", step.span)
         return
@@ -125,7 +125,7 @@ def _exclude_touching(
 def _bodies(
     step: SetCollisions, index: int, plan: Plan, linking: Linking, making: ElementBuilder
 ) -> list[Node]:
-    """The bodies with geoms that can collide on one side."""
+    """Return the bodies on one side that have geoms which can collide."""
     places = {place.part: place for place in plan.walk() if place.part}
     everything = [
         body for world in linking.base.root.iterchildren("worldbody") for body in (world, *world.iter("body"))
@@ -156,14 +156,14 @@ def _bodies(
 
 
 def _is_of(name: str, place: Place) -> bool:
-    """Whether a body is of a part; the world is the base's."""
+    """Return whether a body belongs to a part. The world belongs to the base."""
     if name == "world":
         return not place.prefix
     return bool(name) and name.startswith(place.prefix) and not name.startswith(tuple(place.others))
 
 
 def _collides(geom: Node, linking: Linking) -> bool:
-    """Whether a geom can touch anything: one that is only seen cannot."""
+    """Return whether a geom can touch anything."""
     classes = linking.base.classes
     # The `contype` of one geom and the `conaffinity` of the other are enough for a contact.
     values = [classes.effective(geom, childclass_of(geom), name) for name in _COLLIDING]
@@ -213,7 +213,7 @@ def _append(
     linking: Linking, making: ElementBuilder, step: SetCollisions, tag: str, keys: tuple[str, str],
     pairs: Sequence[tuple[str, ...]],
 ) -> list[Node]:  # fmt: skip
-    """Write what is not written yet; gives that."""
+    """Write the elements that do not exist yet, and return them."""
     written = []
     # Which of the two is named first does not matter, and MuJoCo 4.0 counts the same pair twice.
     known = {

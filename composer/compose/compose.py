@@ -43,7 +43,7 @@ from composer.link.linking import FileUse, Linking, Measure
 from composer.link.request import Request
 from composer.link.source_check import STUMBLES, check_source, put_right
 from composer.link.submodels import add_submodel
-from composer.plan.drawn import Drawn, Tabled
+from composer.plan.drawn import Drawn, ElementDraws
 from composer.plan.foreseen import EditOutcome, Excluded
 from composer.plan.part_record import PartRecord, Tables
 from composer.plan.plan import BASE, Plan, part_name
@@ -68,7 +68,7 @@ from composer.tree.unit import Unit
 from composer.tree.watch import Watch, nobody
 
 if TYPE_CHECKING:
-    from composer.compose.model_edits import Changes
+    from composer.compose.model_edits import ModelEdits
     from composer.compose.workshop import Workshop
     from composer.engine import Session
     from composer.link.subtree import Subtree
@@ -101,7 +101,7 @@ class Composed:
     files: tuple[FileUse, ...]
     members: tuple[PartRecord, ...] = ()
     drawn: tuple[Drawn, ...] = ()
-    tabled: tuple[Tabled, ...] = ()
+    tabled: tuple[ElementDraws, ...] = ()
     shapes: tuple[MadeShapes, ...] = ()
     excluded: tuple[Excluded, ...] = ()
     tables: Tables = field(default_factory=dict)
@@ -158,17 +158,17 @@ class Composer:
         """Return the base or a part of a plan alone, reduced to the requested subtree, or None if it has faults."""
         return self.guarded(plan, wanted.stands, partial(Composer._unit, plan=plan, wanted=wanted))
 
-    def look(self, plan: Plan) -> None:
+    def read_subtrees(self, plan: Plan) -> None:
         """Take the subtrees of a plan, and compose only the sources that they come from."""
         self.expect(plan)
-        self._look(plan, True)
+        self._read_subtrees(plan, True)
 
-    def _look(self, plan: Plan, stands: bool) -> None:
+    def _read_subtrees(self, plan: Plan, stands: bool) -> None:
         for each in part_requests(plan, stands):
             if each.body is not None or each.drop:
                 self.unit_of(plan, replace(each, edit=()))
             elif isinstance(each.model, Plan):
-                self._look(each.model, each.stands)
+                self._read_subtrees(each.model, each.stands)
 
     def expect(self, plan: Plan, stands: bool = True) -> None:
         """Record which sources the plan needs, and how often."""
@@ -261,44 +261,15 @@ class Composer:
         if plan.base.keyframes == "none" and BASE not in plan.key_sources:
             remove_keys(base)
         self.watch([base, *units], plan)
-        making = ElementBuilder(
-            plan.document, plan.file, self.context.sink, plan.angle_context,
-            "radian", base.settings.eulerseq, self.context.folder, base.file, base.origins,
-            self.context.door_of_text,
-        )  # fmt: skip
-        base.origins.texts[plan.file] = plan.path
-        parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
-        linking = Linking(
-            base, parts, self.context.sink, _request(plan), measure=self.measure, watch=self.watch
-        )
-        self.watch(linking.units, linking)
-        if self.notes_parts:
-            self._note_parts(plan, units)
-        # Whether the model is in degrees is known only with all parts.
-        making.model_angle = model_angle(linking)
-        for step, part in zip(plan.parts, parts, strict=True):
-            add_joints(step, part, linking, making)
+        making = self._builder(plan, base)
+        linking = self._linking(plan, base, units, making)
         early = EarlyAdditions(plan, linking, making)
         linking.later_places = early
         if not link(linking):
             return None
         _carry_out(plan, linking, making, early.done)
-        changes = self._changes(plan, linking, making)
-        are_named = True
-        if changes and self.context.sink.has_errors:  # without what is at fault a selector means other things
-            are_named = changes.in_doubt()
-        elif changes:
-            changes.of_elements()
-        check_intervals(making)
-        if are_named:
-            write_keyframes(plan, linking, making)
-        if self.context.sink.has_errors:
-            # A missing file is reported beside other errors. What a joint moves is not known without what is at fault.
-            check_files(linking.base, linking.files, self.context.sink, self.context.shown)
-        elif are_named:
-            for step, part in zip(plan.parts, parts, strict=True):
-                check_mass(step, part, linking, making)
-        check_size(linking.base, self.context.sink, attached_size(linking.base))
+        changes = self._model_edits(plan, linking, making)
+        self._edit(plan, changes, linking, making)
         if self.context.sink.error_count > before:
             return None
         finish(linking)
@@ -311,7 +282,7 @@ class Composer:
             changes.of_keys()
         roots = [base.root, *(unit.root for unit in units)]
         self.unplaced[base.root] = unplaced_records(
-            plan, part_requests(plan, stands), parts, [self.unplaced.get(root, []) for root in roots]
+            plan, part_requests(plan, stands), linking.parts, [self.unplaced.get(root, []) for root in roots]
         )
         if self.context.sink.error_count > before:
             return None
@@ -322,15 +293,58 @@ class Composer:
             tabled=tuple(changes.tabled) if changes else (),
         )
 
-    def _changes(self, plan: Plan, linking: Linking, making: ElementBuilder) -> Changes | None:
+    def _builder(self, plan: Plan, base: Unit) -> ElementBuilder:
+        """Return what makes the recipe's own elements in the base."""
+        base.origins.texts[plan.file] = plan.path
+        return ElementBuilder(
+            plan.document, plan.file, self.context.sink, plan.angle_context,
+            "radian", base.settings.eulerseq, self.context.folder, base.file, base.origins,
+            self.context.door_of_text,
+        )  # fmt: skip
+
+    def _linking(self, plan: Plan, base: Unit, units: list[Unit], making: ElementBuilder) -> Linking:
+        """Return the base and its parts, with the joints between them, ready to be linked."""
+        parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
+        linking = Linking(
+            base, parts, self.context.sink, _request(plan), measure=self.measure, watch=self.watch
+        )
+        self.watch(linking.units, linking)
+        if self.notes_parts:
+            self._note_parts(plan, units)
+        # Whether the model is in degrees is known only with all parts.
+        making.model_angle = model_angle(linking)
+        for step, part in zip(plan.parts, parts, strict=True):
+            add_joints(step, part, linking, making)
+        return linking
+
+    def _edit(self, plan: Plan, changes: ModelEdits | None, linking: Linking, making: ElementBuilder) -> None:
+        """Carry out the edits, lay out the keys, and report what is wrong with the model before it is finished."""
+        sink = self.context.sink
+        are_named = True
+        if changes and sink.has_errors:  # without what is at fault a selector means other things
+            are_named = changes.in_doubt()
+        elif changes:
+            changes.of_elements()
+        check_intervals(making)
+        if are_named:
+            write_keyframes(plan, linking, making)
+        if sink.has_errors:
+            # A missing file is reported beside other errors. What a joint moves is not known without what is at fault.
+            check_files(linking.base, linking.files, sink, self.context.shown)
+        elif are_named:
+            for step, part in zip(plan.parts, linking.parts, strict=True):
+                check_mass(step, part, linking, making)
+        check_size(linking.base, sink, attached_size(linking.base))
+
+    def _model_edits(self, plan: Plan, linking: Linking, making: ElementBuilder) -> ModelEdits | None:
         if not (plan.edits or plan.draws):
             return None
-        from composer.compose.model_edits import Changes  # few recipes need it
+        from composer.compose.model_edits import ModelEdits  # few recipes need it
 
-        return Changes(plan, linking, making, self.parts, self.cost, self.edits, self._workshop())
+        return ModelEdits(plan, linking, making, self.parts, self.cost, self.edits, self._workshop())
 
     def _workshop(self) -> Workshop:
-        """Where meshes are worked on: one for the whole composition."""
+        """Return the place where meshes are worked on, one for the whole composition."""
         if self.workshop is None:
             from composer.compose.workshop import Workshop  # few recipes need it
 
@@ -368,9 +382,9 @@ class Composer:
             self.watch([unit], subtree)
             self.subtrees[plan.place_of(wanted.at)] = subtree
         if wanted.drop or wanted.edit:
-            from composer.compose.part_edits import OwnEdits  # few recipes need it
+            from composer.compose.part_edits import PartEdits  # few recipes need it
 
-            edits = OwnEdits(
+            edits = PartEdits(
                 plan,
                 wanted,
                 unit,

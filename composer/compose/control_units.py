@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
-from composer.compose.actuator_model import ActuatorModel, laws_of
+from composer.compose.actuator_model import ActuatorModel, actuator_models
 from composer.diagnostics.sink import Sink
 from composer.grammar import GRAMMAR
 from composer.link import numbers
@@ -32,7 +32,7 @@ _UNLIKE = ("plugin", "motor", "damper", "cylinder", "muscle", "adhesion", "dcmot
 _GENERAL = ("gaintype", "biastype", "dyntype", "gainprm", "biasprm")
 
 
-class Meant(NamedTuple):
+class ControlMeaning(NamedTuple):
     """The meaning of each control, and of the activation, of an actuator, in words; None for a plain number."""
 
     controls: tuple[str | None, ...] = ()
@@ -51,9 +51,9 @@ class ControlUnits:
     sink: Sink
     joints: Mapping[str, str]
     in_doubt: bool = False
-    known: dict[Node, Meant] = field(default_factory=dict)
+    known: dict[Node, ControlMeaning] = field(default_factory=dict)
 
-    def of(self, actuator: Node) -> Meant:
+    def of(self, actuator: Node) -> ControlMeaning:
         if actuator not in self.known:
             self.known[actuator] = self._found(actuator)
         return self.known[actuator]
@@ -62,30 +62,30 @@ class ControlUnits:
         """Return whether an actuator's control is the position of what it moves."""
         control = None if actuator.tag in _UNLIKE else self._control(actuator)
         if control is None and actuator.tag not in _UNLIKE and not self.in_doubt:
-            control = self._laws[actuator].control if actuator in self._laws else "other"
+            control = self._models[actuator].control if actuator in self._models else "other"
         return control is not None and control.startswith(_POSITION)
 
-    def _found(self, actuator: Node) -> Meant:
+    def _found(self, actuator: Node) -> ControlMeaning:
         joint = actuator.get("joint") or actuator.get("jointinparent")
         if actuator.tag in _UNLIKE or self.joints.get(str(joint)) != "hinge":
-            return Meant()
+            return ControlMeaning()
         gear = self._effective(actuator, "gear")
         if gear and abs(numbers.read(gear)[0]) != 1:
-            return Meant()
+            return ControlMeaning()
         control = self._control(actuator)
         if control is None:
             if self.in_doubt:  # MuJoCo would only repeat what is wrong
-                return Meant()
-            control = self._laws[actuator].control if actuator in self._laws else "other"
+                return ControlMeaning()
+            control = self._models[actuator].control if actuator in self._models else "other"
         # What the activation is the integral of, or a filter for, is what the gain is for.
         held = control.removeprefix("rate of ")
-        return Meant(tuple(map(_ANGLES.get, control.split("+"))), _ANGLES.get(held))
+        return ControlMeaning(tuple(map(_ANGLES.get, control.split("+"))), _ANGLES.get(held))
 
     @cached_property
-    def _laws(self) -> Mapping[Node, ActuatorModel]:
-        """The laws of all actuators that may be servos. MuJoCo computes them once."""
+    def _models(self) -> Mapping[Node, ActuatorModel]:
+        """Return the actuator models of all actuators that may be servos. MuJoCo computes them once."""
         found = [each for each in self.linking.base.root.iterfind("actuator/*") if each.tag not in _UNLIKE]
-        return laws_of(self.linking, self.sink, found) or {}
+        return actuator_models(self.linking, self.sink, found) or {}
 
     def _control(self, actuator: Node) -> str | None:
         """Return the quantity of an actuator's control as far as the tree tells it.

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from lxml.etree import _Element as Node
 
 from composer.compose.editing import Editing
-from composer.compose.select import counted
+from composer.compose.select import select_counted
 from composer.compose.verbs.remove import remove
 from composer.link.subtree import Left
 from composer.recipe.drop import Drop
@@ -22,7 +22,7 @@ def drop(entries: Iterable[Drop], editing: Editing, at: Path) -> list[Left]:
     for entry in entries:
         path = (*at, entry.index)
         if entry.select is not None:
-            found = counted(editing, entry.select, path, entry.expect, entry.optional, path)
+            found = select_counted(editing, entry.select, path, entry.expect, entry.optional, path)
         else:
             found = _section(editing, str(entry.section), path)
         if found:

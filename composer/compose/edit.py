@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
+from typing import TYPE_CHECKING
 
-from composer.compose.edit_cost import of_values
+from composer.compose.edit_cost import count_values
 from composer.compose.edit_values import Unusable
 from composer.compose.editing import Editing
 from composer.compose.mass import Masses
-from composer.compose.select import counted
+from composer.compose.select import select_counted
 from composer.compose.verbs.entry import Entry
-from composer.compose.verbs.remove import what_it_is
+from composer.compose.verbs.remove import listed_kind
 from composer.compose.verbs.table import CARRY_OUT
 from composer.plan.foreseen import EditOutcome
 from composer.plan.steps.draw_values import DrawValues
@@ -18,22 +19,25 @@ from composer.plan.steps.edit_elements import EditElements
 from composer.tree.kinds import section_of
 from composer.tree.selector import paths_of
 
+if TYPE_CHECKING:
+    from composer.compose.workshop import Workshop
 
-def edit(step: EditElements, editing: Editing) -> EditOutcome | None:
+
+def edit(step: EditElements, editing: Editing, workshop: Workshop) -> EditOutcome | None:
     """Apply an entry to every element that it selects. Report at most one error per entry.
 
     Return what was changed, or None after an error.
     """
     entry = step.edit
-    found = counted(
+    found = select_counted(
         editing, entry.select, (*entry.at, "select"), entry.expect, entry.optional, (*entry.at, "expect"),
-        of_values(entry.verbs),
+        count_values(entry.verbs),
     )  # fmt: skip
     if not found:
         is_right = entry.expect == 0 or entry.optional
         return EditOutcome({}) if is_right and not editing.cost.ended else None
-    selected = Counter(what_it_is(node, section_of(node)) for node in found)
-    work = Entry(editing, found, Masses(editing, found))
+    selected = Counter(listed_kind(node, section_of(node)) for node in found)
+    work = Entry(editing, found, Masses(editing, found), workshop)
     try:
         for name, value in entry.verbs.items():
             CARRY_OUT[name](work, value, (*entry.at, name))

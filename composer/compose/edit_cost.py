@@ -49,7 +49,7 @@ class EditCost:
         return not self.ended
 
 
-def of_selecting(selector: Selector, root: Node) -> float:
+def cost_of_selecting(selector: Selector, root: Node) -> float:
     """Return the cost of finding the elements of a selector."""
     each = list(selector.all())
     looks = 0 if selector.is_one_name else len(each) * written(root)
@@ -62,20 +62,20 @@ def _processes(selector: Selector) -> int:
     return takes_process(selector.pattern) + takes_process(selector.dclass or "")
 
 
-def of_condition(where: Mapping[str, object] | str | None) -> float:
+def cost_of_condition(where: Mapping[str, object] | str | None) -> float:
     """Return the cost of evaluating a condition on one element."""
     return len(where) / _CHARACTERS if isinstance(where, str) else len(where or ())
 
 
-def of_values(value: Any) -> int:
-    """How many values an entry writes for each element.
+def count_values(value: Any) -> int:
+    """Return how many values an entry writes for each element.
 
-    >>> of_values({"set": {"size": [0.1, 0.2], "rgba": [1, 0, 0, 1]}, "remove": True})
+    >>> count_values({"set": {"size": [0.1, 0.2], "rgba": [1, 0, 0, 1]}, "remove": True})
     3
     """
-    return sum(map(of_values, value.values())) if isinstance(value, Mapping) else 1
+    return sum(map(count_values, value.values())) if isinstance(value, Mapping) else 1
 
 
-def of_draws(samples: int, tabled: bool) -> float:
+def cost_of_draws(samples: int, tabled: bool) -> float:
     """Return the cost of checking the draws of all samples for one element, and of tabulating them."""
     return 1 + samples / (_DRAWS_OF_A_TABLE if tabled else _DRAWS)

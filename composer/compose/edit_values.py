@@ -168,7 +168,7 @@ def attributes_scope(values: Values) -> dict[str, Value]:
 
 
 def equal(attribute: Attribute, have: Value, wanted: object) -> bool:
-    """Whether a value in effect is the one that `where` asks for; numbers up to rounding.
+    """Return whether an effective value is the one that `where` gives. Numbers are compared up to rounding.
 
     >>> from composer.grammar import GRAMMAR
     >>> equal(GRAMMAR.element("geom").attributes["friction"], (1.0, 0.005, 0.0001), [1, 0.005])

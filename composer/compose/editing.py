@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from lxml.etree import _Element as Node
 
@@ -28,9 +27,6 @@ from composer.tree.names import WORLD
 from composer.tree.removal import names_in
 from composer.tree.select import name_of
 
-if TYPE_CHECKING:
-    from composer.compose.workshop import Workshop
-
 _LAID_OUT = (*JOINTS, "default")
 
 
@@ -39,7 +35,7 @@ class Editing:
     """A model that is edited: one unit alone, or the flat one.
 
     `parts` has the part of each element, `scope` the values of the recipe's parameters, `motors` its data sheets.
-    `cost` is what the edits of the whole composition have cost. `workshop` is where its meshes are worked on.
+    `cost` is what the edits of the whole composition have cost.
     """
 
     linking: Linking
@@ -49,7 +45,6 @@ class Editing:
     own: bool = False
     cost: EditCost = field(default_factory=EditCost)
     motors: Mapping[str, Motor] = field(default_factory=dict)
-    workshop: Workshop | None = None
 
     def __post_init__(self) -> None:
         self.linking.keys.edited = True

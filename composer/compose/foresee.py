@@ -31,7 +31,7 @@ def foresee(plan: Plan, context: Context) -> Foreseen:
         acknowledge(plan, context.sink, context.shown, whole=False)
     else:
         if plan.takes_subtrees:
-            composer.look(plan)
+            composer.read_subtrees(plan)
         if _excludes_touching(plan):
             composed = _composed_aside(plan, context, library)
     adopted = _adopted(plan, composed, context, library)

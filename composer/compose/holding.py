@@ -10,7 +10,7 @@ from lxml.etree import _Element as Node
 
 from composer import engine
 from composer.compose.elements import ElementBuilder
-from composer.compose.kept import KEPT, compiled
+from composer.compose.finished_model import FINISHED, keep_finished
 from composer.document.node import locate
 from composer.link import numbers
 from composer.link.key_layouts import keys_of
@@ -35,7 +35,7 @@ def hold_poses(
         return
     with ExitStack() as stack:
         session = session or stack.enter_context(engine.Session())
-        if compiled(linking, context, session):
+        if keep_finished(linking, context, session):
             for step in steps:
                 _hold(step, layout, linking, making, session)
 
@@ -49,7 +49,7 @@ def _hold(
     index = next(at for at, key in enumerate(keys) if key.get("name") == step.key.name)
     controls, path = step.key.controls, (*step.key.at, CTRL)
     question = {"key": index, "forces": controls.hold == "forces"}
-    answer = engine.call(session, hold, [KEPT], question)
+    answer = engine.call(session, hold, [FINISHED], question)
     if not answer.ok:
         making.sink.error("mujoco-crash", f"MuJoCo stumbles over the key `{step.key.name}`: {answer.error}",
                           locate(making.document, path))  # fmt: skip

@@ -21,7 +21,7 @@ from composer.document.node import texts
 from composer.link.key_layouts import keys_of
 from composer.link.keyframes import lay_out_replaced
 from composer.link.linking import Linking
-from composer.plan.drawn import Drawn, Tabled
+from composer.plan.drawn import Drawn, ElementDraws
 from composer.plan.foreseen import EditOutcome, Place
 from composer.plan.plan import Plan
 from composer.plan.steps.edit_elements import EditElements
@@ -36,7 +36,7 @@ _SECTIONS_WITHOUT_NAMES = ("edit", "randomize", "check", "keyframe")
 
 
 @dataclass(frozen=True, slots=True)
-class Changes:
+class ModelEdits:
     """The edits and draws of a recipe on its model. Draws are appended to `drawn` and `tabled`."""
 
     plan: Plan
@@ -44,10 +44,10 @@ class Changes:
     making: ElementBuilder
     parts: Mapping[Node, str]
     cost: EditCost
-    outcomes: dict[Place, EditOutcome] = field(default_factory=dict)
-    workshop: Workshop | None = None
+    outcomes: dict[Place, EditOutcome]
+    workshop: Workshop
     drawn: list[Drawn] = field(default_factory=list)
-    tabled: list[Tabled] = field(default_factory=list)
+    tabled: list[ElementDraws] = field(default_factory=list)
 
     def of_elements(self) -> None:
         """Carry out all edits and draws, except for those about keys."""
@@ -103,7 +103,7 @@ class Changes:
                 self.linking.watch(self.linking.units, step)
 
     def _carry_out(self, step: EditElements, editing: Editing) -> None:
-        outcome = edit(step, editing)
+        outcome = edit(step, editing, self.workshop)
         if outcome is not None:
             self.outcomes[self.plan.place_of(step.edit.at)] = outcome
 
@@ -126,7 +126,6 @@ class Changes:
             self.parts,
             cost=self.cost,
             motors=plan.motors,
-            workshop=self.workshop,
         )
 
     def _edited_beside(self, step: EditElements, editing: Editing, keys: list[Node]) -> list[Node]:

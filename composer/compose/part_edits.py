@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Set
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from lxml.etree import _Element as Node
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(slots=True)
-class OwnEdits:
+class PartEdits:
     """Edits a unit. Its keys are laid out anew, and edits of keys are carried out after that."""
 
     plan: Plan
@@ -45,8 +45,8 @@ class OwnEdits:
     measure: Measure | None
     watch: Watch
     cost: EditCost
-    outcomes: dict[Place, EditOutcome] = field(default_factory=dict)
-    workshop: Workshop | None = None
+    outcomes: dict[Place, EditOutcome]
+    workshop: Workshop
 
     def carry_out(self) -> tuple[Left, ...] | None:
         """Carry out the drops and edits. Return what was dropped, or None after a reported error."""
@@ -84,7 +84,6 @@ class OwnEdits:
             own=True,
             cost=self.cost,
             motors=plan.motors,
-            workshop=self.workshop,
         )
 
     def _dropped(self, editing: Editing) -> list[Left]:
@@ -95,7 +94,7 @@ class OwnEdits:
 
     def _edited(self, steps: list[EditElements], editing: Editing) -> None:
         for step in steps:
-            outcome = edit(step, editing)
+            outcome = edit(step, editing, self.workshop)
             if outcome is not None:
                 self.outcomes[self.plan.place_of(step.edit.at)] = outcome
             self.watch([self.unit], step)
@@ -103,7 +102,7 @@ class OwnEdits:
 
 
 def _still_meant(keys: Mapping[str, PartKeys], emptied: Set[Node]) -> dict[str, PartKeys]:
-    """The keys of the parts of a nested recipe, by the same paths, without the numbers that mean nothing any more."""
+    """Return the keys of the parts of a nested recipe without the numbers that lost their meaning."""
 
     def kept(key: Key) -> Key:
         values = {

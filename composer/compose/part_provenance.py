@@ -16,7 +16,7 @@ _HEAD = re.compile(r"[^*?{\[]*")
 
 
 def with_edits(member: PartRecord, edits: Iterable[Edit]) -> PartRecord:
-    """The member with the arrays that edits change in it, or why it is not what its source is at all."""
+    """Return the record with the arrays that edits change in the part, or with the reason why it is not compared."""
     changed, reduced = set(member.changed), member.reduced
     for edit in edits:
         if any(VERBS[name].changes is None for name in edit.verbs):
@@ -26,7 +26,7 @@ def with_edits(member: PartRecord, edits: Iterable[Edit]) -> PartRecord:
 
 
 def reaches(selector: Selector, prefix: str, prefixes: Collection[str]) -> bool:
-    """Whether what is selected may be of the member with that prefix, as far as the beginning of names shows."""
+    """Return whether a selector can match elements of the part with that prefix, judged by the start of names."""
     if selector.tag == XPATH or selector.pattern.startswith("/"):
         return True
     found = _HEAD.match(selector.pattern)

@@ -10,11 +10,11 @@ from typing import Any, Literal
 
 from lxml.etree import _Element as Node
 
-from composer.compose.edit_cost import of_draws
+from composer.compose.edit_cost import cost_of_draws
 from composer.compose.edit_values import Unusable, Values
 from composer.compose.editing import Editing
 from composer.compose.mass import Masses
-from composer.compose.select import counted
+from composer.compose.select import select_counted
 from composer.compose.verbs.change import Change
 from composer.compose.verbs.operation import OPERATIONS
 from composer.compose.zeros import only_zeros, report_only_zeros
@@ -24,7 +24,7 @@ from composer.expr.value import Value
 from composer.grammar.degrees import is_in_degrees
 from composer.numerics.stream import bits
 from composer.plan.angle_context import AngleSettings
-from composer.plan.drawn import Drawn, Tabled
+from composer.plan.drawn import Drawn, ElementDraws
 from composer.plan.plan import BASE
 from composer.plan.steps.draw_values import DrawValues
 from composer.recipe.distribution import CHOICE
@@ -36,7 +36,7 @@ from composer.tree.select import name_of, parent_of
 from composer.tree.selector import XPATH
 
 
-def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[Tabled]]:
+def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[ElementDraws]]:
     """Write the draw of every selected element, and report at most one error for the field.
 
     For sample 0 nothing is written. Instead, the draws of all other samples are checked, so that errors are known
@@ -45,25 +45,27 @@ def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[T
     entry = step.field
     assert entry.select is not None
     at = (*entry.at, "expect")
-    cost = of_draws(0 if step.sample else step.samples, step.tabled)
-    found = counted(editing, entry.select, (*entry.at, "select"), entry.expect, entry.optional, at, cost)
-    drawing = _Draws(step, editing, Masses(editing, found))
+    cost = cost_of_draws(0 if step.sample else step.samples, step.tabled)
+    found = select_counted(
+        editing, entry.select, (*entry.at, "select"), entry.expect, entry.optional, at, cost
+    )
+    draws = _Draws(step, editing, Masses(editing, found))
     drawn: list[Drawn] = []
     by: set[tuple[Any, ...]] = set()
-    tabled: list[Tabled] = []
+    tabled: list[ElementDraws] = []
     zeros = only_zeros(editing, found, (entry.attr,)) if entry.operation == "scale" else []
     try:
         for index, node in enumerate(found):
             if step.sample:
-                one = drawing.write(node, index)
+                one = draws.write(node, index)
                 known = (one.element, one.attribute, one.value)
                 if entry.per not in ("body", "part") or known not in by:  # elsewhere each element has its own
                     drawn.append(one)
                 by.add(known)
                 continue
-            drawing.check(node, range(1, step.samples + 1))
+            draws.check(node, range(1, step.samples + 1))
             if step.tabled:
-                tabled.append(drawing.tabled(node))
+                tabled.append(draws.tabled(node))
     except Unusable:
         return [], []
     for key in zeros:
@@ -97,7 +99,7 @@ class _Draws:
     def _with_unit(self, node: Node, drawn: Any) -> Any:
         """Return the draw as a recipe would write it, with a unit on angles."""
         entry = self.step.field
-        unit: str | None = entry.drawing.unit
+        unit: str | None = entry.distribution.unit
         items = drawn if isinstance(drawn, list) else [drawn]
         turned = [True] * len(items)
         if unit is None and entry.operation != "scale":
@@ -111,22 +113,22 @@ class _Draws:
         ]
         return written if isinstance(drawn, list) else written[0]
 
-    def tabled(self, node: Node) -> Tabled:
+    def tabled(self, node: Node) -> ElementDraws:
         """Return the draws of all samples for an element."""
         step = self.step
         first = self._stated(node, self._drawn(node, 1))
         angles = tuple(self._angles(node)) if step.field.operation != "scale" else ()
         kind = kind_of(node)
-        return Tabled(
+        return ElementDraws(
             first, step.field, name_of(node), _place(node), kind.tag, kind.family or kind.tag,
             self._numbers(node, len(first.columns())), angles, self._angle_settings.angle,
         )  # fmt: skip
 
     def _numbers(self, node: Node, count: int) -> tuple[Sequence[Value], ...]:
         """Return the draws of all samples for each number of an attribute, in the units of the manifest."""
-        samples, drawing = range(1, self.step.samples + 1), self.step.field.drawing
-        if drawing.is_whole:
-            stated = {id(each): self._in_radians(node, each) for each in drawing.values}
+        samples, distribution = range(1, self.step.samples + 1), self.step.field.distribution
+        if distribution.is_whole:
+            stated = {id(each): self._in_radians(node, each) for each in distribution.values}
             lengths = {len(each) if isinstance(each, tuple) else 1 for each in stated.values()}
             if len(lengths) > 1:
                 counts = " and ".join(map(str, sorted(lengths)))
@@ -199,9 +201,9 @@ class _Draws:
         def one(place: int) -> Any:
             component, of = self._component(place)
             found = bits(self.step.seed, sample, entry.stream, self._stream(node), component)
-            return entry.drawing.draw(found, of)
+            return entry.distribution.draw(found, of)
 
-        if entry.drawing.is_whole or subscript is not None:
+        if entry.distribution.is_whole or subscript is not None:
             return one(0)
         count = self._count(node)
         return one(0) if count is None else [one(place) for place in range(count)]
@@ -209,7 +211,7 @@ class _Draws:
     def _all_drawn(self, node: Node, samples: Sequence[int], place: int) -> Sequence[Any]:
         """Return the number at one place of the draw, for each of the samples."""
         entry, (component, of) = self.step.field, self._component(place)
-        return entry.drawing.draw_all(
+        return entry.distribution.draw_all(
             self.step.seed, samples, entry.stream, self._stream(node), component, of
         )
 
@@ -231,7 +233,7 @@ class _Draws:
         if attribute is None or not attribute.is_number or attribute.max_length == 1:
             return None  # what no such element has is reported where it is written
         now = self._values(node).now(attribute)
-        wanted = entry.drawing.components
+        wanted = entry.distribution.components
         have = len(now) if isinstance(now, tuple) else None
         if now is None:
             have = wanted or (attribute.max_length if attribute.max_length == attribute.min_length else None)
@@ -245,7 +247,8 @@ class _Draws:
             )
         if wanted is not None and wanted != have:
             numbers = "1 number" if have is None else f"{have} numbers"
-            message = f"`{entry.attr}` of {self.editing.called(node)} has {numbers}, `{entry.drawing.kind}` {wanted}"
+            expected = f"`{entry.distribution.kind}` {wanted}"
+            message = f"`{entry.attr}` of {self.editing.called(node)} has {numbers}, {expected}"
             self._fault("wrong-length", message, node)
         return have
 
@@ -266,8 +269,8 @@ class _Draws:
                 f"{self.editing.called(node)} has no `{entry.attr}` that `{entry.operation}` could start from"
             )
             self._fault("wrong-type", message, node)
-        drawing = entry.drawing
-        if drawing.is_whole or (not is_mass and (attribute is None or not attribute.is_number)):
+        distribution = entry.distribution
+        if distribution.is_whole or (not is_mass and (attribute is None or not attribute.is_number)):
             return
         count = None if is_mass or subscript is not None else self._count(node)
         bases = now if isinstance(now, tuple) else (now,)
@@ -275,7 +278,7 @@ class _Draws:
             place = component if subscript is None else subscript
             if not must_not_be_negative(name, place):
                 continue
-            if entry.operation != "offset" and min(drawing.extremes(component), default=0.0) >= 0:
+            if entry.operation != "offset" and min(distribution.extremes(component), default=0.0) >= 0:
                 continue
             base = self.masses.of(node, entry.drawn_at) if is_mass else bases[component]
             self._check_numbers(node, samples, component, base)
@@ -300,19 +303,22 @@ class _Draws:
     def _check_unit(self, node: Node) -> None:
         """Report an angle that is drawn without a unit."""
         entry = self.step.field
-        drawing = entry.drawing
-        if entry.operation == "scale" or drawing.unit is not None or self._angle_settings.angle is not None:
+        distribution = entry.distribution
+        if (
+            entry.operation == "scale"
+            or distribution.unit is not None
+            or self._angle_settings.angle is not None
+        ):
             return
-        if not any(self._angles(node)) or drawing.is_whole:
+        if not any(self._angles(node)) or distribution.is_whole:
             return
-        if drawing.kind == CHOICE:
-            bare = any(not isinstance(each, str) and each != 0 for each in drawing.values)
+        if distribution.kind == CHOICE:
+            bare = any(not isinstance(each, str) and each != 0 for each in distribution.values)
         else:
-            bare = any(each != 0 for items in drawing.parameters.values() for each in items)
+            bare = any(each != 0 for items in distribution.parameters.values() for each in items)
         if bare:
-            message = (
-                f"`{entry.attr}` of {self.editing.called(node)} is an angle, and `{drawing.kind}` has no unit"
-            )
+            called, kind = self.editing.called(node), distribution.kind
+            message = f"`{entry.attr}` of {called} is an angle, and `{kind}` has no unit"
             help = "write the unit behind the numbers (`5deg`, `0.1rad`), or `angle: degree` at the top of the recipe"
             self._fault("bare-angle", message, node, help=help)
 
@@ -353,7 +359,7 @@ class _Draws:
     ) -> tuple[Literal["deg", "rad"] | None, Literal["deg", "rad"]]:
         """Return the unit of a drawn number, None if it has none, and the unit of the same number in the manifest."""
         entry = self.step.field
-        unit = entry.drawing.unit
+        unit = entry.distribution.unit
         if unit is None and is_angle and entry.operation != "scale":
             unit = "deg" if self._angle_settings.angle == "degree" else "rad"
         name, _ = attribute_and_index(entry.attr)

@@ -9,7 +9,7 @@ from composer.plan.plan import AttachPart
 
 
 def copy_pose(step: AttachPart, making: ElementBuilder) -> Pose:
-    """The pose of a copy in the frame of the first one; each axis stands in the frame of the one before it."""
+    """Return the pose of a copy in the frame of the first one. Each axis is in the frame of the one before it."""
     pose = Pose()
     settings = making.angle_context.at((*step.at, "replicate"))
     for number, axis in zip(step.copy, step.attachment.replicate, strict=True):

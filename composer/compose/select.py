@@ -9,7 +9,7 @@ from typing import Any
 
 from lxml.etree import _Element as Node
 
-from composer.compose.edit_cost import of_condition, of_selecting
+from composer.compose.edit_cost import cost_of_condition, cost_of_selecting
 from composer.compose.edit_values import Unusable, Values, attributes_scope, equal
 from composer.compose.editing import Editing
 from composer.diagnostics.diagnostic import Note
@@ -40,7 +40,7 @@ def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | Non
     No elements are not an error here.
     """
     selection = _selection(editing)
-    if not editing.cost.allows(of_selecting(selector, editing.root), editing.sink, editing.span(path)):
+    if not editing.cost.allows(cost_of_selecting(selector, editing.root), editing.sink, editing.span(path)):
         return None
     try:
         return selection.of(selector)
@@ -59,7 +59,7 @@ def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | Non
     return None
 
 
-def counted(
+def select_counted(
     editing: Editing,
     selector: Selector,
     path: Path,
@@ -103,41 +103,43 @@ def _selection(editing: Editing) -> Selection:
 
 def _holds(editing: Editing, selection: Selection, node: Node, selector: Selector) -> bool:
     at = (*selector.at, "where")
-    if not editing.cost.allows(of_condition(selector.where), editing.sink, editing.span(at)):
+    if not editing.cost.allows(cost_of_condition(selector.where), editing.sink, editing.span(at)):
         raise Unusable
     values = Values(editing, node, 0, at)
     if isinstance(selector.where, str):
-        scope = {**values.scope, **attributes_scope(values)}
-        scope["name"] = values.scope["name"]
-        if _is_of_others(node, selector, scope):
-            return False
-        found = values.evaluated(selector.where, at, scope)
-        if isinstance(found, bool):
-            return found
-        editing.sink.error("wrong-type", "`where` needs `true` or `false`", editing.span(at))
-        raise Unusable
-    kind = kind_of(node)
-    for key, wanted in (selector.where or {}).items():
-        name, index = attribute_and_index(key)
-        attribute = kind.attributes.get(name)
-        if attribute is None:
-            return False
-        if name == "name":
-            have = values.scope["name"]
-        else:
-            now = values.now(attribute, index)
-            if now is None:
-                return False
-            have = now
-        meant = values.of(wanted, (*at, key), have)
-        if attribute.is_number:
-            meant = _in_its_unit(values, attribute, index, meant)
-        if isinstance(meant, str) and (attribute.is_reference or name == "name") and is_pattern(meant):
-            if not selection.fits(meant)(str(have)):
-                return False
-        elif not equal(attribute, have, meant):
-            return False
-    return True
+        return _expression_holds(values, selector, selector.where)
+    return all(_has(values, selection, key, wanted) for key, wanted in (selector.where or {}).items())
+
+
+def _expression_holds(values: Values, selector: Selector, condition: str) -> bool:
+    """Return the value of a condition `${…}` for an element. Raises `Unusable` if it is not a boolean."""
+    editing = values.editing
+    scope = {**values.scope, **attributes_scope(values)}
+    scope["name"] = values.scope["name"]
+    if _is_of_others(values.node, selector, scope):
+        return False
+    found = values.evaluated(condition, values.at, scope)
+    if isinstance(found, bool):
+        return found
+    editing.sink.error("wrong-type", "`where` needs `true` or `false`", editing.span(values.at))
+    raise Unusable
+
+
+def _has(values: Values, selection: Selection, key: str, wanted: object) -> bool:
+    """Return whether an attribute of the element, or one of its numbers, has the value that `where` gives."""
+    name, index = attribute_and_index(key)
+    attribute = kind_of(values.node).attributes.get(name)
+    if attribute is None:
+        return False
+    have = values.scope["name"] if name == "name" else values.now(attribute, index)
+    if have is None:
+        return False
+    meant = values.of(wanted, (*values.at, key), have)
+    if attribute.is_number:
+        meant = _in_its_unit(values, attribute, index, meant)
+    if isinstance(meant, str) and (attribute.is_reference or name == "name") and is_pattern(meant):
+        return selection.fits(meant)(str(have))
+    return equal(attribute, have, meant)
 
 
 def _is_of_others(node: Node, selector: Selector, scope: Mapping[str, Value]) -> bool:

@@ -12,7 +12,7 @@ from composer.compose.edit_values import Unusable
 from composer.compose.editing import Editing
 from composer.compose.mesh_asset import write_file
 from composer.compose.refuse import refuse
-from composer.compose.workshop import Asked, Record
+from composer.compose.workshop import Asked, Record, Workshop
 from composer.diagnostics.fault import Fault
 from composer.link.inertia import has_mass
 from composer.plan.made_shapes import MadeShapes
@@ -22,10 +22,10 @@ from composer.tree.classes import own
 from composer.tree.select import name_of
 
 
-def simplify(editing: Editing, found: list[Node], value: Mapping[str, Any], at: Path) -> list[Record]:
+def simplify(
+    editing: Editing, workshop: Workshop, found: list[Node], value: Mapping[str, Any], at: Path
+) -> list[Record]:
     """Give the meshes fewer faces; what has no more than that stays as it is."""
-    workshop = editing.workshop
-    assert workshop is not None
     span = editing.span(at)
     asked: list[Asked] = []
     for mesh in dict.fromkeys(_mesh(editing, node, at) for node in found):

@@ -15,7 +15,7 @@ from composer.tree.kinds import kind_of
 
 
 def only_zeros(editing: Editing, found: Iterable[Node], keys: Iterable[str]) -> list[str]:
-    """Those of the attributes, or of their numbers (`friction[0]`), that are zero on every element."""
+    """Return the attributes, or single numbers of them (`friction[0]`), that are zero on every element."""
     nodes = list(found)
     return [key for key in keys if nodes and all(_is_zero(editing, node, key) for node in nodes)]
 

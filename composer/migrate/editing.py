@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from composer.diagnostics.diagnostic import Cause
 from composer.diagnostics.sink import Sink
@@ -17,8 +17,6 @@ from composer.tree.unit import Unit
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
-
-    from composer.migrate.change import Change
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +39,17 @@ class Meaning:
     arrays: tuple[str, ...] = ()
 
 
+class ChangeInProgress(Protocol):
+    """What an `Editing` needs of the change that is being carried out."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def version(self) -> str: ...
+    @property
+    def arrays(self) -> tuple[str, ...]: ...
+
+
 @dataclass(slots=True)
 class Editing:
     """`before` and `after` are the versions from which and to which the model goes.
@@ -52,7 +61,7 @@ class Editing:
     sink: Sink
     before: str
     after: str
-    change: Change | None = None
+    change: ChangeInProgress | None = None
     steps: list[Step] = field(default_factory=list)
     meanings: list[Meaning] = field(default_factory=list)
     renamed: dict[Node, dict[str, str]] = field(default_factory=dict)

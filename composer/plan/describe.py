@@ -44,21 +44,8 @@ def _lines(plan: Plan, foreseen: Foreseen, indent: str = "") -> Iterator[str]:
         yield from _own(plan, plan.base, ("base",), foreseen, inner + "  ")
         if isinstance(plan.base.model, Plan):
             yield from _lines(plan.base.model, foreseen, inner + "  ")
-    last = {part.at: part.prefix for part in plan.parts}
-    places = plan.added_places
     early: list[Step] = []
-    for part in plan.parts:
-        if any(part.copy):
-            continue
-        for maker in makers(places, *part.attachment.place):
-            if maker not in early:
-                early.append(maker)
-                yield inner + maker.words
-        model = f"{_model(part.model)}{_body(part.attachment.subtree)}"
-        yield f"{inner}attach {_called(part, last[part.at])}: {model}, {_place(part)}"
-        yield from _own(plan, part.attachment, part.at, foreseen, inner + "  ")
-        if isinstance(part.model, Plan):
-            yield from _lines(part.model, foreseen, inner + "  ")
+    yield from _part_lines(plan, foreseen, inner, early)
     for field in plan.randomize.of_parameters if plan.randomize else ():
         yield inner + field.words
     for step in plan.steps:
@@ -70,6 +57,24 @@ def _lines(plan: Plan, foreseen: Foreseen, indent: str = "") -> Iterator[str]:
             yield inner + step.words
     for words in checks_of(plan):
         yield inner + words
+
+
+def _part_lines(plan: Plan, foreseen: Foreseen, indent: str, early: list[Step]) -> Iterator[str]:
+    """Yield the parts, copies as one. Before each stand the steps that make its place, which are added to `early`."""
+    last = {part.at: part.prefix for part in plan.parts}
+    places = plan.added_places
+    for part in plan.parts:
+        if any(part.copy):
+            continue
+        for maker in makers(places, *part.attachment.place):
+            if maker not in early:
+                early.append(maker)
+                yield indent + maker.words
+        model = f"{_model(part.model)}{_body(part.attachment.subtree)}"
+        yield f"{indent}attach {_called(part, last[part.at])}: {model}, {_place(part)}"
+        yield from _own(plan, part.attachment, part.at, foreseen, indent + "  ")
+        if isinstance(part.model, Plan):
+            yield from _lines(part.model, foreseen, indent + "  ")
 
 
 def _called(part: AttachPart, last: str) -> str:
@@ -227,7 +232,7 @@ def _edits_data(plan: Plan, edits: Iterable[Edit], foreseen: Foreseen) -> dict[s
 
 
 def _made_data(made: MadeShapes) -> dict[str, Any]:
-    """What was made of a mesh, and how far it is from it."""
+    """Return what was made of a mesh, and how far it is from it."""
     return {
         "mesh": made.mesh,
         "geom": made.of,

@@ -40,7 +40,7 @@ class Drawn:
 
 
 @dataclass(frozen=True, slots=True)
-class Tabled:
+class ElementDraws:
     """The draws for one element in all samples from 1, for a table; `first` is that of sample 1.
 
     `name` is the element's name, if any; `place` is its body, its number among the elements with its tag there, and

@@ -37,7 +37,7 @@ def drawn_parameters(
             continue
         taken[name] = field
         source = _Source(field, concrete, document, sink)
-        if not source.is_there():
+        if not source.can_be_drawn():
             continue
         for number in (sample,) if sample else range(1, randomize.samples + 1):
             value = source.value(randomize.seed, number)
@@ -60,9 +60,9 @@ class _Source:
         self.parameter: Parameter | None = concrete.parameters.get(self.name)
         self.nominal: Value | None = concrete.scope.get(self.name)
 
-    def is_there(self) -> bool:
+    def can_be_drawn(self) -> bool:
         """Return whether the parameter exists and can be drawn in this way."""
-        field, drawing = self.field, self.field.drawing
+        field, distribution = self.field, self.field.distribution
         span = locate(self.document, (*field.at, "param"))
         if self.name in self.concrete.parameters and self.nominal is None:
             return False  # its missing value is reported already
@@ -75,27 +75,26 @@ class _Source:
             return False
         numbers = self.nominal if isinstance(self.nominal, tuple) else (self.nominal,)
         is_number = all(isinstance(each, int | float) and not isinstance(each, bool) for each in numbers)
-        if not is_number and (drawing.kind != CHOICE or field.operation != "set"):
+        if not is_number and (distribution.kind != CHOICE or field.operation != "set"):
             what = "a variant" if self.parameter is None else kind(self.nominal)
             message = f"`{self.name}` is {what}, of which only a `{CHOICE}` can be drawn"
             self.sink.error(
                 "wrong-type", message, span, help=f"write `{CHOICE}: [VALUE, …]`", subjects=(self.name,)
             )
             return False
-        if drawing.unit is not None and not (self.parameter and self.parameter.is_angle):
+        if distribution.unit is not None and not (self.parameter and self.parameter.is_angle):
             message = f"parameter `{self.name}` is not an angle, and what is drawn for it is one"
             self.sink.error(
                 "wrong-type",
                 message,
                 locate(self.document, field.drawn_at),
-                help=f"declare it as one: `{self.name}: {{unit: {drawing.unit}, …}}`",
+                help=f"declare it as one: `{self.name}: {{unit: {distribution.unit}, …}}`",
                 subjects=(self.name,),
             )
             return False
-        if drawing.components not in (None, len(numbers)):
-            message = (
-                f"parameter `{self.name}` has {len(numbers)} numbers, `{drawing.kind}` {drawing.components}"
-            )
+        if distribution.components not in (None, len(numbers)):
+            expected = f"`{distribution.kind}` {distribution.components}"
+            message = f"parameter `{self.name}` has {len(numbers)} numbers, {expected}"
             self.sink.error(
                 "wrong-length", message, locate(self.document, field.drawn_at), subjects=(self.name,)
             )
@@ -104,12 +103,13 @@ class _Source:
 
     def draw(self, seed: int, sample: int) -> Value:
         """Return the draw: a number, one for each component of a vector, or the chosen value."""
-        drawing, field = self.field.drawing, self.field
-        if isinstance(self.nominal, tuple) and not drawing.is_whole:
+        distribution, field = self.field.distribution, self.field
+        if isinstance(self.nominal, tuple) and not distribution.is_whole:
             return tuple(
-                drawing.draw(bits(seed, sample, field.stream, "", n), n) for n in range(len(self.nominal))
+                distribution.draw(bits(seed, sample, field.stream, "", n), n)
+                for n in range(len(self.nominal))
             )
-        chosen = drawing.draw(bits(seed, sample, field.stream, "", 0), 0)
+        chosen = distribution.draw(bits(seed, sample, field.stream, "", 0), 0)
         return tuple(chosen) if isinstance(chosen, list) else chosen
 
     def value(self, seed: int, sample: int) -> Value | None:
@@ -144,7 +144,7 @@ class _Source:
 
     def _applied(self, nominal: Value | None, drawn: Value) -> Value:
         """Apply a draw to one component, in the parameter's unit."""
-        unit = self.field.drawing.unit
+        unit = self.field.distribution.unit
         if unit is not None and self.parameter is not None and isinstance(drawn, int | float):
             drawn = Angle(drawn, unit).in_unit(str(self.parameter.unit))
         if self.field.operation == "set":

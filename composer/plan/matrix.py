@@ -46,7 +46,7 @@ def read_matrix(recipe: Path, context: Context, given: Map[str, Node] | None = N
 
 
 @dataclass(frozen=True, slots=True)
-class LikeCell:
+class FilledValues:
     """The values for planning a recipe without a chosen cell.
 
     Parameters without a default take the values of the first cell: `cell` is its name, None if it is not needed,
@@ -58,21 +58,21 @@ class LikeCell:
     taken: tuple[str, ...] = ()
 
 
-def like_first_cell(recipe: Path, context: Context, given: Map[str, Node]) -> LikeCell:
+def filled_from_first_cell(recipe: Path, context: Context, given: Map[str, Node]) -> FilledValues:
     """Return the given values, with those of the first cell for parameters that would have none."""
     aside = replace(context, sink=Sink())
     document = read_recipe(context.folder / recipe, aside)
     if not isinstance(document, Mapping) or find(document, ("matrix",)) is None:
-        return LikeCell(given)
+        return FilledValues(given)
     concrete = expanded(context.folder / recipe, given, aside)
     assert concrete is not None
     needed = {name for name in concrete.parameters if name not in concrete.scope and name not in given}
     matrix = read_matrix(recipe, aside, given) if needed else None
     first = matrix.cells[0] if matrix is not None and matrix.cells else None
     if first is None or not needed <= first.given.keys():
-        return LikeCell(given)
+        return FilledValues(given)
     taken = {name: node for name, node in first.given.items() if name in needed}
-    return LikeCell({**given, **taken}, first.name, tuple(taken))
+    return FilledValues({**given, **taken}, first.name, tuple(taken))
 
 
 def _draws_parameters(document: Mapping) -> bool:

@@ -26,13 +26,13 @@ from composer.plan.pieces import check_pieces
 from composer.plan.plan import AttachPart, LoadBase, Plan
 from composer.plan.read import folder_of
 from composer.plan.steps.set_singleton import SetSingleton
-from composer.plan.steps.step import Written
+from composer.plan.steps.step import StepInput
 from composer.plan.steps.table import steps_of
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
 from composer.recipe.draw_field import DrawField
 from composer.recipe.fault import Path as KeyPath
-from composer.recipe.in_place import completed
+from composer.recipe.in_place import with_inherited
 from composer.recipe.randomize import Randomize
 from composer.recipe.recipe import Recipe
 from composer.recipe.validate import validate_what_remains
@@ -174,7 +174,7 @@ class _Planner:
         parts = without_rings(tuple(self._parts(found, inside)), recipe.separator, self.sink)
         if base is None:
             return None
-        steps = tuple(steps_of(Written(recipe, document, randomize, sample)))
+        steps = tuple(steps_of(StepInput(recipe, document, randomize, sample)))
         plan = Plan(
             name=name,
             description=recipe.description,
@@ -355,7 +355,7 @@ class _Planner:
         for key, what in (("with", "recipes in files"), ("packages", "URDF"), ("urdf", "URDF")):
             if find(around.document, (*at, key)) is not None:
                 self._only_for(key, what, "a model in place", around.document, at)
-        read = validate_what_remains(completed(model, around.document), self.sink)
+        read = validate_what_remains(with_inherited(model, around.document), self.sink)
         if read is None:
             return None
         recipe = read.recipe
@@ -391,7 +391,7 @@ class _Planner:
     def _arguments(
         self, given: Map[str, Any], document: Mapping, at: tuple[str | int, ...]
     ) -> Iterator[tuple[str, str]]:
-        """The arguments of a xacro template as text, which is all that they are there."""
+        """Yield the arguments of a xacro template as text."""
         for name, value in given.items():
             if isinstance(value, list):
                 self.sink.error(
@@ -428,7 +428,7 @@ class _Planner:
                 yield name, folder
 
     def _workspace(self, folder: Path, span: Span) -> Iterator[tuple[str, Path]]:
-        """The packages of a ROS workspace."""
+        """Yield the packages of a ROS workspace."""
         found: dict[str, Path] = {}
         for name, at in ros_package.in_workspace(folder):
             if name in found:

@@ -13,7 +13,7 @@ from composer.recipe.element import Element
 from composer.recipe.element_schema import mapping
 from composer.recipe.fault import EXCLUSIVE, Fault, Path
 from composer.recipe.form import Form
-from composer.recipe.presence import lacks
+from composer.recipe.presence import missing_key
 from composer.recipe.raw import path_of
 from composer.recipe.reader import FRAGMENT, Reader, label
 from composer.recipe.reference import Schema, definition, reference
@@ -74,7 +74,7 @@ def _addition(reader: Reader, value: Any, at: Path) -> Addition | None:
     if TO in value:
         target = _target(reader, value[TO], (*at, TO))
     else:
-        fault = lacks("an entry of `add`", TO, at)
+        fault = missing_key("an entry of `add`", TO, at)
         help = "write `to: world`, or the name of a body"
         reader.faults.append(replace(fault, key=False, help=help))
     kinds = addable(target[0] if target else "body")

@@ -20,7 +20,7 @@ def bare_angle(attribute: Attribute, value: Value, joint: str | None, at: Path, 
     caller has to look at their classes.
     """
     items = value if isinstance(value, tuple) else (value,)
-    bare = [index for index in governed(attribute, len(items), joint) if _is_bare(items[index])]
+    bare = [index for index in angle_places(attribute, len(items), joint) if _is_bare(items[index])]
     if not bare:
         return None
     # A number with decimals that is at most a full turn in radians is most likely in radians.
@@ -41,11 +41,11 @@ def bare_angle(attribute: Attribute, value: Value, joint: str | None, at: Path, 
     )
 
 
-def governed(attribute: Attribute, count: int, joint: str | None) -> range:
+def angle_places(attribute: Attribute, count: int, joint: str | None) -> range:
     """Return which numbers of an attribute are angles. `joint` is the type of the joint, for attributes of joints.
 
     >>> from composer.grammar import GRAMMAR
-    >>> governed(GRAMMAR.element("site").attributes["axisangle"], 4, None)
+    >>> angle_places(GRAMMAR.element("site").attributes["axisangle"], 4, None)
     range(3, 4)
     """
     if attribute.angle in ("orientation-euler", "replicate"):

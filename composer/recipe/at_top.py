@@ -29,7 +29,7 @@ def part_keys(data: Mapping[str, Any]) -> dict[str, Any]:
     return {key: each for key, each in data.items() if key in _PART_KEYS and not isinstance(each, Mapping)}
 
 
-def belongs(name: str, value: Any, parts: Mapping[str, Any]) -> str | None:
+def advice_at_top(name: str, value: Any, parts: Mapping[str, Any]) -> str | None:
     """Return what to write instead of `name: value` at the top of a recipe, or None if that is not known.
 
     `parts` are the keys at the top that only a part can have.

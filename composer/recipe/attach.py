@@ -23,11 +23,11 @@ from composer.recipe.drop import Drop, Drops
 from composer.recipe.edit import Edit, Edits
 from composer.recipe.element import Element, Single
 from composer.recipe.element_schema import at_most_one
-from composer.recipe.fault import Fault, checked, refusal
+from composer.recipe.fault import Fault, validated_with, validation_error
 from composer.recipe.form import Form
-from composer.recipe.in_place import below_model
+from composer.recipe.in_place import fault_of_inline_recipe
 from composer.recipe.placing import ORIENTATIONS, JointField, JointWord, Offset
-from composer.recipe.presence import exclusive
+from composer.recipe.presence import report_exclusive
 from composer.recipe.raw import path_of
 from composer.recipe.reference import Schema
 from composer.recipe.replicate import Axes, Axis
@@ -126,14 +126,14 @@ class Attachment(UsedModel):
         if isinstance(value, Mapping):
             path = path_of(value)
             owner = f"part `{path[-1]}`" if path else "the part"
-            in_place = below_model(value, owner, cls.model_fields)
+            in_place = fault_of_inline_recipe(value, owner, cls.model_fields)
             if in_place is not None:
-                raise refusal([in_place], value)
-            exclusive(PLACES, list(value), owner, (), faults)
-            exclusive(ORIENTATIONS, list(value), owner, (), faults)
+                raise validation_error([in_place], value)
+            report_exclusive(PLACES, list(value), owner, (), faults)
+            report_exclusive(ORIENTATIONS, list(value), owner, (), faults)
             if value.get("prefix") == "" and value.get("replicate"):
                 faults.append(_nameless_copies(owner))
-        attachment: Attachment = checked(handler, value, faults)
+        attachment: Attachment = validated_with(handler, value, faults)
         return attachment
 
 
@@ -158,7 +158,7 @@ class Prefixes:
         for prefix in value if isinstance(value, Mapping) else ():
             fault = prefix_fault(prefix, settings(info.context), (prefix,), key=True)
             faults += [fault] if fault is not None else []
-        return checked(handler, value, faults)
+        return validated_with(handler, value, faults)
 
 
 def _pattern(times: str) -> Schema:

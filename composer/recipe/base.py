@@ -11,8 +11,8 @@ from pydantic_core import CoreSchema
 from composer.recipe.allow import Allowed
 from composer.recipe.drop import Drop, Drops
 from composer.recipe.edit import Edit, Edits
-from composer.recipe.fault import refusal
-from composer.recipe.in_place import below_model
+from composer.recipe.fault import validation_error
+from composer.recipe.in_place import fault_of_inline_recipe
 from composer.recipe.text import Choice
 from composer.recipe.used_model import UsedModel
 
@@ -34,9 +34,11 @@ class Base(UsedModel):
     @model_validator(mode="wrap")
     @classmethod
     def _short(cls, value: Any, handler: ModelWrapValidatorHandler[Base]) -> Base:
-        in_place = below_model(value, "`base`", cls.model_fields) if isinstance(value, Mapping) else None
+        in_place = (
+            fault_of_inline_recipe(value, "`base`", cls.model_fields) if isinstance(value, Mapping) else None
+        )
         if in_place is not None:
-            raise refusal([in_place], value)
+            raise validation_error([in_place], value)
         return handler({"model": value} if isinstance(value, str) else value)
 
     @classmethod

@@ -54,7 +54,7 @@ _MANY = 64  # from so many draws on it pays to import numpy
 
 
 @dataclass(frozen=True, slots=True)
-class Drawing:
+class FieldDistribution:
     """A distribution for each component of a value.
 
     `parameters` have one number for all components, or one for each. Angles are in `unit`, if the recipe writes
@@ -135,14 +135,14 @@ def _distribution(kind: str, numbers: tuple[float, ...]) -> Distribution:
 
 
 @dataclass(slots=True)
-class Reading:
+class DistributionReader:
     """Reads one distribution and adds to the faults. `owner` is the subject of messages."""
 
     owner: str
     operation: Operation
     faults: list[Fault]
 
-    def read(self, kind: str, value: Any, at: Path) -> Drawing | None:
+    def read(self, kind: str, value: Any, at: Path) -> FieldDistribution | None:
         """Return the distribution that is written behind `kind`, or None after a reported fault."""
         before = len(self.faults)
         if kind == CHOICE:
@@ -158,14 +158,14 @@ class Reading:
         plain = {name: tuple(_in(each, unit) for each in items) for name, items in numbers.items()}
         if kind == "integers":
             plain = {name: tuple(int(each) for each in items) for name, items in plain.items()}
-        drawing = Drawing(kind, plain, unit=unit)
-        self._check(drawing, at)
-        return drawing if len(self.faults) == before else None
+        distribution = FieldDistribution(kind, plain, unit=unit)
+        self._check(distribution, at)
+        return distribution if len(self.faults) == before else None
 
     def _fault(self, code: str, message: str, at: Path, **more: Any) -> None:
         self.faults.append(Fault(code, message, at, **more))
 
-    def _choice(self, value: Any, at: Path) -> Drawing | None:
+    def _choice(self, value: Any, at: Path) -> FieldDistribution | None:
         if not isinstance(value, list) or not value:
             got = "an empty list" if value == [] else kind_of(value)
             self._fault("wrong-type", f"`{CHOICE}` of {self.owner} is a list of values, got {got}", at,
@@ -175,7 +175,7 @@ class Reading:
         for place in wrong:
             message = f"`{CHOICE}` of {self.owner} is among values, got {kind_of(value[place])}"
             self._fault("wrong-type", message, (*at, place))
-        return None if wrong else Drawing(CHOICE, values=tuple(value))
+        return None if wrong else FieldDistribution(CHOICE, values=tuple(value))
 
     def _bounds(self, kind: str, value: Any, at: Path) -> list[tuple[str, Any, Path]]:
         if isinstance(value, list) and len(value) == 2:
@@ -252,14 +252,14 @@ class Reading:
         units = {each.unit for each in angles}
         return units.pop() if len(units) == 1 else "rad"
 
-    def _check(self, drawing: Drawing, at: Path) -> None:
-        kind, lengths = drawing.kind, {len(each) for each in drawing.parameters.values()} - {1}
+    def _check(self, distribution: FieldDistribution, at: Path) -> None:
+        kind, lengths = distribution.kind, {len(each) for each in distribution.parameters.values()} - {1}
         if len(lengths) > 1:
             counts = " and ".join(map(str, sorted(lengths)))
             self._fault("wrong-length", f"`{kind}` of {self.owner} has lists of {counts} numbers", at)
             return
-        for component in range(drawing.components or 1):
-            wrong = _fault_of(drawing.of(component))
+        for component in range(distribution.components or 1):
+            wrong = _fault_of(distribution.of(component))
             if wrong is not None:
                 self._fault("out-of-range", f"`{kind}` of {self.owner}: {wrong}", at)
                 return

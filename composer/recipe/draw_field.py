@@ -8,10 +8,18 @@ from typing import Any, Literal
 
 from composer.diagnostics.suggest import closest, exists_note, renaming
 from composer.recipe.count import COUNT, read_count
-from composer.recipe.distribution import CHOICE, EXAMPLES, KINDS, Drawing, Operation, Reading, inner_kinds
+from composer.recipe.distribution import (
+    CHOICE,
+    EXAMPLES,
+    KINDS,
+    DistributionReader,
+    FieldDistribution,
+    Operation,
+    inner_kinds,
+)
 from composer.recipe.fault import EXCLUSIVE, Fault, Path, unknown_key
 from composer.recipe.raw import path_of
-from composer.recipe.select import inside, kinds_of, read_selector
+from composer.recipe.select import advice_on_narrowing, kinds_of, read_selector
 from composer.recipe.shown import kind_of, shown
 from composer.recipe.subscript import attribute_and_index
 from composer.recipe.verbs.values import MASS, Checker
@@ -37,7 +45,7 @@ class DrawField:
     """
 
     name: str
-    drawing: Drawing
+    distribution: FieldDistribution
     operation: Operation
     select: Selector | None = None
     attr: str = ""
@@ -57,7 +65,7 @@ class DrawField:
     def drawn_at(self) -> Path:
         """Return the path to the distribution."""
         between = () if self.operation == "set" else (self.operation,)
-        return (*self.at, *between, self.drawing.kind)
+        return (*self.at, *between, self.distribution.kind)
 
     @property
     def words(self) -> str:
@@ -65,7 +73,7 @@ class DrawField:
         what = f"the parameter {self.param}" if self.param is not None else f"{self.attr} of {self.select}"
         shared = {"sample": ", one for all", "body": ", one a body", "part": ", one a part"}.get(self.per, "")
         grouped = f", with the others of {self.group}" if self.group is not None else ""
-        return f"draw {self.name}: {what} {_SIGNS[self.operation]} {self.drawing}{shared}{grouped}"
+        return f"draw {self.name}: {what} {_SIGNS[self.operation]} {self.distribution}{shared}{grouped}"
 
 
 def must_not_be_negative(attribute: str, component: int) -> bool:
@@ -89,7 +97,8 @@ def read_field(name: str, value: Any, bare_angles: bool, faults: list[Fault]) ->
     meant = {near for key in value if key not in KEYS for near in closest(key, KEYS)}
     faults += _subject(name, value, meant)
     operation, kind, inner, at = _written(name, value, meant, faults)
-    drawing = None if kind is None else Reading(owner, operation, faults).read(kind, inner[kind], (*at, kind))
+    reader = DistributionReader(owner, operation, faults)
+    distribution = None if kind is None else reader.read(kind, inner[kind], (*at, kind))
     selector = None
     if "select" in value:
         selector = read_selector(value["select"], (name, "select"), f"`select` of {owner}", faults)
@@ -111,14 +120,14 @@ def read_field(name: str, value: Any, bare_angles: bool, faults: list[Fault]) ->
             faults.append(
                 Fault("wrong-type", f"`{key}` of {owner} is {what}, got {kind_of(value[key])}", (name, key))
             )
-    if len(faults) > before or drawing is None:
+    if len(faults) > before or distribution is None:
         return None
     field = DrawField(
-        name, drawing, operation, selector, value.get("attr", ""), value.get("param"), per, expect, optional,
+        name, distribution, operation, selector, value.get("attr", ""), value.get("param"), per, expect, optional,
         path_of(value), group,
     )  # fmt: skip
     if selector is not None:
-        _check_attribute(field, selector, (*at, drawing.kind), bare_angles, faults)
+        _check_attribute(field, selector, (*at, distribution.kind), bare_angles, faults)
     return field if len(faults) == before else None
 
 
@@ -127,7 +136,7 @@ def _unknown(name: str, value: dict[str, Any]) -> Iterator[Fault]:
         if key not in KEYS:
             message = f"field `{name}` of `randomize` has no key `{key}`"
             fault = unknown_key(message, key, KEYS, (name, key))
-            elsewhere = inside(key)
+            elsewhere = advice_on_narrowing(key)
             yield replace(fault, help=elsewhere, fix=None) if elsewhere else fault
 
 
@@ -202,11 +211,11 @@ def _check_attribute(
     fitting = [kind.attributes[name] for kind in kinds if name in kind.attributes]
     found: list[Fault] = []
     checker = Checker(bare_angles, found)
-    drawing = field.drawing
-    for value in drawing.values if drawing.kind == CHOICE else (_like(field),):
+    distribution = field.distribution
+    for value in distribution.values if distribution.kind == CHOICE else (_like(field),):
         if isinstance(value, list) and field.operation == "set" and index is None:
             checker.attributes("set", {field.attr: value}, selector, at)
-        elif drawing.is_whole or field.operation != "set" or index is not None or is_mass:
+        elif distribution.is_whole or field.operation != "set" or index is not None or is_mass:
             checker.attributes(field.operation, {field.attr: value}, selector, at)
         elif fitting and not any(each.is_number for each in fitting):
             checker.attributes("set", {field.attr: value}, selector, at)
@@ -223,8 +232,8 @@ def _check_attribute(
                             fix=fault.fix if wrong_name else None))  # fmt: skip
         return
     whole = [each for each in fitting if each.type == "int"]
-    if fitting and len(whole) == len(fitting) and drawing.kind not in ("integers", CHOICE):
-        message = f"`{name}` of `{selector.tag}` is a whole number, which `{drawing.kind}` does not draw"
+    if fitting and len(whole) == len(fitting) and distribution.kind not in ("integers", CHOICE):
+        message = f"`{name}` of `{selector.tag}` is a whole number, which `{distribution.kind}` does not draw"
         faults.append(
             Fault("wrong-type", message, at, help="write `integers: [FIRST, LAST]` or `choice: […]`")
         )
@@ -234,22 +243,24 @@ def _check_attribute(
 
 def _like(field: DrawField) -> Any:
     """Return a value of the same form as the draws."""
-    drawing = field.drawing
-    number: Any = 1 if drawing.kind == "integers" else 0.5
-    if drawing.unit is not None:
-        number = f"{number}{drawing.unit}"
+    distribution = field.distribution
+    number: Any = 1 if distribution.kind == "integers" else 0.5
+    if distribution.unit is not None:
+        number = f"{number}{distribution.unit}"
     elif field.operation != "scale" and all(
-        each == 0 for items in drawing.parameters.values() for each in items
+        each == 0 for items in distribution.parameters.values() for each in items
     ):
         number = 0
-    return number if drawing.components is None else [number] * drawing.components
+    return number if distribution.components is None else [number] * distribution.components
 
 
 def _check_range(field: DrawField, name: str, index: int | None, at: Path, faults: list[Fault]) -> None:
     """Report a bounded distribution with numbers that have no meaning. The draws of others are checked one by one."""
-    drawing = field.drawing
-    for component in range(drawing.components or 1):
-        lowest = min((each for each in drawing.extremes(component) if abs(each) != float("inf")), default=0.0)
+    distribution = field.distribution
+    for component in range(distribution.components or 1):
+        lowest = min(
+            (each for each in distribution.extremes(component) if abs(each) != float("inf")), default=0.0
+        )
         place = index if index is not None else component
         if lowest < 0 and must_not_be_negative(name, place):
             what = "factors" if field.operation == "scale" else "values"

@@ -14,7 +14,7 @@ from composer.recipe.form import Form
 from composer.recipe.raw import path_of
 from composer.recipe.reference import Schema
 from composer.recipe.rows import check_rows
-from composer.recipe.select import inside, read_selector
+from composer.recipe.select import advice_on_narrowing, read_selector
 from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of
 from composer.recipe.verbs.table import VERBS
@@ -122,5 +122,5 @@ def _unknown(value: dict[str, Any], at: Path) -> Iterator[Fault]:
             continue
         message = f"`{name}` is not a key of an entry of `edit`"
         fault = unknown_key(message, name, _KNOWN, (*at, name))
-        elsewhere = inside(name)
+        elsewhere = advice_on_narrowing(name)
         yield replace(fault, help=elsewhere, fix=None) if elsewhere else fault

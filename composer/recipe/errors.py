@@ -12,7 +12,7 @@ from composer.diagnostics.fix import Fix
 from composer.diagnostics.suggest import advised, closest, exists_note
 from composer.expand.expand import SETTLED
 from composer.recipe.advice import without_space
-from composer.recipe.at_top import belongs, part_keys
+from composer.recipe.at_top import advice_at_top, part_keys
 from composer.recipe.attach import Attachment
 from composer.recipe.base import Base
 from composer.recipe.fault import Fault, Path
@@ -104,7 +104,7 @@ def _extra(loc: Path, meant: Any | None, data: Any, parts: Mapping[str, Any]) ->
         known.sort(key=lambda name: name != "model" and name in _keys(Base))
     known += SETTLED if model is Recipe else ()
     help, fix = advised(name, known if meant is None else [str(meant["loc"][-1])])
-    if model is Recipe and len(loc) == 1 and (elsewhere := belongs(name, data[name], parts)):
+    if model is Recipe and len(loc) == 1 and (elsewhere := advice_at_top(name, data[name], parts)):
         help, fix = elsewhere, None
     note = exists_note("key", known, name)
     return Fault(

@@ -13,13 +13,13 @@ from composer.diagnostics.fault import Fault, Path
 from composer.diagnostics.fix import Fix
 from composer.diagnostics.suggest import advised, exists_note
 
-__all__ = ["EXCLUSIVE", "Fault", "Path", "checked", "refusal", "unknown_key", "unplaced"]
+__all__ = ["EXCLUSIVE", "Fault", "Path", "fault_at", "unknown_key", "validated_with", "validation_error"]
 
 # Two keys exclude each other.
 EXCLUSIVE = "wrong-type"
 
 
-def unplaced(
+def fault_at(
     diagnostic: Diagnostic, at: Path, *, key: bool = False, help: str | None = None, fix: Fix | None = None
 ) -> Fault:
     """Return a diagnostic as a fault at a path. `help` and `fix` replace those of the diagnostic."""
@@ -37,12 +37,12 @@ def unknown_key(message: str, name: str, known: Iterable[str], at: Path, *, noun
     return Fault("unknown-key", message, at, key=True, notes=(note,), help=help, fix=fix)
 
 
-def refusal(faults: Sequence[Fault], value: object) -> ValidationError:
+def validation_error(faults: Sequence[Fault], value: object) -> ValidationError:
     """Return one exception for all faults of a value. Pydantic puts the path of the value in front of each `at`."""
     return ValidationError.from_exception_data("recipe", _lines(faults, value))
 
 
-def checked(handler: ValidatorFunctionWrapHandler, value: Any, faults: Sequence[Fault]) -> Any:
+def validated_with(handler: ValidatorFunctionWrapHandler, value: Any, faults: Sequence[Fault]) -> Any:
     """Return what pydantic's handler returns. Raise its errors and the faults together, if there are any."""
     try:
         result = handler(value)
@@ -52,7 +52,7 @@ def checked(handler: ValidatorFunctionWrapHandler, value: Any, faults: Sequence[
         known = [_again(each) for each in error.errors(include_url=False)]
         raise ValidationError.from_exception_data("recipe", [*known, *_lines(faults, value)]) from None
     if faults:
-        raise refusal(faults, value)
+        raise validation_error(faults, value)
     return result
 
 

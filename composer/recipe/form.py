@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
 
-from composer.recipe.fault import Fault, refusal
+from composer.recipe.fault import Fault, validation_error
 from composer.recipe.reference import Schema
 from composer.recipe.settings import Settings, settings
 
@@ -36,5 +36,5 @@ class Form(ABC):
         faults: list[Fault] = []
         read = self.read(value, faults, settings(info.context))
         if faults:
-            raise refusal(faults, value)
+            raise validation_error(faults, value)
         return read

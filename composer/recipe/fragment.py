@@ -13,7 +13,7 @@ from composer.grammar.element import ElementType
 from composer.grammar.number import items, parse_real
 from composer.recipe.angles import bare_angle
 from composer.recipe.fault import Fault, Path
-from composer.recipe.presence import absent, clashing
+from composer.recipe.presence import report_clashing, report_missing
 
 
 def check_fragment(
@@ -138,8 +138,8 @@ class _Check:
                     )
         faults: list[Fault] = []
         present = {**attributes, "name": ""} if named else attributes
-        absent(kind, present, owner, (), faults)
-        clashing(kind.constraints, list(present), owner, (), faults)
+        report_missing(kind, present, owner, (), faults)
+        report_clashing(kind.constraints, list(present), owner, (), faults)
         for fault in faults:
             self.fault(fault.code, fault.message, help=fault.help)
 

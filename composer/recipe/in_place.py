@@ -42,13 +42,13 @@ class ModelField(Form):
         if isinstance(value, list):
             message = "`model` is a model reference, or a recipe as a mapping, got a list"
             one_of = bool(value) and all(isinstance(each, str) for each in value)
-            help = several(value) if one_of else "write `model: {add: […]}`"
+            help = advice_to_choose(value) if one_of else "write `model: {add: […]}`"
             faults.append(Fault("wrong-type", message, help=help))
             return None
         return _TEXT.read(value, faults, settings)
 
 
-def several(models: Sequence[str]) -> str:
+def advice_to_choose(models: Sequence[str]) -> str:
     """Return what to write to choose one of several models in each sample."""
     drawn = f"{{which: {{param: which, choice: [{', '.join(models)}]}}}}"
     return (
@@ -57,7 +57,7 @@ def several(models: Sequence[str]) -> str:
     )
 
 
-def below_model(value: Mapping[str, Any], owner: str, own: Iterable[str]) -> Fault | None:
+def fault_of_inline_recipe(value: Mapping[str, Any], owner: str, own: Iterable[str]) -> Fault | None:
     """Return the fault of a base or part that is a recipe without `model` above it. `own` are its allowed keys."""
     strange = [key for key in value if key in WHOLE[()] and key not in own]
     if "model" in value or not strange:
@@ -73,7 +73,7 @@ def _definition(_: str) -> Schema:
     return {"$ref": "#/$defs/InPlace"}
 
 
-def completed(model: Located, around: Located) -> Located:
+def with_inherited(model: Located, around: Located) -> Located:
     """Return the recipe that is written in place, with what it inherits from the one around it."""
     inherited = {name: entry for name, entry in around.entries.items() if name in INHERITED}
     known = {name: entry for name, entry in model.entries.items() if name not in OF_A_FILE}
@@ -86,7 +86,7 @@ def faults_in_place(node: Located, judge: Judge) -> Iterator[Fault]:
     for at, model in _models(node):
         if (choice := _choice(model)) is not None:
             message = "`model` is a model reference or a recipe, and a choice among models is drawn"
-            yield Fault("unknown-key", message, (*at, "choice"), key=True, help=several(choice))
+            yield Fault("unknown-key", message, (*at, "choice"), key=True, help=advice_to_choose(choice))
             continue
         yield from (
             Fault(
@@ -99,7 +99,7 @@ def faults_in_place(node: Located, judge: Judge) -> Iterator[Fault]:
             for name, help in OF_A_FILE.items()
             if name in model.entries
         )
-        for fault in judge(completed(model, node)):
+        for fault in judge(with_inherited(model, node)):
             if not fault.at or fault.at[0] in model.entries:
                 related = tuple((message, (*at, *path)) for message, path in fault.related)
                 yield replace(fault, at=(*at, *fault.at), related=related)

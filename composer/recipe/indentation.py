@@ -14,7 +14,7 @@ from composer.recipe.fault import Fault, Path
 _NAMES = ("attach", "sensor", "actuator", "equality", "tendon")
 
 
-def fallen_out(mapping: Mapping, at: Path) -> tuple[Fault, Iterable[str]] | None:
+def lost_indentation(mapping: Mapping, at: Path) -> tuple[Fault, Iterable[str]] | None:
     """Return the fault of such keys and the entries that it is about, the name first; None without such keys.
 
     In a mapping from names to elements, every value is a mapping. Therefore, a name without a value that is

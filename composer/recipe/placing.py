@@ -15,7 +15,7 @@ from composer.recipe.attribute_schema import attribute_schema
 from composer.recipe.element import Element, Single, Value
 from composer.recipe.fault import Fault, Path
 from composer.recipe.form import Form
-from composer.recipe.presence import lacks
+from composer.recipe.presence import missing_key
 from composer.recipe.reader import Reader, label
 from composer.recipe.reference import Schema, reference
 from composer.recipe.settings import Settings
@@ -134,7 +134,7 @@ def _joints(reader: Reader, value: list[Any]) -> tuple[Element, ...]:
     for index, item in enumerate(value):
         element = _joint(reader, item, (index,))
         if isinstance(item, dict) and "name" not in item:
-            fault = lacks("a joint in a list", "name", (index,))
+            fault = missing_key("a joint in a list", "name", (index,))
             help = "write `name: …`; the joint is called PREFIX/NAME"
             reader.faults.append(Fault(fault.code, fault.message, (index,), help=help))
         elif element is not None:

@@ -9,11 +9,13 @@ from composer.grammar.element import Constraint, ElementType
 from composer.recipe.fault import EXCLUSIVE, Fault, Path
 
 
-def absent(kind: ElementType, present: Collection[str], owner: str, at: Path, faults: list[Fault]) -> None:
+def report_missing(
+    kind: ElementType, present: Collection[str], owner: str, at: Path, faults: list[Fault]
+) -> None:
     """Report all required attributes that are missing."""
     missing = [each for each in kind.attributes.values() if each.required and each.name not in present]
     if len(missing) == 1:
-        faults.append(lacks(owner, missing[0].name, at, missing[0].doc))
+        faults.append(missing_key(owner, missing[0].name, at, missing[0].doc))
     elif missing:
         names = " and ".join(f"`{each.name}`" for each in missing)
         notes = tuple(Note(f"`{each.name}` is: {each.doc}") for each in missing if _says(each.name, each.doc))
@@ -23,7 +25,7 @@ def absent(kind: ElementType, present: Collection[str], owner: str, at: Path, fa
         faults.append(Fault("missing-key", message, at, key=True, notes=notes, help=help, names=absent_names))
 
 
-def lacks(owner: str, name: str, at: Path, doc: str = "") -> Fault:
+def missing_key(owner: str, name: str, at: Path, doc: str = "") -> Fault:
     """Return the fault of a missing key. `doc` explains the key."""
     notes = (Note(f"`{name}` is: {doc}"),) if _says(name, doc) else ()
     message = f"{owner} lacks `{name}`"
@@ -31,7 +33,7 @@ def lacks(owner: str, name: str, at: Path, doc: str = "") -> Fault:
     return Fault("missing-key", message, at, True, notes, help, lacks=name, names=(name,))
 
 
-def clashing(
+def report_clashing(
     rules: Iterable[Constraint], present: Collection[str], owner: str, at: Path, faults: list[Fault]
 ) -> None:
     """Report attributes that exclude or need each other."""
@@ -62,11 +64,11 @@ def clashing(
             faults.append(fault)
 
 
-def exclusive(
+def report_exclusive(
     names: Iterable[str], present: Collection[str], owner: str, at: Path, faults: list[Fault]
 ) -> None:
     """Report if more than one of the names is given."""
-    clashing([Constraint("exclusive", tuple((name,) for name in names))], present, owner, at, faults)
+    report_clashing([Constraint("exclusive", tuple((name,) for name in names))], present, owner, at, faults)
 
 
 def _exclusive(rule: Constraint, present: Collection[str], owner: str, at: Path) -> Fault | None:

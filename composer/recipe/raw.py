@@ -8,7 +8,7 @@ from composer.document.node import Node, Scalar, Sequence
 from composer.document.piece import is_of_elements
 from composer.expr.opening import is_template
 from composer.recipe.fault import Fault, Path
-from composer.recipe.indentation import fallen_out
+from composer.recipe.indentation import lost_indentation
 
 
 class Placed(dict[str, Any]):
@@ -45,7 +45,7 @@ def _raw(node: Node, at: Path, faults: list[Fault]) -> Any:
     if isinstance(node, Sequence):
         return [_raw(item, (*at, index), faults) for index, item in enumerate(node.items)]
     mapping = Placed(at)
-    fallen = fallen_out(node, at)
+    fallen = lost_indentation(node, at)
     if fallen is not None:
         faults.append(fallen[0])
     for name, (_, value) in node.entries.items():

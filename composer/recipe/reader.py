@@ -14,9 +14,9 @@ from composer.grammar.format import number_text
 from composer.recipe.advice import element_instead
 from composer.recipe.angles import bare_angle
 from composer.recipe.element import Element, Value
-from composer.recipe.fault import Fault, Path, unplaced
+from composer.recipe.fault import Fault, Path, fault_at
 from composer.recipe.fragment import check_fragment
-from composer.recipe.presence import absent, clashing
+from composer.recipe.presence import report_clashing, report_missing
 from composer.recipe.raw import path_of
 from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of
@@ -84,8 +84,8 @@ class Reader:
                 self.faults.append(fault)
         # A value with a fault is not missing, and neither is a value with a misspelled key.
         present = [*keyed, *value, *meant]
-        absent(kind, present, owner, at, self.faults)
-        clashing(kind.constraints, present, owner, at, self.faults)
+        report_missing(kind, present, owner, at, self.faults)
+        report_clashing(kind.constraints, present, owner, at, self.faults)
         self.angles(kind, attributes, at, owner, joint)
         return Element(kind.tag, attributes, tuple(below), at=path_of(value))
 
@@ -245,7 +245,7 @@ class Reader:
                 help=help,
                 fix=fix,
             )
-        return unplaced(unknown_attribute(name, owner, attributes), at, key=True, help=help, fix=fix)
+        return fault_at(unknown_attribute(name, owner, attributes), at, key=True, help=help, fix=fix)
 
     def names(self, value: Any, at: Path, owner: str) -> Iterable[tuple[str, Any]]:
         """Yield the entries of a mapping from names to elements."""

@@ -24,7 +24,7 @@ Judge = Callable[[Mapping], tuple[Recipe | None, list[Fault]]]
 
 
 @dataclass(frozen=True, slots=True)
-class Remains:
+class Recovered:
     """A recipe without faults, its located tree, and every name and value in what was left out."""
 
     recipe: Recipe
@@ -32,14 +32,14 @@ class Remains:
     lost: frozenset[str]
 
 
-def remains(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Remains | None:
+def recover(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Recovered | None:
     """Return the recipe without the smallest pieces that have `faults`, or None if too little would remain.
 
     It does no I/O.
     """
     lost: set[str] = set()
     for _ in range(_ROUNDS):
-        for path in _outermost(_whole(way(node, fault.at)) for fault in faults):
+        for path in _outermost(_whole(existing_steps(node, fault.at)) for fault in faults):
             if not path or (len(path) == 1 and _means(path[0], _INDISPENSABLE)):
                 return None
             lost.update(_texts(node, path))
@@ -49,7 +49,7 @@ def remains(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Remains | N
             node = _in_some_unit(_without(node, path)) if unit else _without(node, path)
         recipe, faults = judge(node)
         if recipe is not None:
-            return Remains(recipe, node, frozenset(lost))
+            return Recovered(recipe, node, frozenset(lost))
     return None
 
 
@@ -67,7 +67,7 @@ def _means(
     return any(meant in keys for meant in near)
 
 
-def way(node: Node, path: Path) -> Path:
+def existing_steps(node: Node, path: Path) -> Path:
     """Return the steps of a validator's path that exist in the data."""
     found: list[str | int] = []
     for step in path:

@@ -14,9 +14,9 @@ from composer.recipe.angles import bare_angle
 from composer.recipe.attribute_schema import attribute_schema
 from composer.recipe.element import Single, Value
 from composer.recipe.element_schema import mapping
-from composer.recipe.fault import Fault, Path, unplaced
+from composer.recipe.fault import Fault, Path, fault_at
 from composer.recipe.form import Form
-from composer.recipe.presence import lacks
+from composer.recipe.presence import missing_key
 from composer.recipe.reader import Reader
 from composer.recipe.reference import Schema
 from composer.recipe.settings import Settings
@@ -77,7 +77,7 @@ def _axis(reader: Reader, value: Any, at: Path) -> Axis | None:
         if name not in ATTRIBUTES:
             help, fix = advised(name, ATTRIBUTES)
             unknown = unknown_attribute(name, owner, ATTRIBUTES)
-            reader.faults.append(unplaced(unknown, path, key=True, help=help, fix=fix))
+            reader.faults.append(fault_at(unknown, path, key=True, help=help, fix=fix))
             continue
         found = read_value(kind.attributes[name], item, path, owner, reader.faults)
         if found is not None:
@@ -86,7 +86,7 @@ def _axis(reader: Reader, value: Any, at: Path) -> Axis | None:
                 bare = bare_angle(kind.attributes[name], found, None, path, owner)
                 reader.faults += [bare] if bare is not None else []
     if COUNT not in value:
-        reader.faults.append(lacks(owner, COUNT, at))
+        reader.faults.append(missing_key(owner, COUNT, at))
     count, offset, euler = read.get(COUNT, 1), read.get("offset", _STILL), read.get("euler", _STILL)
     if not isinstance(count, int | float) or not isinstance(offset, tuple) or not isinstance(euler, tuple):
         return None

@@ -12,7 +12,7 @@ from composer.expr.opening import is_template
 from composer.expr.template import Template
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
-from composer.recipe.fault import EXCLUSIVE, Fault, Path, unplaced
+from composer.recipe.fault import EXCLUSIVE, Fault, Path, fault_at
 from composer.recipe.pattern import pattern_fault
 from composer.recipe.raw import path_of
 from composer.recipe.shown import kind_of, shown
@@ -87,7 +87,7 @@ def read_selector(
     )  # fmt: skip
 
 
-def inside(name: str) -> str | None:
+def advice_on_narrowing(name: str) -> str | None:
     """Return what to write if a key of a selector is beside it instead, or None for any other key."""
     return f"write it inside `select`: `select: {{TAG: NAME, {name}: …}}`" if name in NARROWING else None
 
@@ -162,7 +162,7 @@ def unknown_attribute(name: str, tag: str, kinds: tuple[ElementType, ...], at: P
     if tag == "general" and name in ("kp", "kv"):
         help = "it has `gainprm` and `biasprm`; `convert: {to: position}` makes one with `kp` and `kv` of it"
         fix = None
-    return unplaced(no_attribute(name, f"`{tag}`", known), at, key=True, help=help, fix=fix)
+    return fault_at(no_attribute(name, f"`{tag}`", known), at, key=True, help=help, fix=fix)
 
 
 def check_template(text: str, at: Path, faults: list[Fault]) -> Template | None:

@@ -10,7 +10,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidatorFuncti
 from pydantic_core import CoreSchema, core_schema
 
 from composer.diagnostics.suggest import closest, exists_note, renaming
-from composer.recipe.fault import Fault, Path, refusal
+from composer.recipe.fault import Fault, Path, validation_error
 from composer.recipe.form import Form
 from composer.recipe.reference import Schema
 from composer.recipe.settings import Settings
@@ -80,7 +80,7 @@ class Choice:
         def read(value: Any, handler: ValidatorFunctionWrapHandler) -> str:
             if isinstance(value, str) and value in words:
                 return value
-            raise refusal([self.fault(value, words)], value)
+            raise validation_error([self.fault(value, words)], value)
 
         # The inner schema is only used for the JSON Schema.
         return core_schema.no_info_wrap_validator_function(read, core_schema.literal_schema(list(words)))

@@ -12,7 +12,7 @@ from composer.grammar.element import ElementType
 from composer.recipe.element import Element
 from composer.recipe.element_schema import by_name, element, mapping, nameless, unless_fragment
 from composer.recipe.fault import Fault
-from composer.recipe.presence import lacks
+from composer.recipe.presence import missing_key
 from composer.recipe.reader import FRAGMENT, NAME, Reader
 from composer.recipe.reference import Schema, definition, reference
 from composer.recipe.section import Elements
@@ -79,7 +79,7 @@ class Typed(Elements):
         if PATH in value:
             steps = read_path(reader, kind, value[PATH], (name, PATH), owner)
         elif not any(tag in value for tag in kind.children):
-            reader.faults.append(lacks(owner, PATH, (name,)))
+            reader.faults.append(missing_key(owner, PATH, (name,)))
         for tag in kind.children:
             if tag in value:
                 message = f"`{tag}` of {owner} belongs into its `{PATH}`"

@@ -18,7 +18,7 @@ from composer.recipe.fault import Fault, Path
 from composer.recipe.in_place import faults_in_place
 from composer.recipe.raw import raw
 from composer.recipe.recipe import Recipe
-from composer.recipe.recovery import Remains, remains, way
+from composer.recipe.recovery import Recovered, existing_steps, recover
 from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of
 
@@ -39,7 +39,7 @@ def validate(node: Node, sink: Sink) -> Recipe | None:
     return recipe
 
 
-def validate_what_remains(node: Node, sink: Sink, gone: Collection[Path] = ()) -> Remains | None:
+def validate_what_remains(node: Node, sink: Sink, gone: Collection[Path] = ()) -> Recovered | None:
     """Return the recipe without the pieces that have faults, or None if too little would remain.
 
     `gone` are the paths of keys whose values have faults that are already reported. These keys do not count as missing.
@@ -49,9 +49,9 @@ def validate_what_remains(node: Node, sink: Sink, gone: Collection[Path] = ()) -
         return None
     recipe, faults = judge(node)
     if recipe is not None:
-        return Remains(recipe, node, frozenset())
+        return Recovered(recipe, node, frozenset())
     _report((each for each in faults if not _follows(each, node, gone)), node, sink)
-    return remains(node, faults, judge)
+    return recover(node, faults, judge)
 
 
 def judge(node: Mapping) -> tuple[Recipe | None, list[Fault]]:
@@ -77,7 +77,7 @@ def judge(node: Mapping) -> tuple[Recipe | None, list[Fault]]:
 
 def _follows(fault: Fault, node: Mapping, gone: Collection[Path]) -> bool:
     """Whether a fault is about a mapping that lacks something only because that is `gone`."""
-    at = way(node, _mapping_of(fault))
+    at = existing_steps(node, _mapping_of(fault))
     if fault.lacks is not None:
         return (*at, fault.lacks) in gone
     if all(each[:-1] != at for each in gone):

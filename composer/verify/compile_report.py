@@ -22,7 +22,7 @@ from composer.tree.ignored import ignored, is_unread_alone, unread
 from composer.tree.line import element_at
 from composer.tree.unit import Unit
 from composer.verify.compiles import verify
-from composer.verify.left_behind import left_behind
+from composer.verify.unmoved_flexes import unmoved_flexes
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -71,7 +71,7 @@ def judge(
     ):  # a newer one may have more attributes
         for element, name in unread(model.root, version):
             _report_unread(element, name, model, context)
-    for flex in left_behind(model.root, version):
+    for flex in unmoved_flexes(model.root, version):
         context.sink.warning(
             "not-supported",
             f"MuJoCo {version} leaves the flex `{flex.get('name')}` where it would be without the frame around it",

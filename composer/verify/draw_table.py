@@ -17,7 +17,7 @@ from composer.document.node import locate
 from composer.expr.angle import UNITS, Angle
 from composer.grammar.degrees import is_in_degrees
 from composer.mujoco_errors.message import CRASHES, crash_help
-from composer.plan.drawn import Tabled
+from composer.plan.drawn import ElementDraws
 from composer.plan.plan import Plan
 from composer.recipe.distribution import CHOICE
 from composer.recipe.draw_field import DrawField
@@ -35,7 +35,7 @@ class DrawTable:
     """The table of draws for the model that `session` keeps. Draws that are impossible at run time are reported."""
 
     def __init__(
-        self, plan: Plan, tabled: Sequence[Tabled], session: engine.Session, context: Context
+        self, plan: Plan, tabled: Sequence[ElementDraws], session: engine.Session, context: Context
     ) -> None:
         self.plan, self.tabled, self.session, self.context = plan, tabled, session, context
         self.columns: dict[str, dict[str, Any]] = {}
@@ -113,7 +113,7 @@ class DrawTable:
         yield [0, *[None] * len(self.columns)]
         yield from zip(range(1, samples + 1), *self.values.values(), strict=True)
 
-    def _is_numeric(self, each: Tabled) -> bool:
+    def _is_numeric(self, each: ElementDraws) -> bool:
         first = each.first.value if isinstance(each.first.value, tuple) else (each.first.value,)
         if not any(isinstance(value, str) for value in first):
             return True
@@ -121,7 +121,7 @@ class DrawTable:
         self._fault(each.field, message)
         return False
 
-    def _add(self, each: Tabled, found: dict[str, Any]) -> None:
+    def _add(self, each: ElementDraws, found: dict[str, Any]) -> None:
         for component, (name, _) in enumerate(each.first.columns()):
             if name not in self.columns:
                 low, high = _bounds(each, component)
@@ -147,7 +147,7 @@ class DrawTable:
         self.context.sink.error(code, message, span, help=crash_help(code))
 
 
-def _question(each: Tabled) -> dict[str, Any]:
+def _question(each: ElementDraws) -> dict[str, Any]:
     return {
         "tag": each.tag,
         "family": each.family,
@@ -159,14 +159,14 @@ def _question(each: Tabled) -> dict[str, Any]:
     }
 
 
-def _bounds(each: Tabled, component: int) -> tuple[float | None, float | None]:
+def _bounds(each: ElementDraws, component: int) -> tuple[float | None, float | None]:
     """Return the least and the greatest number that may be drawn, in the table's unit; None for no bound."""
-    drawing = each.field.drawing
-    if drawing.kind == CHOICE:
-        numbers = drawing.extremes(component) or tuple(map(float, each.numbers[component]))  # type: ignore[arg-type]
+    distribution = each.field.distribution
+    if distribution.kind == CHOICE:
+        numbers = distribution.extremes(component) or tuple(map(float, each.numbers[component]))  # type: ignore[arg-type]
     else:
-        numbers = drawing.extremes(component)
-    unit = drawing.unit
+        numbers = distribution.extremes(component)
+    unit = distribution.unit
     if unit is None and each.unit == "degree" and each.angles[component : component + 1] == (True,):
         unit = "deg"
     own = "deg" if is_in_degrees(each.tag, each.first.attribute) else "rad"
@@ -177,15 +177,15 @@ def _bounds(each: Tabled, component: int) -> tuple[float | None, float | None]:
 
 def _field(field: DrawField) -> dict[str, Any]:
     """Return what the recipe says about a field, with the numbers as written."""
-    drawing = field.drawing
+    distribution = field.distribution
     return {
         "select": str(field.select),
         "attribute": field.attr,
         "operation": field.operation,
         "per": field.per,
-        "distribution": drawing.kind,
+        "distribution": distribution.kind,
         "parameters": {
-            name: list(each) if len(each) > 1 else each[0] for name, each in drawing.parameters.items()
+            name: list(each) if len(each) > 1 else each[0] for name, each in distribution.parameters.items()
         },
-        "unit": drawing.unit,
+        "unit": distribution.unit,
     }

@@ -90,10 +90,10 @@ class Judge:
 
     def _take(self, member: PartRecord, name: str) -> str | None:
         """Compile the subtree of a source, compare it with the whole and keep it; return an error message or None."""
-        from composer.verify.subtree_reference import keep_taken  # few recipes need it
+        from composer.verify.subtree_reference import keep_subtree  # few recipes need it
 
         whole = f"{name} in the whole"
-        taken = keep_taken(member, self.session, name, whole)
+        taken = keep_subtree(member, self.session, name, whole)
         if taken.fault is not None:
             return taken.fault
         keys = Keys.NONE if member.keys is None else Keys.MERGE

@@ -19,7 +19,7 @@ from composer.verify.source_alone import refused
 _NAMELESS = "a body around what was taken, "
 
 
-class Taken(NamedTuple):
+class KeptSubtree(NamedTuple):
     """The result of compiling a subtree and its source.
 
     `above` are the bodies around the subtree in the whole source, the nearest first, and None for the world. The
@@ -30,7 +30,7 @@ class Taken(NamedTuple):
     fault: str | None = None
 
 
-def keep_taken(member: PartRecord, session: engine.Session, taken: str, whole: str) -> Taken:
+def keep_subtree(member: PartRecord, session: engine.Session, taken: str, whole: str) -> KeptSubtree:
     """Compile the subtree and the whole source and keep them under these names.
 
     If that fails, the result has a message.
@@ -40,7 +40,7 @@ def keep_taken(member: PartRecord, session: engine.Session, taken: str, whole: s
     path = member.source.path
     unit = parse_file(path, sink, door=member.source.door)
     if unit is None:
-        return Taken(fault=_said(sink))
+        return KeptSubtree(fault=_said(sink))
     bodies = (each for world in unit.root.iterchildren("worldbody") for each in world.iter("body"))
     body = next((each for each in bodies if each.get("name") == member.subtree), None)
     around = [] if body is None else list(body.iterancestors("body"))
@@ -50,14 +50,14 @@ def keep_taken(member: PartRecord, session: engine.Session, taken: str, whole: s
     with folder_of(unit) as folder:
         fault = _keep(session, folder, path, write(unit.root) if nameless else None, whole)
     if fault is not None:
-        return Taken(fault=fault)
+        return KeptSubtree(fault=fault)
     above = (*(str(each.get("name")) for each in around), None)
     measure = measure_with(Context(sink=sink, environment={}, folder=path.parent), session=session)
     keyframes: KeyPolicy = "none" if member.keys is None else "merge"
     if take_subtree(unit, member.subtree, sink, keyframes=keyframes, measure=measure) is None:
-        return Taken(fault=_said(sink))
+        return KeptSubtree(fault=_said(sink))
     with folder_of(unit) as folder:
-        return Taken(above, _keep(session, folder, path, write(unit.root), taken))
+        return KeptSubtree(above, _keep(session, folder, path, write(unit.root), taken))
 
 
 def _keep(session: engine.Session, folder: Path, path: Path, text: bytes | None, name: str) -> str | None:

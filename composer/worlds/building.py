@@ -21,7 +21,7 @@ from composer.reading.regular import read_regular
 from composer.worlds.errors import failure
 from composer.worlds.joining import Joined
 from composer.worlds.parts import CODE
-from composer.worlds.table import read
+from composer.worlds.table_file import read
 
 
 @dataclass(frozen=True, slots=True)

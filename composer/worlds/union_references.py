@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 from composer.compiled.kinds import OF_OBJECT_TYPE, Model
 from composer.worlds.errors import failure
@@ -10,6 +10,8 @@ from composer.worlds.parts import CODE
 
 Label = Callable[[str, int], str]
 """Returns an element's name by kind and number."""
+References = Iterator[tuple[str, int]]
+"""The kind and number of each element."""
 
 ACTING = ("actuator", "tendon", "equality", "pair", "exclude", "sensor")
 """Kinds of elements that act on their references."""
@@ -22,43 +24,68 @@ _ALONE = "build these cells by themselves with `--pick`"
 _WRAP_JOINT, _PULLEY, _WRAP_SITE = 1, 2, 3
 
 
-def references(model: Model, kind: str, number: int) -> Iterator[tuple[str, int]]:
-    """Yield the kind and number of elements that one refers to. Raises LoadError for unknown types of reference."""
-    match kind:
-        case "actuator":
-            for part, target in enumerate(model.actuator_trnid[number].ravel()[:2].tolist()):
-                known = _TRANSMISSIONS.get(int(model.actuator_trntype[number]))
-                if known is None:
-                    shape = int(model.actuator_trntype[number])
-                    raise failure(
-                        CODE, f"an actuator with a transmission of type {shape} cannot be in a union", _ALONE
-                    )
-                if target >= 0 and (part == 0 or known == "site"):
-                    yield known, target
-        case "tendon":
-            first = int(model.tendon_adr[number])
-            for wrap in range(first, first + int(model.tendon_num[number])):
-                shape, target = int(model.wrap_type[wrap]), int(model.wrap_objid[wrap])
-                if shape != _PULLEY:
-                    yield {_WRAP_JOINT: "joint", _WRAP_SITE: "site"}.get(shape, "geom"), target
-        case "equality":
-            shape = int(model.eq_type[number])
-            known = _EQUALITIES.get(shape) or OF_OBJECT_TYPE.get(int(model.eq_objtype[number]))
-            if known is None:
-                raise failure(CODE, f"an equality of type {shape} cannot be in a union", _ALONE)
-            yield from (
-                (known, int(each)) for each in (model.eq_obj1id[number], model.eq_obj2id[number]) if each >= 0
-            )
-        case "pair":
-            yield from (("geom", int(each)) for each in (model.pair_geom1[number], model.pair_geom2[number]))
-        case "exclude":
-            signature = int(model.exclude_signature[number])
-            yield from (("body", each) for each in (signature >> 16, signature & 0xFFFF))
-        case "sensor":
-            for types, targets in (("sensor_objtype", "sensor_objid"), ("sensor_reftype", "sensor_refid")):
-                known = OF_OBJECT_TYPE.get(int(getattr(model, types)[number]))
-                if known is not None:
-                    yield known, int(getattr(model, targets)[number])
+def references(model: Model, kind: str, number: int) -> References:
+    """Return the kind and number of each element that one refers to.
+
+    Raises LoadError for an unknown type of reference, when the iterator reaches it.
+    """
+    found = _REFERENCES.get(kind)
+    return iter(()) if found is None else found(model, number)
+
+
+def _of_actuator(model: Model, number: int) -> References:
+    transmission = int(model.actuator_trntype[number])
+    known = _TRANSMISSIONS.get(transmission)
+    if known is None:
+        message = f"an actuator with a transmission of type {transmission} cannot be in a union"
+        raise failure(CODE, message, _ALONE)
+    for part, target in enumerate(model.actuator_trnid[number].ravel()[:2].tolist()):
+        if target >= 0 and (part == 0 or known == "site"):
+            yield known, target
+
+
+def _of_tendon(model: Model, number: int) -> References:
+    first = int(model.tendon_adr[number])
+    for wrap in range(first, first + int(model.tendon_num[number])):
+        shape, target = int(model.wrap_type[wrap]), int(model.wrap_objid[wrap])
+        if shape != _PULLEY:
+            yield {_WRAP_JOINT: "joint", _WRAP_SITE: "site"}.get(shape, "geom"), target
+
+
+def _of_equality(model: Model, number: int) -> References:
+    shape = int(model.eq_type[number])
+    known = _EQUALITIES.get(shape) or OF_OBJECT_TYPE.get(int(model.eq_objtype[number]))
+    if known is None:
+        raise failure(CODE, f"an equality of type {shape} cannot be in a union", _ALONE)
+    for each in (model.eq_obj1id[number], model.eq_obj2id[number]):
+        if each >= 0:
+            yield known, int(each)
+
+
+def _of_pair(model: Model, number: int) -> References:
+    yield from (("geom", int(each)) for each in (model.pair_geom1[number], model.pair_geom2[number]))
+
+
+def _of_exclude(model: Model, number: int) -> References:
+    signature = int(model.exclude_signature[number])
+    yield from (("body", each) for each in (signature >> 16, signature & 0xFFFF))
+
+
+def _of_sensor(model: Model, number: int) -> References:
+    for types, targets in (("sensor_objtype", "sensor_objid"), ("sensor_reftype", "sensor_refid")):
+        known = OF_OBJECT_TYPE.get(int(getattr(model, types)[number]))
+        if known is not None:
+            yield known, int(getattr(model, targets)[number])
+
+
+_REFERENCES: Mapping[str, Callable[[Model, int], References]] = {
+    "actuator": _of_actuator,
+    "tendon": _of_tendon,
+    "equality": _of_equality,
+    "pair": _of_pair,
+    "exclude": _of_exclude,
+    "sensor": _of_sensor,
+}
 
 
 def words(model: Model, kind: str, number: int, label: Label) -> str:

@@ -24,7 +24,7 @@ from composer.loading.index import Index
 from composer.loading.load import Model
 from composer.loading.load import load as load_bundle
 from composer.reading.regular import read_regular
-from composer.worlds import table as tables
+from composer.worlds import table_file
 from composer.worlds.errors import failure
 from composer.worlds.identity import model_sha256
 from composer.worlds.table import Table, Varying
@@ -112,7 +112,7 @@ class Worlds:
         Raises MjcomposeError.
         """
         try:
-            tables.write(path, self.nominal, self.table)
+            table_file.write(path, self.nominal, self.table)
         except OutputError as error:
             raise MjcomposeError([error.diagnostic]) from error
 
@@ -137,7 +137,7 @@ def load(bundle: str | PathLike[str], file: str | PathLike[str] | None = None) -
         raise failure("file-not-found", f"`{shown}` has no worlds: the file `{WORLDS}` does not exist", help)
     called = file or WORLDS
     try:
-        table = tables.read(content)
+        table = table_file.read(content)
     except (ValueError, KeyError, TypeError, OSError) as error:
         raise failure("file-unreadable", f"`{called}` of `{shown}` cannot be read: {error}") from error
     if table.model not in (None, model_sha256(loaded.manifest)):

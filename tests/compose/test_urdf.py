@@ -113,6 +113,9 @@ def assert_same(alone: mujoco.MjModel, model: mujoco.MjModel) -> None:
 @pytest.mark.parametrize("extension", EXTENSIONS.values(), ids=EXTENSIONS)
 def test_alone_it_is_what_mujoco_makes_of_it(tmp_path: Path, extension: str) -> None:
     recipe = files(tmp_path, extension, recipe="name: robot\nbase: ./robot.urdf\n")
+    if not EXACT:  # MuJoCo 3 ignores `<mimic>`, which becomes an equality here all the same
+        robot = tmp_path / "robot.urdf"
+        robot.write_text(robot.read_text().replace('<mimic joint="turn" multiplier="0.1"/>', ""))
     assert_same(mujoco.MjModel.from_xml_path(str(tmp_path / "robot.urdf")), built(recipe))
 
 

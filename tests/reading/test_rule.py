@@ -72,7 +72,7 @@ ALLOWED = {
     "targets/plain/files.py": "the bundle, in a folder of ours",
     "verify/world_table.py": "what MuJoCo's process has just written into a folder of ours",
     "verify/worlds.py": "writes",
-    "worlds/table.py": "writes",
+    "worlds/table_file.py": "writes",
     "view/description.py": "what MuJoCo's process has just written into a folder of ours",
     "view/page.py": "files of this package",
     "view/server.py": "files of this package",
@@ -81,7 +81,7 @@ ALLOWED = {
 GIVEN_TO_MUJOCO = {
     "bundle/mjb.py": "a bundle, whose files all came through the door",
     "cli/doctor.py": "a model of this package",
-    "compose/kept.py": "a model without files",
+    "compose/finished_model.py": "a model without files",
     "diff/side.py": "asks `all_admitted`",
     "importing/contrasting.py": "models that `recover` asks `all_admitted` of",
     "link/measure.py": "a folder of files that passed",

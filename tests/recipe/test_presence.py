@@ -4,13 +4,13 @@ import pytest
 
 from composer.grammar.element import Constraint
 from composer.recipe.fault import Fault
-from composer.recipe.presence import clashing
+from composer.recipe.presence import report_clashing
 
 
 def told(kind: str, bundles: str, present: str) -> list[Fault]:
     faults: list[Fault] = []
     rule = Constraint(kind, tuple(tuple(bundle.split("+")) for bundle in bundles.split()))  # type: ignore[arg-type]
-    clashing([rule], present.split(), "`e`", (), faults)
+    report_clashing([rule], present.split(), "`e`", (), faults)
     return faults
 
 

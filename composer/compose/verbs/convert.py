@@ -11,7 +11,7 @@ from typing import Any
 
 from lxml.etree import _Element as Node
 
-from composer.compose.actuator_model import INPUTS, ActuatorModel, laws_of
+from composer.compose.actuator_model import INPUTS, ActuatorModel, actuator_models
 from composer.compose.edit_values import Unusable, Values
 from composer.compose.editing import Editing
 from composer.compose.refuse import refuse
@@ -47,18 +47,18 @@ def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
     """Convert each actuator to the kind `to`, with the given attributes."""
     editing, found = entry.editing, entry.found
     to = str(written["to"])
-    laws = laws_of(editing.linking, editing.sink, found)
-    if laws is None:
+    models = actuator_models(editing.linking, editing.sink, found)
+    if models is None:
         raise Unusable
     lost: dict[str, list[str]] = {}
     for index, node in enumerate(found):
-        law = laws.get(node)
-        if law is None:
+        model = models.get(node)
+        if model is None:
             message = f"{editing.called(node)} cannot be converted: MuJoCo does not say what it does"
             refuse(editing, node, Fault("not-supported", message, at), it="it")
         given = _given(editing, node, index, to, written, at)
         was = editing.called(node)
-        for loss in _converted(editing, node, to, law, given, at):
+        for loss in _converted(editing, node, to, model, given, at):
             lost.setdefault(loss, []).append(was)
     if lost:
         _report(editing, to, lost, at)
@@ -103,22 +103,21 @@ def _text(attribute: Attribute, value: Any) -> str:
 
 
 def _converted(
-    editing: Editing, node: Node, to: str, law: ActuatorModel, given: Mapping[str, str], at: Path
+    editing: Editing, node: Node, to: str, model: ActuatorModel, given: Mapping[str, str], at: Path
 ) -> list[str]:
     """Convert one actuator. Return in words what is lost."""
     old, kind = str(node.tag), GRAMMAR.element(f"actuator/{to}")
-    made, lost = ({}, []) if old == to else _written_for(editing, node, to, law, given, at)
-    before = after = law.control
+    made, lost = ({}, []) if old == to else _written_for(editing, node, to, model, given, at)
+    before = after = model.control
     if old != to or "input" in given:
-        after = _control_of(to, law, {**made, **given})
-    keeps = before == after
-    if not keeps:
+        after = _control_of(to, model, {**made, **given})
+    if before != after:
         is_now, was = _in_words(after, "another thing"), _in_words(before, "what it was")
         lost.append(f"the control is {is_now} now, not {was}")
     limits: dict[str, str] | None = {}
     if old != to or "ctrlrange" in given:
         limits = _limits(
-            editing, node, to, law, before.split("+")[0] == after.split("+")[0], {**made, **given}
+            editing, node, to, model, before.split("+")[0] == after.split("+")[0], {**made, **given}
         )
     if limits is None:
         lost.append("`ctrlrange`, which limits another thing")
@@ -127,33 +126,45 @@ def _converted(
         limits = {"ctrllimited": "false"}
         node.attrib.pop("ctrlrange", "")
     wrong = [name for name in map(str, node.keys()) if name not in kind.attributes]
-    transmission = [name for name in wrong if name in ("body", "orientation")]
-    if transmission:
+    if "body" in wrong or "orientation" in wrong:
         message = f"{editing.called(node)} acts on a body, which a `{to}` cannot"
         refuse(editing, node, Fault("wrong-type", message, at))
-    lost += [f"`{name}`" for name in wrong if name in _UNSAID and (law.act_limited or name != "actrange")]
-    if to not in ("general", "pid"):
-        lost += [f"`{name}range`" for name in law.limited[1:] if name]
-    if law.gain == "so3" and to != "general":
-        lost.append("that it acts about all three axes: it acts along its `gear` now")
+    lost += _lost_attributes(to, model, wrong)
     if old != to and not _keeps_activation(to, {**made, **given}):
         _refuse_actrange(editing, node, to, at)
-    editing.forget(node)
-    for name in {*wrong, *_replaced({**limits, **made, **given})}:
-        node.attrib.pop(name, "")
-    node.tag = to
-    for name, text in {**limits, **made, **given}.items():
-        node.set(name, text)
-        if name in given and kind.attributes[name].is_interval:
-            editing.making.intervals[node, name] = editing.span((*at, name))
+    _rewrite(editing, node, to, {**limits, **made, **given}, wrong)
     editing.write(
         node, {name: (*at, name) for name in given} | {name: at for name in made if name not in given}
     )
-    editing.note(node)
-    if not keeps:
+    for name in given:
+        if kind.attributes[name].is_interval:
+            editing.making.intervals[node, name] = editing.span((*at, name))
+    if before != after:
         lost += _lost_in_keys(editing, node)
         editing.linking.keys.void_keys.add(node)
     return lost
+
+
+def _lost_attributes(to: str, model: ActuatorModel, wrong: list[str]) -> Iterator[str]:
+    """Yield in words what the new kind has no attribute for. `wrong` are the attributes that it does not have."""
+    yield from (
+        f"`{name}`" for name in wrong if name in _UNSAID and (model.act_limited or name != "actrange")
+    )
+    if to not in ("general", "pid"):
+        yield from (f"`{name}range`" for name in model.limited[1:] if name)
+    if model.gain == "so3" and to != "general":
+        yield "that it acts about all three axes: it acts along its `gear` now"
+
+
+def _rewrite(editing: Editing, node: Node, to: str, written: Mapping[str, str], wrong: list[str]) -> None:
+    """Make the actuator one of the new kind with these attributes, without those that it cannot have."""
+    editing.forget(node)
+    for name in {*wrong, *_replaced(written)}:
+        node.attrib.pop(name, "")
+    node.tag = to
+    for name, text in written.items():
+        node.set(name, text)
+    editing.note(node)
 
 
 def _lost_in_keys(editing: Editing, node: Node) -> Iterator[str]:
@@ -202,85 +213,85 @@ def _replaced(written: Mapping[str, str]) -> Iterator[str]:
 
 
 def _written_for(
-    editing: Editing, node: Node, to: str, law: ActuatorModel, given: Mapping[str, str], at: Path
+    editing: Editing, node: Node, to: str, model: ActuatorModel, given: Mapping[str, str], at: Path
 ) -> tuple[dict[str, str], list[str]]:
-    """Return the attributes that give the new kind the same law, and in words what it cannot express."""
+    """Return the attributes that give the new kind the same model, and in words what it cannot express."""
     if to == "general":
-        return _general(editing, law), []
-    lost = _lost_with(to, law)
+        return _general(editing, model), []
+    lost = _lost_with(to, model)
     if to == "motor":
-        return {}, [*lost, *_lost_by_motor(law)]
+        return {}, [*lost, *_lost_by_motor(model)]
     if to in ("position", "pid"):
-        if law.form not in ("position", "velocity", "force") and law.gain != "pid":
-            lost.append(_of_law(law))
-        return _position(editing, node, to, law, given, at), lost
+        if model.form not in ("position", "velocity", "force") and model.gain != "pid":
+            lost.append(_gain_and_bias(model))
+        return _position(editing, node, to, model, given, at), lost
     made: dict[str, str] = {}
     if "kv" not in given:
-        if not (law.is_affine or law.gain == "pid") or law.kv <= 0:
+        if not (model.is_affine or model.gain == "pid") or model.kv <= 0:
             _needs(editing, node, to, _GAINS[to], at)
-        made["kv"] = numbers.text([law.kv])
-    if law.kp:
-        lost.append(f"its position gain, {law.kp:g}")
-    elif law.form == "other":
-        lost.append(_of_law(law))
+        made["kv"] = numbers.text([model.kv])
+    if model.kp:
+        lost.append(f"its position gain, {model.kp:g}")
+    elif model.form == "other":
+        lost.append(_gain_and_bias(model))
     return made, lost
 
 
-def _lost_with(to: str, law: ActuatorModel) -> list[str]:
+def _lost_with(to: str, model: ActuatorModel) -> list[str]:
     """Return in words the dynamics and the integral term that the new kind cannot have."""
     lost = []
-    is_pid = law.gain == "pid"
+    is_pid = model.gain == "pid"
     # A pid has its dynamics by itself; `timeconst` of a position actuator is `filterexact`.
-    kept = is_pid or law.dynamics == "none" or (to == "position" and law.dynamics == "filterexact")
-    if law.dynamics and not kept:
-        lost.append(f"its dynamics, `{law.dynamics}`")
+    kept = is_pid or model.dynamics == "none" or (to == "position" and model.dynamics == "filterexact")
+    if model.dynamics and not kept:
+        lost.append(f"its dynamics, `{model.dynamics}`")
     if is_pid and to != "pid":
-        ki, slewmax = law.gainprm[0], law.slewmax
+        ki, slewmax = model.gainprm[0], model.slewmax
         lost += [f"its integral gain, {ki:g}"] if ki else []
         lost += [f"its slew rate, {slewmax:g}"] if slewmax else []
     return lost
 
 
-def _lost_by_motor(law: ActuatorModel) -> list[str]:
-    """Return in words the parts of the law that a motor, whose force is its control, does not have."""
-    if law.form != "force" or law.kp or law.kv:
-        return [_of_law(law)]
-    if law.gainprm[0] != 1 and law.gain != "pid":
-        return [f"its gain of {law.gainprm[0]:g}"]
+def _lost_by_motor(model: ActuatorModel) -> list[str]:
+    """Return in words the parts of the model that a motor, whose force is its control, does not have."""
+    if model.form != "force" or model.kp or model.kv:
+        return [_gain_and_bias(model)]
+    if model.gainprm[0] != 1 and model.gain != "pid":
+        return [f"its gain of {model.gainprm[0]:g}"]
     return []
 
 
 def _position(
-    editing: Editing, node: Node, to: str, law: ActuatorModel, given: Mapping[str, str], at: Path
+    editing: Editing, node: Node, to: str, model: ActuatorModel, given: Mapping[str, str], at: Path
 ) -> dict[str, str]:
     """Return the attributes of a `position` or a `pid`, without those that are given."""
-    is_pid = law.gain == "pid"
+    is_pid = model.gain == "pid"
     made: dict[str, str] = {}
     if "kp" not in given:
-        may_be_none = to == "pid" and (is_pid or law.form == "velocity")
-        if may_be_none or ((law.is_affine or is_pid) and law.kp > 0):
-            made["kp"] = numbers.text([law.kp])
+        may_be_none = to == "pid" and (is_pid or model.form == "velocity")
+        if may_be_none or ((model.is_affine or is_pid) and model.kp > 0):
+            made["kp"] = numbers.text([model.kp])
         else:
             _needs(editing, node, to, _GAINS[to], at)
     if "kv" not in given and "dampratio" not in given:
         # Written also if it is 0: a class may give another one.
-        made["kv"] = numbers.text([max(law.kv, 0.0)])
+        made["kv"] = numbers.text([max(model.kv, 0.0)])
     if to == "position":
         if "timeconst" not in given:
-            made["timeconst"] = numbers.text(law.dynprm[:1]) if law.dynamics == "filterexact" else "0"
+            made["timeconst"] = numbers.text(model.dynprm[:1]) if model.dynamics == "filterexact" else "0"
         if made.get("timeconst") == "0" and not _in_classes(editing):
             del made["timeconst"]
         return made
     # Without it a pid has two controls, position and velocity: `<pid joint="j" kp="1"/>` makes `nu` 2 in MuJoCo 4.0.
-    if "input" not in given and (is_pid or law.form in ("position", "velocity")):
-        made["input"] = " ".join(law.inputs) or ("pos" if law.form == "position" else "vel")
-    return made | (_integral(editing, law) if is_pid else {})
+    if "input" not in given and (is_pid or model.form in ("position", "velocity")):
+        made["input"] = " ".join(model.inputs) or ("pos" if model.form == "position" else "vel")
+    return made | (_integral(editing, model) if is_pid else {})
 
 
-def _integral(editing: Editing, law: ActuatorModel) -> dict[str, str]:
+def _integral(editing: Editing, model: ActuatorModel) -> dict[str, str]:
     """Return the attributes of a pid other than its gains. They include zeros if classes may set other values."""
-    imax = law.dynprm[0] if law.dynamics == "pid" else 0.0
-    found = {"ki": law.gainprm[0], "imax": imax, "slewmax": law.slewmax}
+    imax = model.dynprm[0] if model.dynamics == "pid" else 0.0
+    found = {"ki": model.gainprm[0], "imax": imax, "slewmax": model.slewmax}
     whole = _in_classes(editing)
     return {name: numbers.text([value]) for name, value in found.items() if value or whole}
 
@@ -293,26 +304,26 @@ def _in_classes(editing: Editing) -> bool:
     return any(True for section in editing.root.iterchildren("default") for _ in section.iter(*tags))
 
 
-def _general(editing: Editing, law: ActuatorModel) -> dict[str, str]:
-    """Return all attributes of the law, with all numbers if classes may set some, else without trailing zeros."""
+def _general(editing: Editing, model: ActuatorModel) -> dict[str, str]:
+    """Return all attributes of the model, with all numbers if classes may set some, else without trailing zeros."""
     whole = _in_classes(editing)
-    made = {"gaintype": law.gain, "biastype": law.bias, "dyntype": law.dynamics}
+    made = {"gaintype": model.gain, "biastype": model.bias, "dyntype": model.dynamics}
     for name in _PARAMETERS:
-        values = list(getattr(law, name))
+        values = list(getattr(model, name))
         while not whole and len(values) > 1 and values[-1] == 0:
             values.pop()
         made[name] = numbers.text(values)
     if not whole:
         made = {name: text for name, text in made.items() if _PLAIN[name] != text}
-    if law.act_early:
+    if model.act_early:
         made["actearly"] = "true"
-    if law.act_limited:
-        made |= {"actlimited": "true", "actrange": numbers.text(law.actrange)}
+    if model.act_limited:
+        made |= {"actlimited": "true", "actrange": numbers.text(model.actrange)}
     return made
 
 
 def _limits(
-    editing: Editing, node: Node, to: str, law: ActuatorModel, keeps: bool, written: Mapping[str, str]
+    editing: Editing, node: Node, to: str, model: ActuatorModel, keeps: bool, written: Mapping[str, str]
 ) -> dict[str, str] | None:
     """Return the limits of the new control, or None if the old limits are for another quantity and must be removed.
 
@@ -323,11 +334,11 @@ def _limits(
     limited = editing.effective(node, "ctrllimited")
     if "ctrlrange" in written:
         return of_range | ({} if limited in (None, "auto", "true") else {"ctrllimited": "true"})
-    inputs = written.get("input", "").split() if to == "pid" else law.inputs if to == "general" else ()
+    inputs = written.get("input", "").split() if to == "pid" else model.inputs if to == "general" else ()
     by_input = bool(inputs) and inputs[0] != "pos"  # MuJoCo reads `ctrlrange` for positions only
-    if by_input and law.inputs[:1] == tuple(inputs[:1]):
+    if by_input and model.inputs[:1] == tuple(inputs[:1]):
         return {}  # `velrange` and `ffrange` say it already
-    if not law.ctrl_limited:
+    if not model.ctrl_limited:
         return _unlimited(editing, node, to, limited)
     if not keeps:
         return None
@@ -337,11 +348,11 @@ def _limits(
             node.attrib.pop(name, "")
         # With no range of its own MuJoCo refuses a `ctrllimited` of a class, and `velrange` limits in any case.
         by_class = {"ctrllimited": "false"} if editing.effective(node, "ctrllimited") == "true" else {}
-        return of_range | by_class | {f"{inputs[0]}range": numbers.text(law.ctrlrange)}
+        return of_range | by_class | {f"{inputs[0]}range": numbers.text(model.ctrlrange)}
     limits = of_range
     range_now = editing.effective(node, "ctrlrange")
-    if not range_now or numbers.read(range_now) != list(law.ctrlrange):
-        limits["ctrlrange"] = numbers.text(law.ctrlrange)  # it came from the range of its joint
+    if not range_now or numbers.read(range_now) != list(model.ctrlrange):
+        limits["ctrlrange"] = numbers.text(model.ctrlrange)  # it came from the range of its joint
     if limited != "true" and editing.linking.flat().settings.autolimits == "false":
         limits["ctrllimited"] = "true"
     return limits
@@ -362,9 +373,9 @@ def _unlimited(editing: Editing, node: Node, to: str, limited: str | None) -> di
     return found
 
 
-def _control_of(to: str, law: ActuatorModel, written: Mapping[str, str]) -> str:
+def _control_of(to: str, model: ActuatorModel, written: Mapping[str, str]) -> str:
     if to == "general":
-        return law.control
+        return model.control
     if to == "pid":
         return "+".join(INPUTS[each] for each in written.get("input", "pos vel").split())
     return "force" if to == "motor" else to
@@ -374,13 +385,13 @@ def _in_words(control: str, otherwise: str) -> str:
     return " and ".join(_CONTROL[each] for each in control.split("+")) if control != "other" else otherwise
 
 
-def _of_law(law: ActuatorModel) -> str:
+def _gain_and_bias(model: ActuatorModel) -> str:
     """Return the gains in words."""
-    if law.form == "position" or law.gain == "pid":
-        return f"its gains, kp {law.kp:g} and kv {law.kv:g}"
-    if law.form == "velocity":
-        return f"its gain, kv {law.kv:g}"
-    return f"its own gain and bias (`{law.gain}`, `{law.bias}`)"
+    if model.form == "position" or model.gain == "pid":
+        return f"its gains, kp {model.kp:g} and kv {model.kv:g}"
+    if model.form == "velocity":
+        return f"its gain, kv {model.kv:g}"
+    return f"its own gain and bias (`{model.gain}`, `{model.bias}`)"
 
 
 def _needs(editing: Editing, node: Node, to: str, gain: str, at: Path) -> None:

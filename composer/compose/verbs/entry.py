@@ -13,20 +13,21 @@ from composer.compose.mass import Masses
 from composer.link.subtree import Left
 
 if TYPE_CHECKING:
-    from composer.compose.workshop import Record
+    from composer.compose.workshop import Record, Workshop
 
 
 @dataclass(slots=True)
 class Entry:
     """The elements that an entry selects, and what its verbs leave behind.
 
-    `checks` are the checks that can run only after all values are written. `gone` lists the removed elements, and
-    `records` the meshes and shapes that were made.
+    `workshop` is where meshes are worked on. `checks` are the checks that can run only after all values are
+    written. `gone` lists the removed elements, and `records` the meshes and shapes that were made.
     """
 
     editing: Editing
     found: list[Node]
     masses: Masses
+    workshop: Workshop
     checks: list[Callable[[], None]] = field(default_factory=list)
     gone: list[Left] = field(default_factory=list)
     records: list[Record] = field(default_factory=list)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NoReturn
 
 from lxml.etree import _Element as Node
 
@@ -43,7 +44,7 @@ def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
         _without_other(editing, node, at)
         change = Change(editing, SET, entry.masses)
         change.carry_out(joint, index, _of_joint(sheet), at)
-        values = _of_actuator(editing, node, joint, sheet, effort, gear, written, at)
+        values = _Drive(editing, node, joint, gear, sheet, effort, written, at).values()
         change.carry_out(node, index, values, at)
 
 
@@ -80,29 +81,66 @@ def _of_joint(sheet: Motor) -> dict[str, Any]:
     return {name: value for name, value in values.items() if value is not None}
 
 
-def _of_actuator(
-    editing: Editing,
-    node: Node,
-    joint: Node,
-    sheet: Motor,
-    effort: float,
-    gear: float,
-    written: Mapping[str, Any],
-    at: Path,
-) -> dict[str, Any]:
-    # The force of an actuator turns the joint `gear` times as strong, and its length is `gear` times the angle.
-    limit = effort / abs(gear)
-    values: dict[str, Any] = {"forcerange": [-limit, limit]}
-    tag = str(node.tag)
-    if tag in _SERVOS:
-        kp, kv = _gains(editing, node, joint, sheet, effort, written, at)
-        values["kv"] = kv / gear**2
-        if tag == "position":
-            values["kp"] = kp / gear**2
-            _without_dampratio(editing, node, at)
-    if sheet.delay:
-        values |= {"delay": sheet.delay, "nsample": math.ceil(round(sheet.delay / _timestep(editing), 9))}
-    return values
+@dataclass(frozen=True, slots=True)
+class _Drive:
+    """An actuator and the hinge that it turns, with the motor that they become.
+
+    `effort` is the greatest torque at the joint, in N·m, and `gear` that of the actuator.
+    """
+
+    editing: Editing
+    node: Node
+    joint: Node
+    gear: float
+    sheet: Motor
+    effort: float
+    written: Mapping[str, Any]
+    at: Path
+
+    def values(self) -> dict[str, Any]:
+        """Return the attributes of the actuator."""
+        # The force of an actuator turns the joint `gear` times as strong, and its length is `gear` times the angle.
+        limit = self.effort / abs(self.gear)
+        values: dict[str, Any] = {"forcerange": [-limit, limit]}
+        if self.node.tag in _SERVOS:
+            kp, kv = self._gains()
+            values["kv"] = kv / self.gear**2
+            if self.node.tag == "position":
+                values["kp"] = kp / self.gear**2
+                _without_dampratio(self.editing, self.node, self.at)
+        if delay := self.sheet.delay:
+            values |= {"delay": delay, "nsample": math.ceil(round(delay / _timestep(self.editing), 9))}
+        return values
+
+    def _gains(self) -> tuple[float, float]:
+        """Return the stiffness and damping of the joint, in N·m/rad and N·m·s/rad."""
+        written = self.written
+        if ERROR in written:
+            if self.sheet.speed is None:
+                message = f"the data sheet of `{written[MODEL]}` has no speed, from which `kv` would follow"
+                self._lacks(message, "write `bandwidth` in place of `error`", ERROR)
+            # A motor gives its whole torque at rest and none at its greatest speed.
+            return self.effort / written[ERROR], self.effort / self.sheet.speed
+        called = self.editing.called(self.node)
+        if BANDWIDTH not in written:
+            help = (
+                "write `bandwidth: 5`, in Hz; or `error: 0.1`, in rad, at which it gives its greatest torque"
+            )
+            self._lacks(f"{called} is a servo, and nothing says how fast it is", help)
+        armature = numbers.read(self.editing.effective(self.joint, "armature") or "0")[0]
+        moved = armature + written.get("inertia", 0.0)
+        if not moved > 0:
+            message = f"nothing says what inertia {called} moves: the data sheet has none of the rotor"
+            help = "write `inertia: …` of what it moves, in kg·m²; or `error: 0.1` in place of `bandwidth`"
+            self._lacks(message, help)
+        omega = 2 * math.pi * written[BANDWIDTH]
+        if self.node.tag == "velocity":
+            return 0.0, moved * omega
+        return moved * omega**2, 2 * written.get("damping_ratio", 1.0) * moved * omega
+
+    def _lacks(self, message: str, help: str, *key: str) -> NoReturn:
+        fault = Fault("missing-key", message, (*self.at, *key), key=True, help=help)
+        refuse(self.editing, self.node, fault, it="it")
 
 
 def _without_dampratio(editing: Editing, node: Node, at: Path) -> None:
@@ -114,41 +152,6 @@ def _without_dampratio(editing: Editing, node: Node, at: Path) -> None:
         message = f"a class gives {editing.called(node)} a `dampratio`, beside which there can be no `kv`"
         help = "`unset` it in the class first: `{select: {default: CLASS}, unset: {position: [dampratio]}}`"
         refuse(editing, node, Fault("wrong-type", message, at, key=True, help=help), it="it")
-
-
-def _gains(
-    editing: Editing,
-    node: Node,
-    joint: Node,
-    sheet: Motor,
-    effort: float,
-    written: Mapping[str, Any],
-    at: Path,
-) -> tuple[float, float]:
-    """Return the stiffness and damping of the joint, in N·m/rad and N·m·s/rad."""
-    if ERROR in written:
-        if sheet.speed is None:
-            message = f"the data sheet of `{written[MODEL]}` has no speed, from which `kv` would follow"
-            help = "write `bandwidth` in place of `error`"
-            refuse(editing, node, Fault("missing-key", message, (*at, ERROR), key=True, help=help), it="it")
-        # A motor gives its whole torque at rest and none at its greatest speed.
-        return effort / written[ERROR], effort / sheet.speed
-    if BANDWIDTH not in written:
-        message = f"{editing.called(node)} is a servo, and nothing says how fast it is"
-        help = "write `bandwidth: 5`, in Hz; or `error: 0.1`, in rad, at which it gives its greatest torque"
-        refuse(editing, node, Fault("missing-key", message, at, key=True, help=help), it="it")
-    armature = numbers.read(editing.effective(joint, "armature") or "0")[0]
-    moved = armature + written.get("inertia", 0.0)
-    if not moved > 0:
-        message = (
-            f"nothing says what inertia {editing.called(node)} moves: the data sheet has none of the rotor"
-        )
-        help = "write `inertia: …` of what it moves, in kg·m²; or `error: 0.1` in place of `bandwidth`"
-        refuse(editing, node, Fault("missing-key", message, at, key=True, help=help), it="it")
-    omega = 2 * math.pi * written[BANDWIDTH]
-    if node.tag == "velocity":
-        return 0.0, moved * omega
-    return moved * omega**2, 2 * written.get("damping_ratio", 1.0) * moved * omega
 
 
 def _without_other(editing: Editing, node: Node, at: Path) -> None:

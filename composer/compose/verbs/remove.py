@@ -70,12 +70,12 @@ def _named(node: Node) -> list[Left]:
         naming = naming_attribute(kind_of(each))
         if declared is None and naming is None and each is not node:
             continue
-        found.append(Left(what_it_is(each, section), declared[1] if declared else ""))
+        found.append(Left(listed_kind(each, section), declared[1] if declared else ""))
     return found
 
 
-def what_it_is(node: Node, section: str) -> str:
-    """Return the kind of an element, as used in lists of elements."""
+def listed_kind(node: Node, section: str) -> str:
+    """Return what lists of elements call the kind of an element."""
     if section in ("tendon", "equality", "actuator", "sensor"):
         return section
     return "joint" if node.tag == "freejoint" else word(str(node.tag))

@@ -12,7 +12,7 @@ from composer.compose.editing import Editing
 from composer.compose.verbs.entry import Entry
 from composer.diagnostics.diagnostic import Note
 from composer.recipe.fault import Fault, Path
-from composer.recipe.presence import absent, clashing
+from composer.recipe.presence import report_clashing, report_missing
 from composer.tree.attributes import assign
 from composer.tree.effective import chain
 from composer.tree.kinds import kind_of
@@ -24,8 +24,8 @@ _MOVED = ("joint", "jointinparent", "tendon", "site", "body", "cranksite")
 def carry_out(entry: Entry, value: Any, at: Path) -> None:
     """Remove attributes. Required ones that are missing afterwards are reported at the end of the entry."""
     if not isinstance(value, Mapping):
-        lacked = {node: missed(entry.editing, node) for node in entry.found}
-        entry.checks.append(lambda: report_missed(entry.editing, lacked, value, at))
+        lacked = {node: missing_attributes(entry.editing, node) for node in entry.found}
+        entry.checks.append(lambda: report_newly_missing(entry.editing, lacked, value, at))
     unset(entry.editing, entry.found, value, at)
 
 
@@ -55,26 +55,26 @@ def unset(editing: Editing, found: list[Node], names: Any, at: Path) -> None:
             assign(editing, node, {name: None})
 
 
-def missed(editing: Editing, node: Node) -> list[Fault]:
+def missing_attributes(editing: Editing, node: Node) -> list[Fault]:
     """Return a fault for each required attribute that an element lacks."""
     kind = kind_of(node)
     present = [str(name) for name in node.keys()]  # noqa: SIM118 (an element is not a mapping)
     if kind.takes_class:
         present += [name for name in kind.attributes if _by_class(editing, node, name)]
     faults: list[Fault] = []
-    absent(kind, present, editing.called(node), (), faults)
-    clashing(kind.constraints, present, editing.called(node), (), faults)
+    report_missing(kind, present, editing.called(node), (), faults)
+    report_clashing(kind.constraints, present, editing.called(node), (), faults)
     if kind.family == "actuator" and not any(name in present for name in _MOVED):
         faults.append(Fault("missing-key", f"{editing.called(node)} lacks what it moves", names=_MOVED))
     return faults
 
 
-def report_missed(
+def report_newly_missing(
     editing: Editing, before: Mapping[Node, list[Fault]], names: tuple[str, ...], at: Path
 ) -> None:
-    """Report the first element that lacks something now which it had `before`."""
+    """Report the first element that lacks something now that it did not lack `before`."""
     for node, lacked in before.items():
-        for fault in missed(editing, node):
+        for fault in missing_attributes(editing, node):
             if fault in lacked:
                 continue
             meant = [n for n, name in enumerate(names) if name in fault.names]

@@ -13,7 +13,7 @@ from composer.lsp.cursor import Path
 from composer.lsp.hover.expression import values_of
 from composer.lsp.language import Form, forms_at, forms_below, kinds_of
 from composer.lsp.matches import is_selector, label, matches
-from composer.recipe.angles import governed
+from composer.recipe.angles import angle_places
 
 _MOST = 4
 _UNITS = {"degree": "deg", "radian": "rad"}
@@ -80,7 +80,7 @@ def _angles(name: str, value: Node, data: dict[str, Any], forms: list[Form], uni
         if attribute is None or attribute.angle is None:
             continue
         joint = str(data.get("type", "hinge")) if kind.tag == "joint" else None
-        for index in governed(attribute, len(items), joint):
+        for index in angle_places(attribute, len(items), joint):
             each = numbers[index]
             if isinstance(each.value, int | float) and not isinstance(each.value, bool) and each.value:
                 yield Hint(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from composer.diagnostics.span import Span
-from composer.plan.steps.step import Step, Written, words_of_element
+from composer.plan.steps.step import Step, StepInput, words_of_element
 from composer.recipe.element import Element
 
 
@@ -23,10 +23,10 @@ class AddElement(Step):
     span: Span
 
     @classmethod
-    def of(cls, written: Written) -> Iterator[Step]:
-        for item in written.recipe.add:
+    def of(cls, given: StepInput) -> Iterator[Step]:
+        for item in given.recipe.add:
             path = (*item.at, "to", "frame") if item.to_kind == "frame" else (*item.at, "to")
-            spans = written.span(path), written.span(item.element.at)
+            spans = given.span(path), given.span(item.element.at)
             yield cls(item.to_kind, item.to, item.element, *spans)
 
     @property

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from composer.diagnostics.span import Span
-from composer.plan.steps.step import Step, Written, words_of_element
+from composer.plan.steps.step import Step, StepInput, words_of_element
 from composer.recipe.element import Element
 from composer.recipe.recipe import sections_of
 from composer.recipe.section import Elements
@@ -23,11 +23,11 @@ class AppendElement(Step):
     span: Span
 
     @classmethod
-    def of(cls, written: Written) -> Iterator[Step]:
+    def of(cls, given: StepInput) -> Iterator[Step]:
         for section in cls.sections:
-            for element in getattr(written.recipe, section):
+            for element in getattr(given.recipe, section):
                 if isinstance(element, Element):
-                    yield cls(section, element, written.span(element.at, key=True))
+                    yield cls(section, element, given.span(element.at, key=True))
 
     @property
     def words(self) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from composer.diagnostics.span import Span
-from composer.plan.steps.step import Step, Written
+from composer.plan.steps.step import Step, StepInput
 from composer.recipe.draw_field import DrawField
 
 
@@ -24,13 +24,13 @@ class DrawValues(Step):
     tabled: bool = False
 
     @classmethod
-    def of(cls, written: Written) -> Iterator[Step]:
-        randomize = written.randomize
+    def of(cls, given: StepInput) -> Iterator[Step]:
+        randomize = given.randomize
         for field in randomize.fields if randomize is not None else ():
             if randomize is not None and field.select is not None:
-                span = written.span(field.drawn_at)
+                span = given.span(field.drawn_at)
                 tabled = randomize.at_run_time
-                yield cls(field, randomize.seed, written.sample, randomize.samples, span, tabled)
+                yield cls(field, randomize.seed, given.sample, randomize.samples, span, tabled)
 
     @property
     def words(self) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from composer.diagnostics.span import Span
-from composer.plan.steps.step import Step, Written
+from composer.plan.steps.step import Step, StepInput
 from composer.recipe.edit import Edit
 
 
@@ -20,9 +20,9 @@ class EditElements(Step):
     span: Span
 
     @classmethod
-    def of(cls, written: Written) -> Iterator[Step]:
-        for edit in written.recipe.edit:
-            yield cls(edit, written.span(edit.at))
+    def of(cls, given: StepInput) -> Iterator[Step]:
+        for edit in given.recipe.edit:
+            yield cls(edit, given.span(edit.at))
 
     @property
     def words(self) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from composer.diagnostics.span import Span
-from composer.plan.steps.step import Step, Written
+from composer.plan.steps.step import Step, StepInput
 from composer.recipe.contact import Collisions
 
 
@@ -20,10 +20,10 @@ class SetCollisions(Step):
     span: Span
 
     @classmethod
-    def of(cls, written: Written) -> Iterator[Step]:
-        for each in written.recipe.contact:
+    def of(cls, given: StepInput) -> Iterator[Step]:
+        for each in given.recipe.contact:
             if isinstance(each, Collisions):
-                yield cls(each, written.span(each.at))
+                yield cls(each, given.span(each.at))
 
     @property
     def words(self) -> str:

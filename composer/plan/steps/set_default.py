@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from composer.diagnostics.span import Span
-from composer.plan.steps.step import Step, Written
+from composer.plan.steps.step import Step, StepInput
 from composer.recipe.element import Element
 
 
@@ -22,9 +22,9 @@ class SetDefault(Step):
     span: Span
 
     @classmethod
-    def of(cls, written: Written) -> Iterator[Step]:
-        for each in written.recipe.default:
-            yield cls(each.name, each.parent, each.element, written.span(each.element.at, key=True))
+    def of(cls, given: StepInput) -> Iterator[Step]:
+        for each in given.recipe.default:
+            yield cls(each.name, each.parent, each.element, given.span(each.element.at, key=True))
 
     @property
     def words(self) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from composer.diagnostics.span import Span
-from composer.plan.steps.step import Step, Written
+from composer.plan.steps.step import Step, StepInput
 from composer.recipe.element import Element
 from composer.recipe.recipe import sections_of
 from composer.recipe.singleton import Singleton
@@ -23,11 +23,11 @@ class SetSingleton(Step):
     span: Span
 
     @classmethod
-    def of(cls, written: Written) -> Iterator[Step]:
+    def of(cls, given: StepInput) -> Iterator[Step]:
         for section in cls.sections:
-            element: Element | None = getattr(written.recipe, section)
+            element: Element | None = getattr(given.recipe, section)
             if element is not None:
-                yield cls(section, element, written.span(element.at, key=True))
+                yield cls(section, element, given.span(element.at, key=True))
 
     @property
     def words(self) -> str:

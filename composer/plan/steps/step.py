@@ -16,7 +16,7 @@ from composer.recipe.recipe import Recipe
 
 
 @dataclass(frozen=True, slots=True)
-class Written:
+class StepInput:
     """The input of steps: a recipe, its document, its draws and the sample."""
 
     recipe: Recipe
@@ -41,7 +41,7 @@ class Step(ABC):
 
     @classmethod
     @abstractmethod
-    def of(cls, written: Written) -> Iterator[Step]:
+    def of(cls, given: StepInput) -> Iterator[Step]:
         """Yield the steps of this type in a recipe, in the order in which they are carried out."""
 
     @property

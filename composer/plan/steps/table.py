@@ -12,7 +12,7 @@ from composer.plan.steps.edit_elements import EditElements
 from composer.plan.steps.set_collisions import SetCollisions
 from composer.plan.steps.set_default import SetDefault
 from composer.plan.steps.set_singleton import SetSingleton
-from composer.plan.steps.step import Step, Written
+from composer.plan.steps.step import Step, StepInput
 from composer.plan.steps.write_keyframe import WriteKeyframe
 from composer.recipe.recipe import Recipe
 from composer.recipe.rows import check_rows
@@ -40,7 +40,7 @@ check_rows(
 )
 
 
-def steps_of(written: Written) -> Iterator[Step]:
+def steps_of(given: StepInput) -> Iterator[Step]:
     """Yield the steps of a recipe, in the order in which they are carried out."""
     for each in STEPS:
-        yield from each.of(written)
+        yield from each.of(given)

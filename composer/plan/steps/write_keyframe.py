@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from composer.diagnostics.span import Span
-from composer.plan.steps.step import Step, Written
+from composer.plan.steps.step import Step, StepInput
 from composer.recipe.keyframe import Keyframe
 
 
@@ -20,9 +20,9 @@ class WriteKeyframe(Step):
     span: Span
 
     @classmethod
-    def of(cls, written: Written) -> Iterator[Step]:
-        for key in written.recipe.keyframe:
-            yield cls(key, written.span(key.at, key=True))
+    def of(cls, given: StepInput) -> Iterator[Step]:
+        for key in given.recipe.keyframe:
+            yield cls(key, given.span(key.at, key=True))
 
     @property
     def words(self) -> str:

@@ -19,7 +19,7 @@ _SHOWN_SPEED = 2
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
-    """One finding for each thing of which there is more than there may be."""
+    """Return one finding for each thing of which there is more than allowed."""
     keys = keys_named(scope, asked["keys"])
     if isinstance(keys, Fault):
         return [keys]
@@ -54,7 +54,7 @@ def _textures(scope: Scope) -> int:
 
 
 def _contacts(scope: Scope, keys: list[str], *, everywhere: bool) -> tuple[int, str]:
-    """The most of the recipe's own, and where that is."""
+    """Return the largest number of the recipe's own contacts, and where it occurs."""
     poses = [("the reference configuration", scope.mujoco.MjData(scope.model))] if everywhere else []
     poses += [(f"`{name}`", data) for name, data in at_keys(scope, keys)]
     most, where = 0, "the reference configuration"
@@ -70,7 +70,7 @@ def _contacts(scope: Scope, keys: list[str], *, everywhere: bool) -> tuple[int, 
 
 
 def _speed(scope: Scope, least: float) -> list[Fault]:
-    """The best of a few runs, which other work on the machine has disturbed least."""
+    """Return a finding if the best of several runs is too slow. The best one is disturbed least by other work."""
     mujoco, model = scope.mujoco, scope.model
     data = mujoco.MjData(model)
     best = 0.0

@@ -18,7 +18,7 @@ _SHOWN = 8
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
-    """A finding for each measure that is beyond its limit, with the worst meshes."""
+    """Return a finding for each measure beyond its limit, with the worst meshes."""
     made = [each for each in asked["made"] if each["mesh"].startswith(scope.prefix)]
     names = [each["mesh"].removeprefix(scope.prefix) for each in made]
     chosen: set[str] = set() if asked["meshes"] else set(names)

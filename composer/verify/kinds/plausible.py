@@ -20,7 +20,7 @@ _CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
-    """The finding that masses or inertias are not those of the bodies, if so."""
+    """Return a finding if masses or inertias do not fit the bodies."""
     for key in ("bodies", "exclude"):
         if (nothing := unmet(scope, ("body",), asked[key], key)) is not None:
             return [nothing]
@@ -65,15 +65,15 @@ class _Shapes:
             self._of.setdefault(int(model.body_weldid[model.geom_bodyid[geom]]), []).append(geom)
 
     def of(self, body: int) -> list[int]:
-        """Those of a body and of what is fixed to it: exporters often put shapes and inertia into two bodies."""
+        """Return the geoms of a body and of what is fixed to it, since exporters often split shapes and inertia."""
         return self._of.get(int(self.scope.model.body_weldid[body]), [])
 
     def own(self, body: int) -> list[int]:
-        """Those of the body alone."""
+        """Return the geoms of the body alone."""
         return [each for each in self.of(body) if int(self.scope.model.geom_bodyid[each]) == body]
 
     def corners(self, geoms: list[int]) -> Any:
-        """The corners of the boxes around geoms, in the world, shape (8 n, 3)."""
+        """Return the corners of the boxes around geoms, in the world frame (m), shape (8 n, 3)."""
         model, data = self.scope.model, self.data
         found = [
             (model.geom_aabb[geom][:3] + _CORNERS * model.geom_aabb[geom][3:])
@@ -86,7 +86,7 @@ class _Shapes:
 def _faults(
     scope: Scope, shapes: _Shapes, body: int, geoms: list[int], asked: dict[str, Any]
 ) -> Iterator[str]:
-    """What cannot be of one body, in words."""
+    """Yield what is impossible for one body, in words."""
     model = scope.model
     mass, moments = float(model.body_mass[body]), sorted(map(float, model.body_inertia[body]))
     if moments[0] + moments[1] < moments[2] * (1 - _ROUNDING):
@@ -114,7 +114,10 @@ def _faults(
 
 
 def _density(scope: Scope, mass: float, geoms: list[int], bounds: tuple[float, float]) -> Iterator[str]:
-    """By the largest of its groups: what is seen and what collides are the same body twice."""
+    """Yield that a body is too heavy or too light for its volume (kg/m³).
+
+    The largest volume of a group of geoms counts, because visual and collision geoms are copies of the same body.
+    """
     groups: dict[int, Volume] = {}
     for geom in geoms:
         group = int(scope.model.geom_group[geom])

@@ -23,7 +23,7 @@ class Volume:
 
 
 def volume(mujoco: Any, model: Any, geom: int) -> Volume:
-    """Of a geom. The volume of a mesh with holes is only known to be at most that of its box."""
+    """Return the volume of a geom in m³. That of a mesh with holes is only known to be at most that of its box."""
     kinds, kind = mujoco.mjtGeom, int(model.geom_type[geom])
     a, b, c = map(float, model.geom_size[geom])
     exact = {
@@ -42,7 +42,7 @@ def volume(mujoco: Any, model: Any, geom: int) -> Volume:
 
 
 def _enclosed(model: Any, mesh: int) -> float | None:
-    """The volume inside a closed surface; None where it has holes."""
+    """Return the volume inside a closed surface in m³, or None if it has holes."""
     first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
     points = model.mesh_vert[first : first + count].astype(float)
     start = int(model.mesh_faceadr[mesh])

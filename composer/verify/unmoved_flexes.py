@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 _MOVING = frozenset({"pos", *ORIENTATIONS})
 
 
-def left_behind(root: Node, mujoco: str | None) -> Iterator[Node]:
+def unmoved_flexes(root: Node, mujoco: str | None) -> Iterator[Node]:
     """Yield the flexes inside of posed frames, if this version of MuJoCo ignores these poses. No I/O."""
     if mujoco is None or version_key(mujoco) >= (4,):
         return

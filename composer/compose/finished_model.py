@@ -12,15 +12,18 @@ from composer.mujoco_errors.translation import translate
 from composer.tree.line import element_at
 from composer.tree.write import write
 
-KEPT = "finished"
+FINISHED = "finished"
 
 
-def compiled(linking: Linking, context: Context, session: engine.Session) -> bool:
-    """Compile the model and keep it in the session as `KEPT`. Return False if MuJoCo refuses it, which is reported."""
+def keep_finished(linking: Linking, context: Context, session: engine.Session) -> bool:
+    """Compile the model and keep it in the session as `FINISHED`.
+
+    Return False if MuJoCo refuses it, which is reported.
+    """
     unit = linking.flat()
     text = write(unit.root)
     with folder_of(unit) as folder:
-        found = engine.compile(folder, text=text.decode(), keep=KEPT, session=session)
+        found = engine.compile(folder, text=text.decode(), keep=FINISHED, session=session)
     if not found.ok:
         fault = parse(found.error or "")
         element = None if fault.line is None else element_at(unit.root, text, fault.line)

@@ -4,7 +4,7 @@ import mujoco
 import pytest
 from lxml import etree
 
-from composer.verify.left_behind import left_behind
+from composer.verify.unmoved_flexes import unmoved_flexes
 
 FLEX = '<flexcomp name="f" type="grid" count="3 2 1" spacing=".1 .1 .1" dim="2" radius=".01"/>'
 
@@ -21,12 +21,12 @@ FLEX = '<flexcomp name="f" type="grid" count="3 2 1" spacing=".1 .1 .1" dim="2" 
 )
 def test_in_a_frame_with_a_pose(inside: str, found: list[str]) -> None:
     root = etree.fromstring(f"<mujoco><worldbody>{inside}</worldbody></mujoco>")
-    assert [flex.get("name") for flex in left_behind(root, "3.16.0")] == found
-    assert not [*left_behind(root, "4.0.0"), *left_behind(root, None)]
+    assert [flex.get("name") for flex in unmoved_flexes(root, "3.16.0")] == found
+    assert not [*unmoved_flexes(root, "4.0.0"), *unmoved_flexes(root, None)]
 
 
 def test_that_is_what_mujoco_does() -> None:
     text = f'<mujoco><worldbody><frame pos="1 2 3">{FLEX}</frame></worldbody></mujoco>'
     model = mujoco.MjModel.from_xml_string(text)
     moved = float(model.body_pos[1][1]) > 1
-    assert moved != bool([*left_behind(etree.fromstring(text), mujoco.__version__)])
+    assert moved != bool([*unmoved_flexes(etree.fromstring(text), mujoco.__version__)])
