@@ -18,6 +18,7 @@ from composer.engine.session import Session
 from composer.engine.urdf import PACKAGE, Converted, convert_urdf
 from composer.grammar import GRAMMAR
 from composer.mujoco_errors.message import CRASHES, parse
+from composer.reading.foreign import SDF
 from composer.reading.refused import Refused
 from composer.scratch import scratch
 from composer.sources import ros_package
@@ -242,6 +243,7 @@ class UrdfReader:
         self.robot = robot
         if root.tag != "robot":
             help = "end its name in `.xml`" if root.tag == "mujoco" else "a URDF file begins with `<robot>`"
+            help = SDF.help(shown) if root.tag == "sdf" else help
             self._error(
                 "not-urdf", f"`{shown}` is not a URDF: its root is `<{root.tag}>`, not `<robot>`", help=help
             )
