@@ -40,6 +40,7 @@ class Topic(Enum):
     FLEX_UNPINNED = r"has joints but no flex vertices/nodes are pinned"
     PLUGIN_INSTANCE = r"actuator not found for plugin instance"
     DOFS = r"^more than 6 dofs"
+    FLAT = r"has coplanar vertices|^qhull error"
     FORMAT = r"^bad format in attribute"
     INERTIA = r"A \+ B >= C"
     FRAMEBUFFER = r"framebuffer"

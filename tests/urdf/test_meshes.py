@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import json
-import re
 import struct
 from collections.abc import Callable
 from pathlib import Path
@@ -12,6 +11,7 @@ from pathlib import Path
 import pytest
 from urdf.parts import ARM, INERTIAL, link, robot
 
+from composer.meshes.plausible import is_flat
 from composer.urdf.read import UrdfReader
 
 Reader = Callable[..., UrdfReader]
@@ -62,15 +62,23 @@ def test_what_is_plausible(
     assert told(reader("r.urdf", robot(ARM[0], link("upper", inertial + shape("m.obj")), *ARM[2:]))) == codes
 
 
-@pytest.mark.parametrize("tilted", [False, True])
-def test_a_flat_mesh(reader: Reader, tmp_path: Path, tilted: bool) -> None:
-    mesh = obj(flat=True)
-    if tilted:  # the box around it has a height
-        mesh = re.sub(r"^v (\S+) (\S+) 0$", r"v \1 \2 \1", mesh, flags=re.MULTILINE)
-    (tmp_path / "m.obj").write_text(mesh)
-    assert "mesh-shape" in told(
-        reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + shape("m.obj")), *ARM[2:]))
-    )
+def test_a_flat_mesh_is_reported_once(reader: Reader, tmp_path: Path) -> None:
+    """As an error where MuJoCo refuses it, which 4.0 does, and as a warning where not."""
+    (tmp_path / "m.obj").write_text(obj(flat=True))
+    read = reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + shape("m.obj")), *ARM[2:]))
+    read.unit()
+    (found,) = (each for each in read.sink.sorted() if each.code != "urdf-unread")
+    assert found.code in ("mujoco-rejects", "mesh-shape")
+    assert found.help == "use a box, or a mesh with a thickness"
+    assert found.span and found.span.line == 3 and found.span.column > 100
+
+
+@pytest.mark.parametrize("tilted", [0.0, 1.0])
+def test_what_is_flat(tilted: float) -> None:
+    numpy = pytest.importorskip("numpy")
+    plate = numpy.array([(x, y, tilted * x) for x, y, _ in CORNERS] + [(1, 1, tilted)])
+    assert is_flat(plate)
+    assert not is_flat(numpy.array([*plate, (0, 0, 1e-3)]))
 
 
 def test_the_help_for_millimetres_is_right(reader: Reader, tmp_path: Path) -> None:
