@@ -45,7 +45,7 @@ class Topic(Enum):
     INERTIA = r"A \+ B >= C"
     FRAMEBUFFER = r"framebuffer"
     URDF_GEOMETRY = r"geometry specification"
-    URDF_REPEATED = r"^repeated URDF name"
+    URDF_REPEATED = r"^repeated URDF name|^repeated name '.*' in joint"
     URDF_RING = r"^URDF body not found$"
     URDF_PARENTS = r"has multiple parents"
     URDF_LINK = r"^URDF joint parent or child missing$"

@@ -86,14 +86,14 @@ def _element(fault: Fault, sentence: Sentence, robot: Node) -> Node:
 
 
 def _repeated(element: Node, robot: Node, place: Place) -> Diagnostic | None:
-    seen: set[str | None] = set()
-    for link in robot.iterchildren("link"):
-        name = link.get("name")
-        if name in seen:
-            return _error(
-                f"two links are called `{name}`", place(link, "name"), "give one of them another name"
-            )
-        seen.add(name)
+    for tag in ("link", "joint"):
+        seen: dict[str | None, Node] = {}
+        for each in robot.iterchildren(tag):
+            name = each.get("name")
+            if name is not None and seen.setdefault(name, each) is not each:
+                note = Note(f"the other `{name}` is written here", place(seen[name], "name"))
+                message = f"two {tag}s are called `{name}`"
+                return _error(message, place(each, "name"), "give one of them another name", note)
     return None
 
 
