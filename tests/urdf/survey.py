@@ -21,7 +21,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 
-from targets.environments import FOLDER, READERS, is_ready, python_of  # noqa: E402
+from targets.environments import FOLDER, is_ready, python_of  # noqa: E402
 
 from composer.diagnostics.sink import Sink  # noqa: E402
 from composer.engine import Session  # noqa: E402
@@ -33,6 +33,7 @@ from composer.sources.urdf_choices import UrdfChoices  # noqa: E402
 from composer.tree.write import write  # noqa: E402
 from composer.urdf.read import UrdfReader  # noqa: E402
 
+READER = ROOT / "composer" / "targets" / "readers" / "pinocchio.py"
 POSES = 50
 PAGE = ROOT / "docs" / "urdf.md"
 BEGIN, END = "<!-- robots -->\n", "<!-- end -->"
@@ -167,11 +168,12 @@ def beside_pinocchio(path: Path, model: mujoco.MjModel) -> tuple[str, float]:
     with TemporaryDirectory() as folder:
         file = Path(folder, "poses.json")
         file.write_text(json.dumps(given))
-        command = [str(python_of("pinocchio")), "-P", str(READERS / "pinocchio.py"), str(path), str(file)]
+        answer = Path(folder, "facts.json")
+        command = [str(python_of("pinocchio")), "-I", str(READER), str(path), str(file), str(answer)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode:
-        return "refuses it", 0.0
-    facts = json.loads(done.stdout)
+        if done.returncode:
+            return "refuses it", 0.0
+        facts = json.loads(answer.read_text())
     moved = {model.body(model.jnt_bodyid[j]).name for j in simple}
     mass = max(
         [
