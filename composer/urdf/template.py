@@ -28,6 +28,12 @@ _PREFIX = "xacro:"
 _NAMESPACE = re.compile(rb"\bxmlns:xacro\s*=|<xacro:")
 
 
+_DEFINE = {
+    "property": 'define it: `<xacro:property name="{}" value="…"/>`',
+    "macro": 'define it, `<xacro:macro name="{}">`, or include the file that does',
+}
+
+
 @dataclass(frozen=True, slots=True)
 class Expanded:
     """The text, where each of its elements comes from, the files that were read, and what is remarkable.
@@ -126,6 +132,12 @@ class Template:
                 if near := closest(subject, [*self.arguments]):
                     notes.append(Note(f"`with` gives `{near[0]}`"))
                     help = f"write `{subject}` in place of `{near[0]}`"
+            case "property" | "macro" as noun:
+                known = error["known"]
+                assert isinstance(known, list)
+                message = f"the {noun} `{subject}` does not exist"
+                notes.insert(0, exists_note(noun, known, subject))
+                help = did_you_mean(subject, known) or _DEFINE[noun].format(subject.removeprefix(_PREFIX))
             case "environment":
                 help = "make it an argument of the template: `<xacro:arg>`, and `with` in the recipe"
             case "unsafe":
