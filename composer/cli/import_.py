@@ -14,6 +14,7 @@ import click
 from composer.cli.limits import timeout_option
 from composer.cli.output import output_option
 from composer.cli.reporting import FINDINGS, exit_code, progress, report, reporting_options, say
+from composer.reading.foreign import foreign_format
 
 if TYPE_CHECKING:
     from composer.context import Context
@@ -61,6 +62,7 @@ def command(
             f"PARTS are files, and `{named}` is a reference. "
             "Leave PARTS out: Menagerie and installed packages are searched"
         )
+    _refuse_foreign((merged, *parts), context, form)
     progress(f"reading {merged}")
     if merged.suffix.lower() in (".urdf", ".xacro"):
         _urdf(merged, bool(parts or folders), target, context, form)
@@ -106,6 +108,17 @@ def command(
     else:
         several(f"it builds, and is not yet the model of {shown}", different)
     sys.exit(FINDINGS if outcome is None or not outcome.same else 0)
+
+
+def _refuse_foreign(files: tuple[Path, ...], context: Context, form: str) -> None:
+    """End with an error for each file in a format that is not read."""
+    for file in files:
+        if (found := foreign_format(file)) is not None:
+            shown = context.shown(file)
+            context.sink.error("source-kind", found.message(shown), help=found.help(shown))
+    if context.sink.has_errors:
+        report(context, form)
+        sys.exit(exit_code(context.folder, files))
 
 
 def _urdf(file: Path, is_more_named: bool, target: Path, context: Context, form: str) -> NoReturn:

@@ -2,13 +2,28 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import click
 
 from composer.targets.names import MUJOCO, NAMES
 
+
+class _Target(click.Choice):  # type: ignore[type-arg]  # before click 8.2 it is not generic
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        if value in self.choices:
+            return str(value)
+        from composer.diagnostics.suggest import closest
+
+        near = closest(value, self.choices)
+        hint = f" Did you mean `{near[0]}`?" if near else ""
+        message = f"the target `{value}` does not exist.{hint} Targets: {', '.join(self.choices)}."
+        raise click.BadParameter(message, ctx, param)
+
+
 target_option = click.option(
     "--target",
-    type=click.Choice(NAMES),
+    type=_Target(NAMES),
     callback=lambda context, option, value: None if value == MUJOCO else value,
     help="The program to write the model for. What it does not support is reported. Default: mujoco.",
 )
@@ -26,7 +41,7 @@ def check_target(target: str | None, kind: str, *, is_verified: bool) -> None:
     if kind not in ("folder", "archive", *_MORE.get(target, ())):
         help = f"write a folder, `--target {target} -o build/{target}/`, or an archive"
         raise OutputError(
-            "output-kind", f"`--target` writes files of its own, which one {kind} has not", help
+            "output-kind", f"a model for `{target}` is several files, and the output is one", help
         )
     if not is_verified:
         help = "leave `--no-verify` out"

@@ -13,6 +13,7 @@ from composer.context import Context
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.diff.revision import RevisionError, check_out, split
+from composer.reading.foreign import foreign_format
 from composer.scratch import scratch
 from composer.sources.fetching import Fetching
 from composer.sources.trust import Trust
@@ -89,6 +90,9 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
         context.sink.error("file-not-found", f"the file or folder `{shown}` does not exist{where}", help=help)
         return None
     kind = _kind(path)
+    if kind is None and (foreign := foreign_format(path)) is not None:
+        context.sink.error("source-kind", foreign.message(text), help=foreign.help(text))
+        return None
     if kind is None:
         context.sink.error(
             "source-kind", f"`{text}` is neither a recipe nor an MJCF or URDF file nor a bundle",

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path, PurePath, PureWindowsPath
 
 from composer.diagnostics.suggest import closest, exists_note
+from composer.reading.foreign import foreign_format
 from composer.sources.error import SourceError
 from composer.sources.source import has_format
 
@@ -118,6 +119,11 @@ def without_suffix(text: str, existing: Iterable[str]) -> SourceError:
     same = [each for each in known if os.path.splitext(each)[0].removeprefix("./") == text.removeprefix("./")]
     same = same or [each for each in known if PurePath(each).stem == text]
     near = same[0] if same else nearest(text, known)
+    if (foreign := foreign_format(PurePath(text))) is not None:
+        stem = text.removesuffix(suffix)
+        beside = next((each for each in known if os.path.splitext(each)[0] == stem), None)
+        help = f"write `{beside}`" if beside else foreign.help(text)
+        return SourceError("source-kind", foreign.message(text), help=help)
     if suffix.lower() in (".zip", ".mjz", ".mjb"):
         problem, fix = (
             "is a bundle, which cannot be a part",

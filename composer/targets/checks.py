@@ -107,10 +107,10 @@ def loads(work: Work, asked: dict[str, Any]) -> Found:
 
 
 def _missing(name: str, reader: Reader, at: int) -> Fault:
-    message = f"no Python has `{name}`: `{reader.module}` is not installed"
+    message = f"`{name}` is not installed: no Python here has its module `{reader.module}`"
     packages = " ".join(reader.packages)
     help = (
-        f"pip install {packages}; or put it into an environment `FOLDER/{reader.program}`"
+        f"run `pip install {packages}`; or install it into an environment `FOLDER/{reader.program}`,"
         f" and set `{CONSUMERS}` to FOLDER"
     )
     return Fault(_MISSING, message, (IN, at), help=help)

@@ -20,6 +20,7 @@ from composer.diagnostics.suggest import closest, did_you_mean, exists_note
 from composer.grammar import GRAMMAR
 from composer.limits import advice, in_force
 from composer.reading.door import Door
+from composer.reading.foreign import SDF
 from composer.reading.project import own_door
 from composer.reading.refused import Refused
 from composer.reading.regular import TooLarge
@@ -42,7 +43,6 @@ _INCLUDED = "refer to the model that includes it"
 _NO_MODEL = {
     "mujocoinclude": _INCLUDED,
     "robot": "it looks like URDF: a recipe reads it if its name ends in `.urdf`",
-    "sdf": "it looks like SDFormat: convert it to MJCF first",
 }
 
 
@@ -101,12 +101,9 @@ def parse_text(
     unit.origins.texts[file] = data
     unit.origins.size = len(data)
     if root.tag != "mujoco":
-        sink.error(
-            "not-mjcf",
-            f"`{file}` is not an MJCF model: its root is `<{root.tag}>`, not `<mujoco>`",
-            unit.origins.span(root, file),
-            help=_NO_MODEL.get(str(root.tag)),
-        )
+        help = SDF.help(file) if root.tag == "sdf" else _NO_MODEL.get(str(root.tag))
+        message = f"`{file}` is not an MJCF model: its root is `<{root.tag}>`, not `<mujoco>`"
+        sink.error("not-mjcf", message, unit.origins.span(root, file), help=help)
         return None
     if next(root.iter("include"), None) is not None:
         from composer.tree.included_files import find_beside  # few models include any

@@ -17,6 +17,8 @@ from composer.meshes.plausible import measures
 from composer.reading.door import Door
 from composer.reading.refused import Refused
 
+_Y_UP = ((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, 1))
+"""In glTF 2.0 +Y is up, in every file (section 3.4). Drake 1.51 turns it like this, and RViz 2 since 2025."""
 _FEWEST = 4
 """The vertices that MuJoCo wants of a mesh."""
 
@@ -56,7 +58,7 @@ def _one(path: str, door: Door) -> dict[str, Any]:
     except Exception as error:  # whatever a library finds wrong with a file
         return {"error": _first_line(error)}
     scale = _metres(scene)
-    parts = [part for part in (_part(mesh, scale) for mesh in _meshes(scene)) if part is not None]
+    parts = [part for part in (_part(mesh, scale) for mesh in _meshes(scene, suffix)) if part is not None]
     read = [each for each in resolver.read if os.path.isfile(each)]
     if resolver.refused:
         return {"refused": resolver.refused[0]}
@@ -159,15 +161,18 @@ def _metres(scene: Any) -> float:
     return 1.0
 
 
-def _meshes(scene: Any) -> Iterator[Any]:
-    """The meshes in the scene's frame, in its order; lines and points are none."""
+def _meshes(scene: Any, suffix: str) -> Iterator[Any]:
+    """The meshes in the frame of their link, in the scene's order; lines and points are none."""
+    import numpy
+
+    upright = numpy.array(_Y_UP) if suffix in ("glb", "gltf") else numpy.eye(4)
     for name in scene.graph.nodes_geometry:
         matrix, geometry = scene.graph[name]
         mesh = scene.geometry[geometry]
         if not hasattr(mesh, "faces") or not len(mesh.faces):
             continue
         mesh = mesh.copy()
-        mesh.apply_transform(matrix)
+        mesh.apply_transform(upright @ matrix)
         yield mesh
 
 

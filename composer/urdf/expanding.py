@@ -145,12 +145,14 @@ class _Work:
             and (place := _place_of(frame.f_locals.get("node"))) is not None
             and place != at
         ]
-        code, subject = "xacro", ""
+        code, subject, known = "xacro", "", None
         message = " ".join(str(error).split()) or type(error).__name__
         if isinstance(inner, Stopped):
             code, subject, message = inner.code, inner.subject, str(inner)
         elif isinstance(inner, OSError) and inner.filename:
             code, subject, message = "file", str(inner.filename), (inner.strerror or "unreadable").lower()
+        elif (found := _unknown(inner)) is not None:
+            code, subject, known = found
         elif isinstance(inner, RecursionError):
             message = "macros or properties lead to one another without an end"
         elif not isinstance(error, (self.xacro.XacroException, RuntimeError, Stopped)):
@@ -161,6 +163,7 @@ class _Work:
                 "code": code,
                 "message": message,
                 "subject": subject,
+                "known": known,
                 "at": None if at is None else self.placed(at),
                 "calls": [self.placed(each) for each in reversed(calls)][:5],
             },
@@ -259,6 +262,28 @@ class _Work:
 
     def environment(self, name: str) -> str:
         raise Stopped("environment", f"`$(env {name})` reads the environment variable `{name}`", name)
+
+
+def _unknown(error: BaseException) -> tuple[str, str, list[str]] | None:
+    """The kind of a name that does not exist, the name, and those that do; None for another error."""
+    frames = list(_frames(error.__traceback__))
+    if isinstance(error, NameError) and error.name:
+        tables = [frame.f_locals["symbols"] for frame in frames if "symbols" in frame.f_locals]
+        return None if not tables else ("property", error.name, _names(tables[-1]))
+    last = frames[-1] if frames else None
+    if last is None or last.f_code.co_name != "handle_macro_call" or "m" in last.f_locals:
+        return None  # with `m` it has found the macro, and stumbles over a parameter
+    name = str(last.f_locals.get("name") or "")
+    return None if not name else ("macro", name, _names(last.f_locals["macros"]))
+
+
+def _names(table: Any) -> list[str]:
+    """The names of a table of xacro and of those around it, without those that are everywhere, such as `pi`."""
+    found: set[str] = set()
+    while hasattr(table, "parent"):
+        found |= {str(name) for name in table if not str(name).startswith("__")}
+        table = table.parent
+    return sorted(found)
 
 
 def check_expression(text: str) -> None:

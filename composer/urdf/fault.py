@@ -10,17 +10,19 @@ from composer.diagnostics.diagnostic import Diagnostic, Note
 from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.mujoco_errors.message import Fault
-from composer.mujoco_errors.sentence import Topic, read_sentence
+from composer.mujoco_errors.sentence import Sentence, Topic, read_sentence
 from composer.mujoco_errors.translation import translate
 from composer.tree.files import stem
 from composer.tree.line import line_of
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical")
 _SIZES = "sizes are greater than zero"
+FLAT_HELP = "use a box, or a mesh with a thickness"
 _ADVICE = {
     Topic.INERTIA: 'correct it, or write `<mujoco><compiler balanceinertia="true"/></mujoco>` into the URDF',
     Topic.MASS: "give the link an `<inertial>`",
-    Topic.MESH_FORMAT: "MuJoCo reads meshes as STL, OBJ and MSH: convert the file",
+    Topic.MESH_FORMAT: "convert it to STL, OBJ, MSH, Collada, glTF, PLY, OFF or 3MF, which are read",
+    Topic.FLAT: FLAT_HELP,
     Topic.GEOM_SIZE: _SIZES,
     Topic.SIZE: _SIZES,
     Topic.URDF_GEOMETRY: "write a `<box>`, `<cylinder>`, `<sphere>`, `<capsule>` or `<mesh>` in `<geometry>`",
@@ -28,6 +30,7 @@ _ADVICE = {
 _ELSE = "MuJoCo must be able to load the file by itself: fix it there"
 
 
+_OF_MESHES = (Topic.MESH_FORMAT, Topic.MESH_FILE, Topic.VERTICES, Topic.FLAT)
 Place = Callable[[Node, str | None], Span]
 """The place of an element, or of one of its attributes."""
 
@@ -36,7 +39,7 @@ def explain(fault: Fault, robot: Node, place: Place) -> Diagnostic:
     """The error where MuJoCo refuses the URDF whose root is `robot`, in the words of its author."""
     said = " ".join(fault.message.split())
     sentence = read_sentence(said)
-    element = _element(fault, robot)
+    element = _element(fault, sentence, robot)
     known = None if sentence.topic is None else _KNOWN.get(sentence.topic)
     if known is not None and (found := known(element, robot, place)) is not None:
         return found
@@ -46,7 +49,10 @@ def explain(fault: Fault, robot: Node, place: Place) -> Diagnostic:
     elif sentence.missing_element is not None:
         advice = f"write `<{sentence.missing_element}>` in it"
     help = advice or translate(said, None).diagnostic.help or _ELSE
-    return _error(f"MuJoCo rejects the URDF: {said}", place(element, sentence.attribute), help)
+    attribute = sentence.attribute
+    if element.tag == "mesh" and element.get("filename"):
+        attribute = attribute or "filename"
+    return _error(f"MuJoCo rejects the URDF: {said}", place(element, attribute), help)
 
 
 def _error(message: str, span: Span, help: str, *notes: Note) -> Diagnostic:
@@ -62,8 +68,12 @@ def named_in(said: str, robot: Node) -> Node:
     return robot
 
 
-def _element(fault: Fault, robot: Node) -> Node:
+def _element(fault: Fault, sentence: Sentence, robot: Node) -> Node:
     """The element that MuJoCo speaks of, by its line or by its name."""
+    for mesh in robot.iter("mesh") if sentence.topic in _OF_MESHES else ():
+        file = str(mesh.get("filename") or "").replace("\\", "/").rpartition("/")[2]
+        if file and {file, stem(file)} & {*sentence.names, fault.name}:
+            return mesh
     if fault.line is not None:
         tags = (fault.element,) if fault.element else ("*",)
         after = (each for each in robot.iter(*tags) if (line_of(each) or 0) >= fault.line)
@@ -76,34 +86,59 @@ def _element(fault: Fault, robot: Node) -> Node:
 
 
 def _repeated(element: Node, robot: Node, place: Place) -> Diagnostic | None:
-    seen: set[str | None] = set()
-    for link in robot.iterchildren("link"):
-        name = link.get("name")
-        if name in seen:
-            return _error(
-                f"two links are called `{name}`", place(link, "name"), "give one of them another name"
-            )
-        seen.add(name)
+    for tag in ("link", "joint"):
+        seen: dict[str | None, Node] = {}
+        for each in robot.iterchildren(tag):
+            name = each.get("name")
+            if name is not None and seen.setdefault(name, each) is not each:
+                note = Note(f"the other `{name}` is written here", place(seen[name], "name"))
+                message = f"two {tag}s are called `{name}`"
+                return _error(message, place(each, "name"), "give one of them another name", note)
     return None
 
 
 def _ring(element: Node, robot: Node, place: Place) -> Diagnostic | None:
-    """MuJoCo builds from the links that hang on nothing, and does not find those it has not come to."""
-    above = {_end(joint, "child"): _end(joint, "parent") for joint in robot.iterchildren("joint")}
-    ring = [str(element.get("name"))]
-    while (parent := above.get(ring[-1])) is not None and parent not in ring:
-        ring.append(parent)
-    names = ", which hangs on ".join(f"`{name}`" for name in [*ring, parent or ring[0]])
-    help = "one of them must hang on nothing: take out its joint"
-    return _error(f"links hang on one another in a ring: {names}", place(element, "name"), help)
+    """MuJoCo builds from the links that hang on nothing, and names one of those it has come to."""
+    joints = {
+        child: joint for joint in robot.iterchildren("joint") if (child := _end(joint, "child")) is not None
+    }
+    for start in joints:
+        way, above = [start], _end(joints[start], "parent")
+        while above is not None and above in joints and above not in way:
+            way.append(above)
+            above = _end(joints[above], "parent")
+        if above in way:
+            ring = way[way.index(above) :]
+            links = ", which hangs on ".join(f"`{name}`" for name in [*ring, ring[0]])
+            closing = ", ".join(f"`{joints[name].get('name')}`" for name in ring)
+            one = f"one of the joints {closing}" if len(ring) > 1 else f"the joint {closing}"
+            help = f"one of them must hang on nothing: take {one} out"
+            link = next((each for each in robot.iterchildren("link") if each.get("name") == ring[0]), element)
+            return _error(f"links hang on one another in a ring: {links}", place(link, "name"), help)
+    return None
 
 
 def _two_parents(element: Node, robot: Node, place: Place) -> Diagnostic | None:
     name = _end(element, "child")
-    joints = [str(j.get("name")) for j in robot.iterchildren("joint") if _end(j, "child") == name]
-    named = " and ".join(f"`{joint}`" for joint in joints)
-    message = f"the link `{name}` hangs on several joints: {named}"
-    return _error(message, place(element, None), "a link hangs on one joint at most")
+    joints = [joint for joint in robot.iterchildren("joint") if _end(joint, "child") == name]
+    named = [f"`{joint.get('name')}`" for joint in joints]
+    message = f"the link `{name}` hangs on several joints: {' and '.join(named)}"
+    last = joints[-1]
+    if _end(last, "parent") == name:
+        message = f"the joint {named[-1]} connects the link `{name}` with itself"
+    note = Note(f"{named[0]} is written here", place(joints[0], "name"))
+    child = next(last.iterchildren("child"))
+    help = f"a link hangs on one joint: take {named[-1]} out, or give it another child"
+    return _error(message, place(child, "link"), help, note)
+
+
+def _mass(element: Node, robot: Node, place: Place) -> Diagnostic | None:
+    """A mass that is written, and that nothing can have."""
+    mass = element.find("inertial/mass") if element.tag == "link" else None
+    if mass is None or not _is_none(str(mass.get("value"))):
+        return None
+    message = f"the link `{element.get('name')}` weighs {mass.get('value')} kg, and moves"
+    return _error(message, place(mass, "value"), "write what it weighs")
 
 
 def _no_link(element: Node, robot: Node, place: Place) -> Diagnostic | None:
@@ -151,6 +186,7 @@ _KNOWN: Mapping[Topic, Callable[[Node, Node, Place], Diagnostic | None]] = {
     Topic.URDF_PARENTS: _two_parents,
     Topic.URDF_LINK: _no_link,
     Topic.URDF_JOINT_TYPE: _joint_type,
+    Topic.MASS: _mass,
     Topic.GEOM_SIZE: _no_size,
     Topic.SIZE: _no_size,
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import dist
@@ -17,9 +18,10 @@ from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.engine.run import call
 from composer.engine.session import Session
-from composer.meshes.plausible import doubts, measured
+from composer.meshes.plausible import Doubt, doubts, measured
 from composer.reading.refused import Refused
 from composer.urdf.converting import convert, measure
+from composer.urdf.fault import FLAT_HELP
 from composer.urdf.robot import Look, Robot
 
 READ_BY_MUJOCO = ("stl", "obj", "msh")
@@ -28,10 +30,8 @@ _FOLDER = "converted"
 _MOST_FACES = 200_000
 """Of an STL file, in MuJoCo."""
 _NO_VOLUME = 1e-12
-_SHAPE_ADVICE = {
-    "flat": "use a box, or a mesh with a thickness",
-    "open": "give the link an `<inertial>`, or close the mesh",
-}
+_ADDRESS = re.compile(r"https?://|ftp://")
+_OPEN_HELP = "give the link an `<inertial>`, or close the mesh"
 
 
 @dataclass(slots=True)
@@ -44,6 +44,7 @@ class Meshes:
     shown: Any
     files: list[Path] = field(default_factory=list)
     taken: set[str] = field(default_factory=set)
+    flat: list[tuple[Doubt, str, Span]] = field(default_factory=list)
     shells: set[str] = field(default_factory=set)
     """The meshes that MuJoCo may weigh as shells, for it needs a volume else: their mass is nowhere used."""
 
@@ -51,6 +52,12 @@ class Meshes:
         """Convert what has to be, and look at what there is."""
         wanted: dict[str, list[Node]] = {}
         for mesh in self._used():
+            written = str(mesh.get("filename") or "")
+            if _ADDRESS.match(written):
+                message = f"`{written}` is an address, and a URDF cannot fetch its meshes"
+                help = "download the file, put it beside the URDF, and name it"
+                self.sink.error("asset-missing", message, self._span(mesh), help=help)
+                continue
             found = self.robot.file_of(str(mesh.get("filename") or ""))
             if found is not None and found.is_file():
                 try:
@@ -69,6 +76,11 @@ class Meshes:
         if convertible:
             for path, result in zip(convertible, self._ask(convert, convertible), strict=True):
                 self._replace(Path(path), wanted[path], result)
+
+    def report_flat(self) -> None:
+        """Warn of flat meshes that MuJoCo accepts; where it does not, that is the error."""
+        for doubt, message, span in self.flat:
+            self.sink.warning(doubt.code, message, span, help=FLAT_HELP)
 
     def _ask(self, function: Any, files: list[str]) -> list[Any]:
         door = self.robot.unit.door
@@ -194,13 +206,16 @@ class Meshes:
         if touches and link is not None and link.find("inertial") is None:
             inside = f"the mass of the link `{link.get('name')}` is computed from it"
         for doubt in doubts(measured(facts, scale), _reach(self.robot.root), touches=touches, inside=inside):
-            help, cause = _SHAPE_ADVICE.get(doubt.kind), None
-            if help is None:
-                help = doubt.advice(scale, 'scale="{}"')
-                cause = Cause(f"{doubt.kind} meshes of {self.robot.unit.file}", called)
-            self.sink.warning(
-                doubt.code, f"the mesh {called} {doubt.what}", self._span(mesh), help=help, cause=cause
-            )
+            span, message = self._span(mesh), f"the mesh {called} {doubt.what}"
+            match doubt.kind:
+                case "flat":  # MuJoCo may refuse it, and that is told once
+                    self.flat.append((doubt, message, span))
+                case "open":
+                    self.sink.warning(doubt.code, message, span, help=_OPEN_HELP)
+                case _:
+                    cause = Cause(f"{doubt.kind} meshes of {self.robot.unit.file}", called)
+                    help = doubt.advice(scale, 'scale="{}"')
+                    self.sink.warning(doubt.code, message, span, help=help, cause=cause)
 
 
 def _shape(mesh: Node) -> Node:

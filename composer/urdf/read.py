@@ -12,12 +12,14 @@ from lxml.etree import _Element as Node
 from composer.diagnostics.diagnostic import Note, Severity
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import exists_note
+from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.diagnostics.unknown import unknown_attribute
 from composer.engine.session import Session
 from composer.engine.urdf import PACKAGE, Converted, convert_urdf
 from composer.grammar import GRAMMAR
 from composer.mujoco_errors.message import CRASHES, parse
+from composer.mujoco_errors.sentence import Topic, read_sentence
+from composer.reading.foreign import SDF
 from composer.reading.refused import Refused
 from composer.scratch import scratch
 from composer.sources import ros_package
@@ -99,14 +101,14 @@ class UrdfReader:
             converted = self._converted(robot, meshes.shells, stack, inertia.mend(robot, self.sink))
         if converted is None:
             return None
-        for warning in converted.warnings:
-            self.sink.warning(
-                "mujoco-warning", f"MuJoCo warns: {warning}", self._span(named_in(warning, robot.root))
-            )
+        self._report_warnings(converted, robot)
+        if read_sentence(converted.error or "").topic is not Topic.FLAT:
+            meshes.report_flat()
         if converted.text is None:
             self._refused(robot, converted)
             return None
         self._report_roots(robot)
+        self._report_joints(robot)
         for path in meshes.files:
             robot.unit.origins.texts.setdefault(self.shown(path), None)
         return self._completed(robot, converted.text)
@@ -242,10 +244,39 @@ class UrdfReader:
         self.robot = robot
         if root.tag != "robot":
             help = "end its name in `.xml`" if root.tag == "mujoco" else "a URDF file begins with `<robot>`"
+            help = SDF.help(shown) if root.tag == "sdf" else help
             self._error(
                 "not-urdf", f"`{shown}` is not a URDF: its root is `<{root.tag}>`, not `<robot>`", help=help
             )
         return root.tag == "robot"
+
+    def _report_warnings(self, converted: Converted, robot: Robot) -> None:
+        """Report what MuJoCo warns of, and each `<mimic>` of no joint, for which it gives a wrong reason."""
+        joints = [str(each.get("name")) for each in robot.root.iterchildren("joint")]
+        lost = [each for each in robot.root.iterfind("joint/mimic") if each.get("joint") not in joints]
+        for warning in converted.warnings:
+            element = named_in(warning, robot.root)
+            if element.find("mimic") not in lost:
+                self.sink.warning("mujoco-warning", f"MuJoCo warns: {warning}", self._span(element))
+        for mimic in lost:
+            name, joint = str(mimic.get("joint")), mimic.getparent()
+            own = "" if joint is None else joint.get("name")
+            message = f"the joint `{name}`, which `{own}` mimics, does not exist: `{own}` moves by itself"
+            help = did_you_mean(name, joints) or "name a joint of this file"
+            note = exists_note("joint", joints, name)
+            self.sink.warning("mujoco-warning", message, self._span(mimic, "joint"), notes=(note,), help=help)
+
+    def _report_joints(self, robot: Robot) -> None:
+        """Warn of joints with the name of another one, whose names MuJoCo drops."""
+        seen: dict[str, Node] = {}
+        for joint in robot.root.iterchildren("joint"):
+            name = joint.get("name")
+            if name is None or joint.get("type") == "fixed" or seen.setdefault(name, joint) is joint:
+                continue
+            message = f"two joints are called `{name}`: this one has no name in the model"
+            note = Note(f"the other `{name}` is written here", self._span(seen[name], "name"))
+            help = "give one of them another name"
+            self.sink.warning("name-clash", message, self._span(joint, "name"), notes=(note,), help=help)
 
     def _report_roots(self, robot: Robot) -> None:
         """Warn of links that were probably to hang on another one: for MuJoCo each stands in the world."""

@@ -106,8 +106,12 @@ class Robot:
         if not self.changed:
             return None
         etree.cleanup_namespaces(self.root)
-        text = etree.tostring(self.root, encoding="unicode")
-        new = etree.fromstring(text, etree.XMLParser(huge_tree=True, resolve_entities=False, no_network=True))
+        # A line for each element: MuJoCo says where it stumbles by the line alone.
+        text = etree.tostring(self.root, encoding="unicode", pretty_print=True)
+        parser = etree.XMLParser(
+            huge_tree=True, resolve_entities=False, no_network=True, remove_blank_text=True
+        )
+        new = etree.fromstring(text, parser)
         origins = Origins(texts=self.unit.origins.texts)
         for old, element in zip(self.root.iter("*"), new.iter("*"), strict=True):
             origins.own(element, partial(_written, self.unit.origins, old, self.unit.file))

@@ -12,18 +12,26 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Diagnostic, Note, Severity
+from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.diagnostics.suggest import did_you_mean, exists_note
+from composer.diagnostics.suggest import closest, did_you_mean, exists_note
 from composer.engine.run import call
 from composer.engine.session import Session
 from composer.limits import advice, in_force
 from composer.reading.door import Door
 from composer.tree.origin import Origins
+from composer.tree.parse import parse_xml
 from composer.tree.start_tag import SourceText
 from composer.urdf.expanding import expand
 
 _PREFIX = "xacro:"
 _NAMESPACE = re.compile(rb"\bxmlns:xacro\s*=|<xacro:")
+
+
+_DEFINE = {
+    "property": 'define it: `<xacro:property name="{}" value="…"/>`',
+    "macro": 'define it, `<xacro:macro name="{}">`, or include the file that does',
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,6 +129,15 @@ class Template:
                 return Expanded(None, files=tuple(files), package=subject, at=span)
             case "argument":
                 help = f"write beside `model`: `with: {{{subject}: …}}`"
+                if near := closest(subject, [*self.arguments]):
+                    notes.append(Note(f"`with` gives `{near[0]}`"))
+                    help = f"write `{subject}` in place of `{near[0]}`"
+            case "property" | "macro" as noun:
+                known = error["known"]
+                assert isinstance(known, list)
+                message = f"the {noun} `{subject}` does not exist"
+                notes.insert(0, exists_note(noun, known, subject))
+                help = did_you_mean(subject, known) or _DEFINE[noun].format(subject.removeprefix(_PREFIX))
             case "environment":
                 help = "make it an argument of the template: `<xacro:arg>`, and `with` in the recipe"
             case "unsafe":
@@ -139,9 +156,22 @@ class Template:
                 message, help = refused.message(), refused.help
             case "syntax":
                 code = "xml-syntax"
+                if known := self._not_xml(at, files):
+                    return Expanded(None, files=tuple(files), found=known)
         return Expanded(
             None, files=tuple(files), found=(Diagnostic(code, message, span, notes=tuple(notes), help=help),)
         )
+
+    def _not_xml(self, at: object, files: list[Path]) -> tuple[Diagnostic, ...]:
+        """What is wrong with the XML of a file, in the words that other models have for it."""
+        if not isinstance(at, list):
+            return ()
+        file, sink = files[at[0]], Sink()
+        try:
+            parse_xml(self.door.read(file), self._name(file), sink)
+        except OSError:
+            return ()
+        return tuple(sink.errors)
 
 
 def owned(root: Node, owners: tuple[Span, ...], origins: Origins) -> None:

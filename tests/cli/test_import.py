@@ -85,6 +85,27 @@ ARM = '<mujoco><worldbody><body name="base"><geom size="0.1"/><body name="link">
 HAND = '<body name="{0}palm"><geom size="0.1"/><body name="{0}finger"><geom size="0.1"/></body></body>'
 
 
+@pytest.mark.parametrize(
+    ("file", "name", "help"),
+    [
+        ("arm.sdf", "SDFormat", "`sdf2mjcf arm.sdf arm.xml`"),
+        ("arm.usd", "USD", "take the MJCF or URDF that it was made from"),
+        ("arm.USDZ", "USD", "take the MJCF or URDF that it was made from"),
+    ],
+)
+def test_formats_of_others_are_one_error_with_a_way_out(
+    folder: Path, file: str, name: str, help: str
+) -> None:
+    (folder / file).write_bytes(b"PXR-USDC\0")
+    result = run("import", file)
+    assert (result.exit_code, result.stdout) == (1, "") and not (folder / "arm.yaml").exists()
+    assert f"error[source-kind]: `{file}` is {name}, which mjcompose does not read\n" in result.stderr
+    assert help in result.stderr and "1 error\n" in result.stderr
+    (folder / "merged.xml").write_text(MERGED.format(height="0.01"))
+    assert name in run("import", "merged.xml", file).stderr
+    assert name in run("view", file, "--html", "x.html").stderr
+
+
 def test_parts_are_looked_for(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("composer.importing.searching._of_packages", lambda: iter(()))
     monkeypatch.setattr("composer.importing.searching._of_menagerie", lambda _: iter(()))

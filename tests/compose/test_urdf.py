@@ -175,7 +175,7 @@ def test_warnings_stand_in_the_urdf(tmp_path: Path) -> None:
     context = Context(environment={}, folder=tmp_path)
     assert build(Request(recipe), context) is not None
     lines = (tmp_path / "robot.urdf").read_text().splitlines()
-    line = next(number for number, text in enumerate(lines, 1) if 'joint name="grip"' in text)
+    line = next(number for number, text in enumerate(lines, 1) if 'mimic joint="no"' in text)
     told = [
         (each.code, each.span and each.span.line)
         for each in context.sink.sorted()

@@ -64,6 +64,8 @@ SEVERAL = {
 }
 # Not wrong: something is told, and the model is built.
 BUILT = {
+    "urdf_joints_of_one_name",
+    "urdf_mimic_of_nothing",
     "added_without_mass",
     "allow_unused",
     "conflict_merge",
@@ -105,6 +107,7 @@ def told(context: Context) -> str:
 # An older MuJoCo fuses the links of a URDF without a trace, and has elements that this one has not.
 OF_THIS_MUJOCO = {
     "urdf_clash",
+    "urdf_joints_of_one_name",
     "runs_on_lacks",  # MuJoCo 3 has no pid
     "urdf_fused_link",
     "element_of_older_mujoco",

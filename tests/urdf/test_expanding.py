@@ -79,7 +79,10 @@ def test_every_element_keeps_its_place_through_macros_and_includes(tmp_path: Pat
     ("text", "code", "line"),
     [
         ('<link name="${1 / 0}"/>', "xacro", 2),
-        ('<link/>\n<link name="${nothing}"/>', "xacro", 3),
+        ('<link/>\n<link name="${nothing}"/>', "property", 3),
+        ("<link/>\n<xacro:nothing/>", "macro", 3),
+        ('<xacro:macro name="m" params="a"><a/></xacro:macro>\n<xacro:m/>', "xacro", 3),
+        ('<xacro:macro name="m" params="a"><a/></xacro:macro>\n<xacro:m a="1" b="2"/>', "xacro", 3),
         ('\n<xacro:include filename="no.xacro"/>', "file", 3),
         ('<link name="$(env HOME)"/>', "environment", 2),
         ('<link name="$(optenv HOME x)"/><link name="$(cwd)"/>', "environment", 2),

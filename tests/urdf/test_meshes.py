@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import re
+import base64
+import json
+import struct
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from urdf.parts import ARM, INERTIAL, link, robot
 
+from composer.meshes.plausible import is_flat
 from composer.urdf.read import UrdfReader
 
 Reader = Callable[..., UrdfReader]
@@ -59,15 +62,23 @@ def test_what_is_plausible(
     assert told(reader("r.urdf", robot(ARM[0], link("upper", inertial + shape("m.obj")), *ARM[2:]))) == codes
 
 
-@pytest.mark.parametrize("tilted", [False, True])
-def test_a_flat_mesh(reader: Reader, tmp_path: Path, tilted: bool) -> None:
-    mesh = obj(flat=True)
-    if tilted:  # the box around it has a height
-        mesh = re.sub(r"^v (\S+) (\S+) 0$", r"v \1 \2 \1", mesh, flags=re.MULTILINE)
-    (tmp_path / "m.obj").write_text(mesh)
-    assert "mesh-shape" in told(
-        reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + shape("m.obj")), *ARM[2:]))
-    )
+def test_a_flat_mesh_is_reported_once(reader: Reader, tmp_path: Path) -> None:
+    """As an error where MuJoCo refuses it, which 4.0 does, and as a warning where not."""
+    (tmp_path / "m.obj").write_text(obj(flat=True))
+    read = reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + shape("m.obj")), *ARM[2:]))
+    read.unit()
+    (found,) = (each for each in read.sink.sorted() if each.code != "urdf-unread")
+    assert found.code in ("mujoco-rejects", "mesh-shape")
+    assert found.help == "use a box, or a mesh with a thickness"
+    assert found.span and found.span.line == 3 and found.span.column > 100
+
+
+@pytest.mark.parametrize("tilted", [0.0, 1.0])
+def test_what_is_flat(tilted: float) -> None:
+    numpy = pytest.importorskip("numpy")
+    plate = numpy.array([(x, y, tilted * x) for x, y, _ in CORNERS] + [(1, 1, tilted)])
+    assert is_flat(plate)
+    assert not is_flat(numpy.array([*plate, (0, 0, 1e-3)]))
 
 
 def test_the_help_for_millimetres_is_right(reader: Reader, tmp_path: Path) -> None:
@@ -147,6 +158,81 @@ def test_the_colour_of_the_urdf_comes_first(reader: Reader, tmp_path: Path) -> N
     unit = reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + looks), *ARM[2:]), visuals="keep").unit()
     assert unit is not None
     assert [geom.get("rgba") for geom in unit.root.iter("geom")] == ["0 1 0 1"]
+
+
+def gltf(node: dict[str, object]) -> tuple[dict[str, object], bytes]:
+    """A wedge of 0.2, 0.3 and 0.1 m along its X, Y and Z, as glTF and its bytes."""
+    places = b"".join(struct.pack("<3f", 0.2 * x, 0.3 * y, 0.1 * z) for x, y, z in CORNERS)
+    data = places + struct.pack("<12H", *(corner for face in FACES for corner in face))
+    accessors = [
+        {
+            "bufferView": 0,
+            "componentType": 5126,
+            "count": 4,
+            "type": "VEC3",
+            "min": [0, 0, 0],
+            "max": [0.2, 0.3, 0.1],
+        },
+        {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"},
+    ]
+    views = [
+        {"buffer": 0, "byteOffset": 0, "byteLength": 48},
+        {"buffer": 0, "byteOffset": 48, "byteLength": 24},
+    ]
+    meshes = [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}]
+    scene = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, **node}],
+    }
+    return {**scene, "meshes": meshes, "accessors": accessors, "bufferViews": views}, data
+
+
+@pytest.mark.parametrize("suffix", ["gltf", "glb"])
+@pytest.mark.parametrize(
+    ("node", "tips"),
+    [
+        # What Drake 1.51.1 makes of the same: up in the file is +Z, and its +Z is -Y.
+        ({}, [(0.2, 0, 0), (0, 0, 0.3), (0, -0.1, 0)]),
+        # Its node turns it first, from +Y to +Z, and moves it along +Y.
+        (
+            {"rotation": [0.5**0.5, 0, 0, 0.5**0.5], "translation": [0, 1, 0]},
+            [(0.2, 0, 1), (0, -0.3, 1), (0, 0, 0.9)],
+        ),
+    ],
+    ids=["plain", "turned and moved by its node"],
+)
+def test_gltf_stands_upright(
+    reader: Reader, tmp_path: Path, suffix: str, node: dict[str, object], tips: list[tuple[float, ...]]
+) -> None:
+    pytest.importorskip("trimesh")
+    scene, data = gltf(node)
+    if suffix == "gltf":
+        text = base64.b64encode(data).decode()
+        buffers = [{"byteLength": len(data), "uri": f"data:application/octet-stream;base64,{text}"}]
+        (tmp_path / "m.gltf").write_text(json.dumps({**scene, "buffers": buffers}))
+    else:
+        head = json.dumps({**scene, "buffers": [{"byteLength": len(data)}]}).encode()
+        head += b" " * (-len(head) % 4)
+        chunks = (
+            struct.pack("<2I", len(head), 0x4E4F534A)
+            + head
+            + struct.pack("<2I", len(data), 0x004E4942)
+            + data
+        )
+        (tmp_path / "m.glb").write_bytes(struct.pack("<3I", 0x46546C67, 2, 12 + len(chunks)) + chunks)
+    mesh = shape(f"m.{suffix}")
+    unit = reader("r.urdf", robot(ARM[0], link("upper", INERTIAL + mesh), *ARM[2:])).unit()
+    assert unit is not None
+    (content,) = unit.contents.values()
+    assert isinstance(content, bytes)
+    found = [
+        tuple(map(float, line.split()[1:])) for line in content.decode().splitlines() if line.startswith("v ")
+    ]
+    origin = tuple(map(float, node.get("translation", (0, 0, 0))))  # type: ignore[arg-type, call-overload]
+    wanted = [(origin[0], -origin[2], origin[1]), *tips]
+    assert sorted(found) == [pytest.approx(each, abs=1e-7) for each in sorted(wanted)]
 
 
 def picture(path: Path, colour: tuple[int, int, int] = (200, 10, 10)) -> None:

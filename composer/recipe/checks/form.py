@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from composer.diagnostics.suggest import advised, exists_note
@@ -108,10 +109,14 @@ class Numbers:
 
 @dataclass(frozen=True, slots=True)
 class Words:
-    """One of these words or a list of them, read as a tuple. Messages call each one a `noun`."""
+    """One of these words or a list of them, read as a tuple. Messages call each one a `noun`.
+
+    `elsewhere` has the help for words that are right in other places.
+    """
 
     known: tuple[str, ...]
     noun: str
+    elsewhere: Mapping[str, str] = field(default_factory=dict)
 
     def read(self, keys: Keys, value: Any, *at: str | int) -> tuple[str, ...]:
         listed = isinstance(value, list)
@@ -136,6 +141,8 @@ class Words:
             help, fix = advised(each, self.known)
             note = exists_note(self.noun, self.known, each)
             message = f"{keys.owner} knows no {self.noun} `{each}`"
+            if each in self.elsewhere:
+                message, help, fix = f"{keys.owner} cannot use `{each}`", self.elsewhere[each], None
             keys.add("wrong-keyword", message, *place, notes=(note,), help=help, fix=fix)
         return tuple(dict.fromkeys(found))
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from composer.recipe.checks.form import Key, Keyed, Words
 from composer.recipe.checks.keys import Keys
 from composer.recipe.checks.kind import Kind
-from composer.recipe.checks.simulators import READ_IN
+from composer.recipe.checks.simulators import NOT_READ_IN, READ_IN
 from composer.recipe.fault import Path
 
 IN = "in"
@@ -27,7 +27,7 @@ class Loads:
 
 FORM = Keyed(
     "Other programs read the model back with its masses, inertias, limits and poses.",
-    Key(IN, Words(READ_IN, "program"), "the programs that read it", needed="[drake, mjx]"),
+    Key(IN, Words(READ_IN, "program", NOT_READ_IN), "the programs that read it", needed="[drake, mjx]"),
 )
 
 
