@@ -9,10 +9,10 @@ from pathlib import Path
 
 from composer.context import Context
 from composer.diagnostics.diagnostic import Cause
+from composer.grammar.history import default_of, place, unread
 from composer.grammar.version import version_key
 from composer.migrate.changes import between
 from composer.migrate.editing import Editing, Meaning, Step, called
-from composer.migrate.history import default_of, place, unread
 from composer.migrate.markup import Markup, MarkupError, Source
 from composer.tree.files import file_attributes, join, written_path
 from composer.tree.parse import parse_file
