@@ -68,7 +68,7 @@ ALLOWED = {
     "targets/readers/drake.py": "runs in an environment of its own, on a model in a folder of ours",
     **{
         f"targets/readers/{name}.py": "the same"
-        for name in ("newton", "pinocchio", "pybullet", "shared/mujoco_facts")
+        for name in ("genesis", "newton", "pinocchio", "pybullet", "shared/mujoco_facts")
     },
     "targets/plain/files.py": "the bundle, in a folder of ours",
     "verify/world_table.py": "what MuJoCo's process has just written into a folder of ours",
