@@ -56,7 +56,7 @@ test-worlds: $(STAMP)
 	@build/mjlab/bin/python -m pytest tests/worlds/test_mjlab.py tests/worlds/test_warp.py
 
 # What other programs read of what `build --target` writes for them. They come from PyPI, each into an environment of its own below
-# build/consumers (2.5 GB); what cannot be had is skipped, with the reason.
+# build/consumers (8 GB, and more where PyTorch comes with CUDA); what cannot be had is skipped, with the reason.
 #   MENAGERIE_ROOT=…                 with the robots of Menagerie
 test-targets: $(STAMP)
 	@$(BIN)/python tests/targets/environments.py

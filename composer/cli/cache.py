@@ -35,12 +35,14 @@ def command() -> None:
 def info(form: str) -> None:
     """Print the location, the size and the contents of the store."""
     from composer.sources.blobs import blobs_in
+    from composer.sources.mujocos import mujocos_in
 
     store, _ = _store()
     entries = store.entries()
     built = list(blobs_in(store.folder))
+    mujocos = sorted(mujocos_in(store.folder), key=lambda each: each.used, reverse=True)
     size_built = sum(blob.size for blob in built)
-    size = sum(entry.size for entry in entries) + size_built
+    size = size_built + sum(entry.size for entry in entries) + sum(each.size for each in mujocos)
     if form == "json":
         answer = [
             {
@@ -60,6 +62,7 @@ def info(form: str) -> None:
                     "limit": store.limit,
                     "entries": answer,
                     "builds": {"size": size_built, "files": len(built)},
+                    "mujocos": [{"version": each.version, "size": each.size} for each in mujocos],
                 }
             )
         )
@@ -67,6 +70,8 @@ def info(form: str) -> None:
     click.echo(f"{store.folder}: {_bytes(size)} of at most {_bytes(store.limit)}, {_count(entries)}")
     if built:
         click.echo(f"  {_bytes(size_built):>9}  built models, {len(built)} files")
+    for each in mujocos:
+        click.echo(f"  {_bytes(each.size):>9}  MuJoCo {each.version}, for `migrate`")
     for entry in reversed(entries):
         click.echo(f"  {_bytes(entry.size):>9}  {entry.kind} {entry.key[:12]}  {entry.origin}")
     if unfinished := store.unfinished():

@@ -29,6 +29,7 @@ from composer.grammar.element import ElementType
 from composer.grammar.refusal import Refusal
 from composer.grammar.version import version_key
 from composer.link.room import ROOM
+from composer.mujoco_errors.other_version import version_of
 from composer.mujoco_errors.translation import unknown_attribute, unknown_element
 from composer.tree.classes import MAIN
 from composer.tree.ignored import BLIND, unread
@@ -63,9 +64,10 @@ class _Malformed:
 class _UnknownAttribute:
     node: Node
     name: str
+    version: str | None = None
 
     def report(self, unit: Unit, sink: Sink) -> None:
-        found = unknown_attribute(self.node, self.name).diagnostic
+        found = unknown_attribute(self.node, self.name, unit.file, self.version).diagnostic
         span = unit.origins.span(self.node, unit.file, self.name, key=True)
         sink.add(replace(found, span=span))
 
@@ -139,9 +141,10 @@ class _RepeatedClass:
 @dataclass(frozen=True, slots=True)
 class _UnknownElement:
     node: Node
+    version: str | None = None
 
     def report(self, unit: Unit, sink: Sink) -> None:
-        found = unknown_element(self.node).diagnostic
+        found = unknown_element(self.node, unit.file, self.version).diagnostic
         span = unit.origins.span(self.node, unit.file)
         sink.add(replace(found, span=span))
 
@@ -205,7 +208,12 @@ def check_source(unit: Unit, sink: Sink) -> bool:
     if found:
         passed_over = set(unread(unit.root))
         found = [each for each in found if _what(each) not in passed_over]
+    version = version_of(
+        _what(each) for each in found if isinstance(each, _UnknownAttribute | _UnknownElement)
+    )
     for fault in found:
+        if isinstance(fault, _UnknownAttribute | _UnknownElement):
+            fault = replace(fault, version=version)
         fault.report(unit, sink)
     return not found
 

@@ -108,9 +108,7 @@ def _dampratio(editing: Editing) -> None:
                 node,
                 f"{called(node)} has another damping by its `dampratio` in MuJoCo {editing.after} than in"
                 f" {editing.before}",
-                "write the damping as `kv`; with the other MuJoCo (`--with-python`, `--prove`) that is done"
-                if editing is editing.whole[0]
-                else "write the damping as `kv`",
+                "write the damping as `kv`; with the other MuJoCo (`--with-python`, `--prove`) that is done",
             )
 
 

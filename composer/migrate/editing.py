@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Protocol
 from composer.diagnostics.diagnostic import Cause
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
+from composer.grammar.history import place, spans
 from composer.grammar.version import exists_in, version_key
-from composer.migrate.history import place, spans
 from composer.migrate.markup import is_made, made
 from composer.migrate.released import RELEASED
 from composer.tree.classes import childclass_of

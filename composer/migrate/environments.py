@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,10 +16,12 @@ from typing import Any
 from composer.limits import in_force
 from composer.migrate.released import release
 from composer.processes.process import Process
-from composer.sources.store import store_folder
+from composer.sources.error import SourceError
+from composer.sources.lease import gate, hold
+from composer.sources.mujocos import FOLDER, READY, complete, is_complete, key_of
+from composer.sources.store import Store
 
 _DUMP = Path(__file__).with_name("dump.py")
-_READY = ".ready"
 _INSTALLING = 900.0
 _SAID = 300
 
@@ -77,19 +80,33 @@ def open_python(python: Path) -> Other:
 
 def make(version: str, environment: Mapping[str, str], progress: Callable[[str], None]) -> Other:
     """The MuJoCo of a version in an environment of its own, made if it is not there yet. Raises OtherError."""
-    folder = Path(store_folder(environment)) / "mujoco" / version
-    if not (folder / _READY).exists():
-        progress(f"installing MuJoCo {version}")
-        shutil.rmtree(folder, ignore_errors=True)
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            for command in _commands(folder, version):
-                _installed(command, version)
-            (folder / _READY).touch()
-        except BaseException:
-            shutil.rmtree(folder, ignore_errors=True)
-            raise
+    try:
+        store = Store.of(environment)
+        folder = store.folder / FOLDER / version
+        with store.lock(key_of(version), progress):
+            if not is_complete(folder):
+                progress(f"installing MuJoCo {version}")
+                _install(folder, version)
+            with suppress(OSError), gate(store.folder):  # it is not pruned while this process lives
+                hold(store.folder, key_of(version))
+    except SourceError as error:
+        raise OtherError(error.diagnostic.message, error.diagnostic.help) from error
+    with suppress(OSError):
+        os.utime(folder / READY)
     return open_python(_python_of(folder))
+
+
+def _install(folder: Path, version: str) -> None:
+    """Raises OtherError, and OSError."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        for command in _commands(folder, version):
+            _installed(command, version)
+        complete(folder)
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
 
 
 def _commands(folder: Path, version: str) -> list[list[str]]:

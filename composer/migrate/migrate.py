@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from composer.context import Context
 from composer.diagnostics.diagnostic import Cause
+from composer.grammar.history import default_of, place, unread
 from composer.grammar.version import version_key
+from composer.migrate.attached import Pieces
 from composer.migrate.changes import between
 from composer.migrate.editing import Editing, Meaning, Step, called
-from composer.migrate.history import default_of, place, unread
 from composer.migrate.markup import Markup, MarkupError, Source
 from composer.tree.files import file_attributes, join, written_path
 from composer.tree.parse import parse_file
@@ -60,12 +61,11 @@ def migrate(
 
     The unit is changed. `values` has what the MuJoCo of `before` measured of the model, where that is known.
     """
-    whole: list[Editing] = []
-    left: list[Meaning] = []
-    for each in _with_attached(unit, context, left):
-        # What was measured has the names of the whole model, in which attached ones have a prefix.
-        known = dict(values or {}) if each is unit else {}
-        whole.append(Editing(each, context.sink, before, after, values=known))
+    pieces = Pieces.of(unit, context)
+    whole = [
+        Editing(each.unit, context.sink, before, after, values=pieces.measured(each, values or {}))
+        for each in pieces.every
+    ]
     sources = [_sources(editing.unit, context) for editing in whole]
     if context.sink.has_errors:
         return None
@@ -88,42 +88,8 @@ def migrate(
                 _two_texts(path, context)
                 return None
     result.steps = tuple(step for editing in whole for step in editing.steps)
-    result.meanings = (*left, *(each for editing in whole for each in editing.meanings))
+    result.meanings = (*pieces.left, *(each for editing in whole for each in editing.meanings))
     return result
-
-
-def _with_attached(
-    unit: Unit,
-    context: Context,
-    left: list[Meaning],
-    seen: set[str] | None = None,
-    above: tuple[str, ...] = (),
-) -> Iterator[Unit]:
-    """A model and those that it attaches, and these in turn, each once; what is `left` as it is.
-
-    `above` are the models that lead to it: MuJoCo 4.0 crashes where one is made of itself.
-    """
-    seen = set() if seen is None else seen
-    above = above or (os.path.realpath(unit.directory / os.path.basename(unit.file)),)
-    yield unit
-    for element in unit.root.iterfind("asset/model"):
-        file = str(element.get("file") or "")
-        path = Path(os.path.normpath(join(str(unit.directory), file)))
-        shown, real = context.shown(path), os.path.realpath(path)
-        span = unit.origins.span(element, unit.file, "file")
-        if real in above:
-            help = "take this `<model>` out, or name another file"
-            context.sink.error("source-cycle", f"the model `{file}` is made of itself", span, help=help)
-            continue
-        if not file or real in seen or not unit.door.exists(path):
-            continue  # MuJoCo says so of a file that does not exist
-        seen.add(real)
-        if "urdf" in f"{element.get('content_type')} {path.suffix}".lower():
-            left.append(Meaning("attached", f"`{shown}` is URDF, and stays as it is", span, None))
-            continue
-        attached = parse_file(path, context.sink, file=shown, span=span, door=unit.door)
-        if attached is not None:
-            yield from _with_attached(attached, context, left, seen, (*above, real))
 
 
 def _carried_out(whole: list[Editing], adopt: Collection[str]) -> list[str] | None:

@@ -6,11 +6,13 @@ from collections.abc import Collection
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING
 
+from composer.grammar.history import unread
 from composer.grammar.version import version_key
-from composer.migrate.history import bounds
 from composer.migrate.released import RELEASED, later, release
 
 if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
     from composer.context import Context
     from composer.tree.unit import Unit
 
@@ -74,3 +76,9 @@ def written_for(unit: Unit, after: str, others: Collection[str], context: Contex
         " its README or the date of its last change tell",
     )
     return None
+
+
+def bounds(root: Node) -> tuple[str | None, str | None]:
+    """From which version to which one there is all that a tree has, as far as it shows."""
+    fitting = [version for version in RELEASED if next(unread(root, version), None) is None]
+    return (fitting[0], fitting[-1]) if fitting else (None, None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 from lxml.etree import _Element as Node
@@ -12,6 +13,7 @@ from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.diagnostics.unknown import unknown_attribute
 from composer.grammar import GRAMMAR, ElementType
 from composer.link.sizes import INSTEAD_OF_MEMORY
+from composer.mujoco_errors.other_version import of_other_version
 from composer.tree.files import stem
 from composer.tree.ignored import ignored, is_unread_alone
 from composer.tree.name_index import MAY_REPEAT, own_name
@@ -151,11 +153,14 @@ def _kind(section: str, tag: str) -> ElementType:
 
 
 def _unknown_element(unit: Unit, node: Node, parent: ElementType, sink: Sink) -> None:
-    tag = str(node.tag)
+    tag, span = str(node.tag), unit.origins.span(node, unit.file)
+    if (other := of_other_version(node, None, unit.file)) is not None:
+        sink.add(replace(other, span=span))
+        return
     sink.error(
         "unknown-element",
         f"`<{parent.tag}>` cannot have a `<{tag}>`",
-        unit.origins.span(node, unit.file),
+        span,
         notes=(exists_note("element", sorted(parent.children), tag),),
         help=did_you_mean(tag, parent.children, "<{}>"),
     )
@@ -169,4 +174,7 @@ def _check_attributes(unit: Unit, node: Node, kind: ElementType, sink: Sink) -> 
             sink.add(ignored(node, name, unit))
             continue
         span = unit.origins.span(node, unit.file, name)
-        sink.add(unknown_attribute(name, f"`<{kind.tag}>`", sorted(kind.attributes), span))
+        other = of_other_version(node, name, unit.file)
+        known = sorted(kind.attributes)
+        found = other or unknown_attribute(name, f"`<{kind.tag}>`", known)
+        sink.add(replace(found, span=span))

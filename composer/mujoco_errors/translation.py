@@ -10,6 +10,7 @@ from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.diagnostics.unknown import unknown_attribute as no_attribute
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType
+from composer.mujoco_errors.other_version import of_other_version
 from composer.mujoco_errors.sentence import Sentence, Topic, read_sentence
 
 if TYPE_CHECKING:
@@ -70,29 +71,28 @@ def translate(message: str, element: Node | None) -> Translation:
     return Translation(diagnostic, attribute, topic=said.topic)
 
 
-def unknown_attribute(element: Node, name: str) -> Translation:
-    """Return the translation for an attribute that MJCF does not have in that place."""
-    kind = kind_of(element)
-    known = list(kind.attributes) if kind is not None else []
-    if kind is not None and name in known:
-        message = f"this MuJoCo has no attribute `{name}` of `<{element.tag}>`"
-        attribute = kind.attributes[name]
-        notes = _versions(attribute.since, attribute.until)
-        return Translation(Diagnostic("unknown-attribute", message, notes=notes), name, key=True)
-    found = no_attribute(name, f"`<{element.tag}>`", known, otherwise=f"take `{name}` out")
+def unknown_attribute(
+    element: Node, name: str, file: str | None = None, version: str | None = None
+) -> Translation:
+    """Return the translation for an attribute that MJCF does not have in that place.
+
+    `file` is the model in which it is written, and `version` a MuJoCo that reads it, if these are known.
+    """
+    found = of_other_version(element, name, file, version)
+    if found is None:
+        kind = kind_of(element)
+        known = list(kind.attributes) if kind is not None else []
+        found = no_attribute(name, f"`<{element.tag}>`", known, otherwise=f"take `{name}` out")
     return Translation(found, name, key=True)
 
 
-def unknown_element(element: Node) -> Translation:
+def unknown_element(element: Node, file: str | None = None, version: str | None = None) -> Translation:
     """Return the translation for an element that MJCF does not have in that place."""
+    if (other := of_other_version(element, None, file, version)) is not None:
+        return Translation(other)
     parent = element.getparent()
     kind = kind_of(parent) if parent is not None else None
     known = list(kind.children) if kind is not None else []
-    if kind is not None and element.tag in known:
-        child = kind.children[str(element.tag)]
-        notes = _versions(child.since, child.until)
-        message = f"this MuJoCo has no `<{element.tag}>`"
-        return Translation(Diagnostic("unknown-element", message, notes=notes))
     holder = f"`<{parent.tag}>`" if parent is not None else "a model"
     return Translation(
         Diagnostic(
@@ -105,7 +105,7 @@ def unknown_element(element: Node) -> Translation:
 
 
 def _versions(since: str | None, until: str | None) -> tuple[Note, ...]:
-    """Return which versions of MuJoCo have what this one lacks."""
+    """Return which versions of MuJoCo have a word that this one lacks."""
     if until is not None:
         return (Note(f"it existed up to MuJoCo {until}"),)
     return (Note(f"it exists since MuJoCo {since}"),) if since is not None else ()

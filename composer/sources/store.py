@@ -3,13 +3,14 @@
     git/COMMIT/, archive/SHA256/      content/ and entry.json: what it is, its size, the hash of every file
     asked/, built/, raw/, packed/     what the build cache keeps, one file each (`blobs.py`)
     shapes/                           what was made of meshes, one file each
+    mujoco/VERSION/                   MuJoCos of other versions (`mujocos.py`)
     seen/                             what a branch, tag or URL stood for when it was last asked for
     partial/                          downloads to be resumed
     staging/                          entries being made; they move to their place in one step
     locks/                            one for each entry: two processes do not fetch the same thing at once
     leases/                           one for each process that reads entries: these are not pruned
 
-Every name is a hash, so that no reference can lead out of the store.
+Every other name is a hash, so that no reference can lead out of the store.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, Literal, TypeAlias, get_args
 
 from composer.limits import parse_size
 from composer.reading.owner import untrusted
@@ -32,6 +33,7 @@ from composer.sources.blobs import WRITING, Blob, blobs_in, is_left, write_whole
 from composer.sources.digest import differences, files_below, sha256_of
 from composer.sources.error import SourceError
 from composer.sources.lease import gate, held, hold
+from composer.sources.mujocos import FOLDER, KeptMujoco, incomplete_in, is_complete, key_of, mujocos_in
 
 Stored = Literal["git", "archive"]
 """The kind of an entry. It determines the key: a commit hash, or the sha256 of an archive."""
@@ -72,6 +74,10 @@ class Entry:
     @property
     def content(self) -> Path:
         return self.folder / "content"
+
+
+Kept: TypeAlias = Entry | Blob | KeptMujoco
+"""What a prune may remove."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -210,16 +216,16 @@ class Store:
 
     def prune(
         self, limit: int, *, grace: float = GRACE, keep: frozenset[str] | set[str] = frozenset()
-    ) -> list[Entry | Blob]:
+    ) -> list[Kept]:
         """Remove leftovers of killed processes, and the least recently used entries beyond `limit` bytes.
 
         Entries in `keep`, entries used in the last `grace` seconds and those in use by another process stay. Return
         the removed entries.
         """
-        removed: list[Entry | Blob] = []
+        removed: list[Kept] = []
         entries = self.entries()
         headless = self.headless(entries)
-        everything: list[Entry | Blob] = [*entries, *blobs_in(self.folder)]
+        everything: list[Kept] = [*entries, *blobs_in(self.folder), *mujocos_in(self.folder)]
         everything.sort(key=lambda each: (each.used, each.key))
         size = sum(each.size for each in everything)
         for each in everything:
@@ -245,7 +251,21 @@ class Store:
         with self.usable():
             self._remove(entry.folder, entry.key)
 
-    def _remove_unused(self, entry: Entry) -> bool:
+    def _remove_incomplete(self, folder: Path) -> None:
+        """Remove what is left of a MuJoCo, unless a process is making it."""
+        from filelock import FileLock, Timeout
+
+        key, locks = key_of(folder.name), self.folder / "locks"
+        with contextlib.suppress(OSError):
+            locks.mkdir(exist_ok=True)
+        with (
+            contextlib.suppress(Timeout, OSError),
+            FileLock(locks / f"{key}.lock", timeout=0),
+        ):
+            if not is_complete(folder):
+                self._remove(folder, key)
+
+    def _remove_unused(self, entry: Entry | KeptMujoco) -> bool:
         """Remove an entry unless a process is using it; return whether it was removed."""
         with self.usable():
             with gate(self.folder):
@@ -277,7 +297,7 @@ class Store:
 
     def unfinished(self) -> list[Path]:
         """Return files that are being created or downloaded, or were when their process was killed."""
-        found: list[Path] = []
+        found = incomplete_in(self.folder)
         for name in ("staging", "partial", WRITING):
             with contextlib.suppress(OSError):
                 found += (self.folder / name).iterdir()
@@ -347,6 +367,9 @@ class Store:
             with contextlib.suppress(OSError):
                 if is_left(left) or time.time() - left.stat().st_mtime > GRACE:
                     left.unlink()
+            return
+        if left.parent.name == FOLDER:
+            self._remove_incomplete(left)
             return
         from filelock import FileLock, Timeout
 

@@ -46,6 +46,7 @@ READERS: Mapping[str, Reader] = {
         Reader("pinocchio", "pinocchio", "pinocchio", ("pin",)),
         Reader("pybullet", "pybullet", "pybullet", ("numpy", "pybullet"), single=True),
         Reader("newton", "newton", "newton", ("newton", "trimesh", "scipy"), single=True),
+        Reader("genesis", "genesis", "genesis", ("torch", "genesis-world")),
         Reader("mjx", "mjx", "mujoco.mjx", ("mujoco-mjx",)),
         Reader("warp", "warp", "mujoco_warp", ("mujoco-warp",), single=True),
         Reader("urdf", "pinocchio", "pinocchio", ("pin",)),

@@ -94,7 +94,8 @@ def _report_unread(element: Node, name: str | None, model: Unit, context: Contex
     if is_unread_alone(element, name, model):
         context.sink.add(ignored(element, name, model))
         return
-    found = unknown_element(element) if name is None else unknown_attribute(element, name)
+    file = model.origins.span(element, model.file).file
+    found = unknown_element(element, file) if name is None else unknown_attribute(element, name, file)
     report(found, element, model, context, Cause(f"{element.tag} {name or ''}", _called(element)))
 
 

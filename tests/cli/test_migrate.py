@@ -131,7 +131,7 @@ def test_margins_are_judged_over_all_that_is_attached(folder: Path) -> None:
 def test_what_an_attached_model_cannot_be(folder: Path) -> None:
     attaching(folder)
     (folder / "parts/tip.xml").write_text(TIP.replace("<geom", '<composite type="cable"/><geom'))
-    result = run("migrate", "all.xml", "--from", "3.2.2", "-o", "new")
+    result = run("migrate", "all.xml", "--from", "3.2.2", "--mujoco", "4.0", "-o", "new")
     assert result.exit_code == 1 and not (folder / "new").exists()
     assert "parts/tip.xml:3:31: error[migrate-cannot]: MuJoCo 4.0 has no `<composite>`" in result.stderr
 
@@ -161,7 +161,7 @@ def test_a_file_that_would_be_two(folder: Path) -> None:
     turned = '<default><geom euler="1 0 0"/></default><include file="shared.xml"/>'
     (folder / "parts/hand.xml").write_text(HAND.replace("<asset>", turned + "<asset>"))
     (folder / "parts/tip.xml").write_text(TIP.replace("<option", '<include file="shared.xml"/><option'))
-    result = run("migrate", "all.xml", "--from", "3.2.2", "-o", "new")
+    result = run("migrate", "all.xml", "--from", "3.2.2", "--mujoco", "4.0", "-o", "new")
     assert result.exit_code == 1 and "`parts/shared.xml` is included by two of these models" in result.stderr
 
 

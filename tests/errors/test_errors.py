@@ -34,6 +34,7 @@ SEVERAL = {
     "edit_unset",
     "extends_without_angle",
     "several_sources",
+    "source_of_older_mujoco",
     "simplify_without_faces",
     "model_with_backslashes",
     "several_names",

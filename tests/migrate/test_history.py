@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 from lxml import etree
 
-from composer.migrate.history import bounds, place, spans, unread
+from composer.grammar.history import place, spans, unread
 from composer.migrate.markdown import PAGE, table, with_table
 from composer.migrate.released import RELEASED, later, release
+from composer.migrate.wish import bounds
 
 
 def model(text: str) -> etree._Element:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from lxml import etree
 
+from composer.mujoco_errors.other_version import of_other_version, version_of
 from composer.mujoco_errors.translation import kind_of, translate, unknown_attribute
 
 
@@ -57,3 +58,22 @@ def test_kinds() -> None:
     joint = kind_of(etree.fromstring("<mujoco><equality><joint/></equality></mujoco>")[0][0])
     assert joint is not None and joint.path == "equality/joint"
     assert kind_of(element("<what><geom/></what>")[0]) is None
+
+
+def test_what_another_mujoco_reads() -> None:
+    model = etree.fromstring(
+        "<mujoco><option mpr_iterations='1'/><compiler convexhull='true' saveinertial='true'/></mujoco>"
+    )
+    option, compiler = model
+    found = of_other_version(option, "mpr_iterations", "old.xml", "3.1.6")
+    assert found is not None and found.fix is None, "`ls_iterations` is near, and something else"
+    assert found.help == "`mjcompose migrate old.xml --from 3.1.6 -o NEW` writes the model for this MuJoCo"
+    in_recipe = of_other_version(option, "mpr_iterations", "cell.yaml")
+    assert in_recipe is not None and in_recipe.help is None
+    assert of_other_version(option, "colour", "old.xml") is None
+    assert version_of([(compiler, "convexhull"), (option, "mpr_iterations")]) == "3.2.2"
+    new = etree.fromstring(
+        "<mujoco><worldbody><replicate/><body><joint springyield='1'/></body></worldbody></mujoco>"
+    )
+    assert version_of([(new[0][0], None), (new[0][1][0], "springyield")]) == "4.0.0"
+    assert version_of([(option, "colour")]) is None

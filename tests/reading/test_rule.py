@@ -36,9 +36,9 @@ ALLOWED = {
     "fixing/fixed.py": "recipes that were read before",
     "formatting/order.py": "a table of this package",
     "grammar/grammar.py": "the grammar of this package",
+    "grammar/history.py": "a table of this package",
     "loading/load.py": "the file that the user names",
     "migrate/dump.py": "writes",
-    "migrate/history.py": "a table of this package",
     "migrate/markdown.py": "a page of this project",
     "pictures/video.py": "writes",
     "plan/read.py": "the recipe that the user names, or a reference that passed",
@@ -56,6 +56,7 @@ ALLOWED = {
     "sources/git_tree.py": "writes to the store",
     "sources/lease.py": "the store",
     "sources/lock_file.py": "the lock beside the recipe that the user names",
+    "sources/mujocos.py": "the store",
     "sources/spdx.py": "licences and models that passed",
     "sources/store.py": "the store",
     "sources/unpack.py": "an archive in the store",
@@ -67,7 +68,7 @@ ALLOWED = {
     "targets/readers/drake.py": "runs in an environment of its own, on a model in a folder of ours",
     **{
         f"targets/readers/{name}.py": "the same"
-        for name in ("newton", "pinocchio", "pybullet", "shared/mujoco_facts")
+        for name in ("genesis", "newton", "pinocchio", "pybullet", "shared/mujoco_facts")
     },
     "targets/plain/files.py": "the bundle, in a folder of ours",
     "verify/world_table.py": "what MuJoCo's process has just written into a folder of ours",

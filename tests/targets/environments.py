@@ -14,7 +14,7 @@ from composer.targets.reading import READERS
 
 FOLDER = Path(__file__).parents[2] / "build" / "consumers"
 PACKAGES = {reader.program: reader.packages for reader in READERS.values()}
-"""By the name of the program. Genesis needs Torch with CUDA, and Isaac Sim a GPU: neither is tested."""
+"""By the name of the program. Isaac Sim needs a GPU, and is not tested."""
 
 ROBOTS = {"robots": ("example-robot-data",)}
 """No program, but the URDFs that tests/urdf reads."""

@@ -26,7 +26,10 @@ CLOTH = (
     '<worldbody><flexcomp name="cloth" type="grid" dim="2" count="3 3 1" spacing=".1 .1 .1" radius=".01" mass="1"><edge/>'
     "</flexcomp></worldbody>"
 )
-
+ELASTIC = CLOTH.replace("<edge/>", '<elasticity young="1e4" poisson=".1" thickness=".01" elastic2d="both"/>')
+CARRIED = ELASTIC.replace(
+    "<flexcomp", "<body name='carrier'><freejoint/><geom size='.01'/><flexcomp"
+).replace("</flexcomp>", '<pin id="0"/></flexcomp></body>')
 
 PLUGIN = (
     '<extension><plugin plugin="mujoco.pid"><instance name="i"><config key="kp" value="1"/></instance></plugin>'
@@ -72,6 +75,8 @@ OF_MUJOCO_4: list[tuple[str, dict[str, str], str]] = [
      "contact `k`: MuJoCo Warp has no `linvel` and `angvel` of contacts in a model with flexes"),
     ("warp", {"flags": '<flag sleep="enable"/>', "more": CLOTH.replace("<edge/>", '<edge equality="true"/>')},
      "option: MuJoCo Warp has no flag `sleep` with equality constraints of flexes"),
+    ("warp", {"option": 'integrator="discrete"', "more": CARRIED},
+     "flex `cloth`: MuJoCo Warp has no elastic flex on moving bodies with `discrete` and the solver `Newton`"),
     ("warp", {"more": CLOTH.replace("<edge/>", '<contact selfcollide="narrow"/>').replace("3 3 1", "3 3 3")
               .replace('dim="2"', 'dim="3" dof="trilinear"')},
      "flex `cloth`: MuJoCo Warp has no contacts of an interpolated flex with itself: `selfcollide`"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from targets.refused import ALL, model
+from targets.refused import ALL, CARRIED, ELASTIC, model
 from targets.writing import codes, written
 
 
@@ -22,6 +22,20 @@ def test_what_they_have(target: str, tmp_path: Path) -> None:
     text = model(option='integrator="implicitfast" cone="elliptic"', joint='damping="1"', more=more)
     bundle, context = written(text, target, tmp_path)
     assert bundle is not None and codes(context) == []
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"option": 'integrator="discrete"', "more": ELASTIC},
+        {"option": 'integrator="discrete" solver="CG"', "more": CARRIED},
+    ],
+    ids=["in the world", "with CG"],
+)
+@pytest.mark.mujoco4("it has no such integrator, or no such flexes")
+def test_flexes_that_warp_has(given: dict[str, str], tmp_path: Path) -> None:
+    bundle, _ = written(model(**given), "warp", tmp_path)
+    assert bundle is not None
 
 
 @pytest.mark.mujoco4("it has no pid")

@@ -14,7 +14,7 @@ RUN_ON = (
     "urdf",
 )
 """Those of which it is known what they lack: the targets of `build --target`, without MuJoCo itself."""
-READ_IN = ("drake", "pinocchio", "pybullet", "newton", "mjx", "warp", "urdf")
+READ_IN = ("drake", "pinocchio", "pybullet", "newton", "genesis", "mjx", "warp", "urdf")
 """Those in which a model can be read back."""
 NOT_READ_IN = {
     name: f"no check reads models in it; `runs_on: [{name}]` says what it lacks"

@@ -18,6 +18,7 @@ from composer.targets.restrictions.compiled import (
 
 _OUT = "leave it out with `edit`"
 _DENSE_DOFS = 60
+_AXES = np.eye(3)
 
 WARP_ACTUATORS = refused_members(
     "actuators", "actuator",
@@ -48,6 +49,29 @@ def _options(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
         yield 0, "MuJoCo Warp has the flag `sleep` with the solver `Newton` alone"
     if sleeps and (model.eq_type == int(mujoco.mjtEq.mjEQ_FLEX)).any():
         yield 0, "MuJoCo Warp has no flag `sleep` with equality constraints of flexes"
+
+
+def _simple(mujoco: Any, model: Any, flex: int) -> bool:
+    """Whether each vertex of a flex is in the world or on a body of its own, with the three slides of a flexcomp."""
+    first = int(model.flex_vertadr[flex])
+    for holder in set(model.flex_vertbodyid[first : first + int(model.flex_vertnum[flex])].tolist()):
+        body = int(model.body_weldid[holder]) if holder >= 0 else 0
+        if model.body_dofnum[body] == 0:
+            continue
+        joints = slice(int(model.body_jntadr[body]), int(model.body_jntadr[body] + model.body_jntnum[body]))
+        slides = (model.jnt_type[joints] == int(mujoco.mjtJoint.mjJNT_SLIDE)).all()
+        above = int(model.body_weldid[model.body_parentid[body]])
+        if not (slides and model.body_dofnum[body] == len(_AXES) and model.body_dofnum[above] == 0):
+            return False
+        if not np.allclose(model.jnt_axis[joints], _AXES, atol=1e-15):
+            return False
+    return True
+
+
+def _is_elastic(model: Any, flex: int) -> bool:
+    bends = model.flex_bendingadr[flex] >= 0
+    at = int(model.flex_stiffnessadr[flex])
+    return bool(bends or (model.flex_dim[flex] > 1 and at >= 0 and model.flex_stiffness[at] != 0))
 
 
 WARP_OPTIONS = refused_options(
@@ -84,6 +108,13 @@ def _flexes(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
         getattr(model, name, nothing)
         for name in ("flex_interp", "flex_rigid", "flex_internal", "flex_passive")
     )
+    discrete = getattr(mujoco.mjtIntegrator, "mjINT_DISCRETE", None)
+    newton = (
+        discrete is not None
+        and model.opt.integrator == int(discrete)
+        and model.opt.solver == int(mujoco.mjtSolver.mjSOL_NEWTON)
+        and hasattr(model, "flex_stiffnessadr")
+    )
     touching = (model.flex_contype & model.flex_conaffinity) != 0
     for number in range(model.nflex):
         if abs(int(interpolated[number])) == 2:
@@ -96,6 +127,16 @@ def _flexes(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
             yield number, "MuJoCo Warp has no contacts of an interpolated flex with itself: `selfcollide`"
         elif interpolated[number] and passive[number] and model.flex_dim[number] >= 2:
             yield number, "MuJoCo Warp has no passive contacts of an interpolated flex: `passive`"
+        elif (
+            newton
+            and not interpolated[number]
+            and _is_elastic(model, number)
+            and not _simple(mujoco, model, number)
+        ):
+            yield (
+                number,
+                "MuJoCo Warp has no elastic flex on moving bodies with `discrete` and the solver `Newton`",
+            )
 
 
 def _beside_flexes(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:

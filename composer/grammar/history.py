@@ -135,14 +135,6 @@ def _attributes(node: Node, path: str, version: str) -> Iterator[Unread]:
             yield Unread(node, name, value, since, None)
 
 
-def bounds(root: Node) -> tuple[str | None, str | None]:
-    """From which version to which one there is all that a tree has, as far as it shows."""
-    from composer.migrate.released import RELEASED
-
-    fitting = [version for version in RELEASED if next(unread(root, version), None) is None]
-    return (fitting[0], fitting[-1]) if fitting else (None, None)
-
-
 def default_of(path: str, attribute: str) -> str | None:
     """What this grammar says of an attribute that is written nowhere."""
     from composer.grammar.format import to_text
