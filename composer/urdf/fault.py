@@ -93,17 +93,17 @@ def _ring(element: Node, robot: Node, place: Place) -> Diagnostic | None:
     ring = [str(element.get("name"))]
     while (parent := above.get(ring[-1])) is not None and parent not in ring:
         ring.append(parent)
-    names = ", which hangs on ".join(f"`{name}`" for name in [*ring, parent or ring[0]])
-    help = "one of them must hang on nothing: take out its joint"
-    return _error(f"links hang on one another in a ring: {names}", place(element, "name"), help)
+    names = ", whose parent is ".join(f"`{name}`" for name in [*ring, parent or ring[0]])
+    help = "one of them must have no parent: remove its joint"
+    return _error(f"links are in a ring: {names}", place(element, "name"), help)
 
 
 def _two_parents(element: Node, robot: Node, place: Place) -> Diagnostic | None:
     name = _end(element, "child")
     joints = [str(j.get("name")) for j in robot.iterchildren("joint") if _end(j, "child") == name]
     named = " and ".join(f"`{joint}`" for joint in joints)
-    message = f"the link `{name}` hangs on several joints: {named}"
-    return _error(message, place(element, None), "a link hangs on one joint at most")
+    message = f"the link `{name}` is the child of several joints: {named}"
+    return _error(message, place(element, None), "a link is the child of one joint at most")
 
 
 def _no_link(element: Node, robot: Node, place: Place) -> Diagnostic | None:
