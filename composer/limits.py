@@ -29,10 +29,10 @@ class Limits:
     """
 
     time: float = _limit(300.0, "seconds", "the work of MuJoCo on one model")
-    memory: int = _limit(8 * GIB, "bytes", "the memory of mjcompose, and that of MuJoCo's process (POSIX)")
+    memory: int = _limit(8 * GIB, "bytes", "the memory of mjcompose, and of MuJoCo's process (POSIX)")
     mesh_time: float = _limit(1800.0, "seconds", "the work on one mesh that a recipe asks for")
     mesh_faces: int = _limit(1_000_000, "", "the faces of a mesh that is worked on")
-    elements: int = _limit(100_000, "", "the elements that a model has as it is written")
+    elements: int = _limit(100_000, "", "the elements of a model as it is written")
     bodies: int = _limit(15_000, "", "the bodies of a model once it is expanded")
     dofs: int = _limit(
         15_000,
@@ -42,10 +42,12 @@ class Limits:
     mass_matrix: int = _limit(
         2_000_000,
         "",
-        "the numbers in the mass matrix: one for each two degrees of freedom of which one carries the other",
+        "the numbers in the mass matrix: one for each pair of degrees of freedom of which one carries the other",
     )
     mesh_points: int = _limit(
-        1_000_000, "", "the points of all meshes of a model; a tenth of those that collide with nothing"
+        1_000_000,
+        "",
+        "the points of all meshes of a model; those of meshes that collide with nothing count a tenth",
     )
     expansion: int = _limit(
         20_000, "", "the elements that `<replicate>`, `<flexcomp>`, `<composite>` and `<attach>` make"
@@ -55,18 +57,18 @@ class Limits:
         "",
         "the numbers that textures, height fields and `<size>` reserve in a model, and the pixels of PNG files",
     )
-    parts: int = _limit(10_000, "", "the parts of a recipe, those of nested recipes and all copies counted")
+    parts: int = _limit(10_000, "", "the parts of a recipe, with those of nested recipes and all copies")
     copies: int = _limit(10_000, "", "the copies that one `replicate` of a recipe makes")
     attributes: int = _limit(1000, "", "the attributes of one element")
-    faults: int = _limit(1000, "", "the errors that are looked for")
-    nesting: int = _limit(50, "", "the recipes, or the files of a model, that lead to one another")
-    submodels: int = _limit(1000, "", "the models that a model attaches, those of these counted")
+    faults: int = _limit(1000, "", "the errors that mjcompose looks for")
+    nesting: int = _limit(50, "", "how deep recipes, or the files of a model, include one another")
+    submodels: int = _limit(1000, "", "the models that a model attaches, with those that they attach")
     xml_size: int = _limit(64 * MIB, "bytes", "the XML files of one model together")
     text_size: int = _limit(16 * MIB, "bytes", "one attribute, comment or text in XML")
     recipe_size: int = _limit(16 * MIB, "bytes", "one recipe file")
     edits: int = _limit(200_000, "", "the values that edits write, and what selecting and drawing cost")
-    yaml_values: int = _limit(500_000, "", "the values in one YAML file, those of aliases counted")
-    yaml_depth: int = _limit(100, "", "the lists and mappings in one another in one YAML file")
+    yaml_values: int = _limit(500_000, "", "the values in one YAML file, with those of aliases")
+    yaml_depth: int = _limit(100, "", "how deep lists and mappings nest in one YAML file")
     string: int = _limit(10_000, "", "the characters of a text that an expression gives")
     cells: int = _limit(100_000, "", "the cells of a matrix")
     samples: int = _limit(100_000, "", "the samples of one `randomize`")

@@ -196,5 +196,5 @@ def _place(each: UnplacedRecord, degrees: bool, sequence: str) -> PartRecord:
         return replace(each.member, pose=pose)
     name = node.get("name")
     if not name:
-        return replace(each.member, pose=pose, obscure="it hangs on a body without a name")
+        return replace(each.member, pose=pose, obscure="it is attached to a body without a name")
     return replace(each.member, body=str(name), pose=pose)

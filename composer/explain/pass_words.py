@@ -136,7 +136,7 @@ class PassWords:
         )
         words = f"measured by MuJoCo on {_file(unit)} alone"
         if rule is None:
-            return Reason(f"{words}, where nothing hangs on what the muscle moves", None)
+            return Reason(f"{words}, where nothing is attached to what the muscle moves", None)
         return Reason(f"{words}, by its own `<lengthrange>`", rule.span(unit.origins))
 
     def _adopted(self, change: Change, life: Life) -> Reason | None:
@@ -253,7 +253,8 @@ class PassWords:
             )
         if life.tag == "frame":
             return Reason(
-                f"the pose of the {part.place.kind} that the part `{part.called}` hangs on", hung_at(part)
+                f"the pose of the {part.place.kind} that the part `{part.called}` is attached to",
+                hung_at(part),
             )
         if life.tag == "body":
             return Reason(f"a body for the joint between the part `{part.called}` and its place", part.span)

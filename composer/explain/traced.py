@@ -390,11 +390,11 @@ class Traced:
         """Return every place that influenced an attribute: where it was read or created, then what changed it."""
         life = self.watch.life(node)
         if life.made_by is not None and life.made_by.is_pass and len(life.sources) != 1:
-            span = self.causes.made(life).span
-            return [] if span is None else [span]
-        found = [
-            self._span(each, attribute) for each in (life.sources[0] if len(life.sources) == 1 else life,)
-        ]
+            found = [self.causes.made(life).span]
+        else:
+            found = [
+                self._span(each, attribute) for each in (life.sources[0] if len(life.sources) == 1 else life,)
+            ]
         for change in life.of(attribute):
             if not rewrites(change.cause):
                 found.append(self.causes.change(change, life).span)

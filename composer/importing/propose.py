@@ -179,7 +179,7 @@ class _Proposer(Comparison):
         if parent is not None:
             name = self.names.get(("body", str(parent.get("name"))))
             if name is None:
-                note = f"the body `{parent.get('name')}` that it hangs on is in none of the parts"
+                note = f"the body `{parent.get('name')}` that it is attached to is in none of the parts"
                 self.entries.append(Entry("attach", f"{each.key}: {flow(values)}", note))
                 return
             site = self.site(parent, pose)

@@ -92,9 +92,9 @@ def _ring(linking: Linking, waiting: list[Part]) -> None:
     ring = [*ring[ring.index(host) :], host]
     linking.sink.error(
         "attach-cycle",
-        "parts hang on one another: " + " on ".join(f"`{part.called}`" for part in ring),
+        "parts are attached to one another: " + " to ".join(f"`{part.called}`" for part in ring),
         host.place.span or host.span,
-        help="one of them must hang on the base or on the world",
+        help="one of them must be attached to the base or to the world",
         subjects=(part.called for part in ring),
     )
 
@@ -133,12 +133,15 @@ def _nowhere(linking: Linking, part: Part) -> None:
         bodies = [each for each in linking.names.of("body") if not each.startswith(part.prefix or "\0")]
         if bodies and kind != "body":
             notes.append(exists_note("body", bodies, name))
-            help = "hang it on a body, with a `pos` if need be: `body: NAME`"
+            help = "attach it to a body, with a `pos` if need be: `body: NAME`"
     if usable := [each for each in other if each in _PLACES]:
         help = f"`{name}` is a {usable[0]}: write `{usable[0]}: {name}`"
     elif other:
         notes.insert(
-            0, Note(f"`{name}` is {word(other[0], article=True)}; parts hang on sites, bodies and frames")
+            0,
+            Note(
+                f"`{name}` is {word(other[0], article=True)}; parts are attached to sites, bodies and frames"
+            ),
         )
     linking.sink.error(
         "attach-place",
@@ -155,8 +158,8 @@ def _waits_for_itself(linking: Linking, part: Part, to: str, added: Span) -> Non
     """Report that a part is attached to an element that is added to this part or to a part attached to it."""
     linking.sink.error(
         "attach-cycle",
-        f"`{part.called}` hangs on the {part.place.kind} `{part.place.name}`, which is added to `{to}`, and that "
-        f"hangs on `{part.called}`",
+        f"`{part.called}` is attached to the {part.place.kind} `{part.place.name}`, which is added to `{to}`, and that "
+        f"is attached to `{part.called}`",
         part.place.span or part.span,
         notes=(Note(f"the {part.place.kind} is added here", added),),
         help="one of them must stand on the base or in the world",
@@ -266,7 +269,7 @@ def _bring_world(linking: Linking, part: Part, frame: Node) -> None:
 def _scaled(linking: Linking, part: Part, frame: Node) -> None:
     linking.sink.error(
         "attach-place",
-        f"`{part.called}` cannot hang on the {part.place.kind} `{part.place.name}`: "
+        f"`{part.called}` cannot be attached to the {part.place.kind} `{part.place.name}`: "
         "it is inside a frame that scales, and the part would be scaled with it",
         part.place.span or part.span,
         notes=(Note("the frame", linking.span(linking.base, frame, "scale")),),
@@ -293,7 +296,7 @@ def _aligned_by(linking: Linking, mount: Node) -> Node | None:
 def _aligned(linking: Linking, part: Part, joint: Node) -> None:
     linking.sink.error(
         "attach-place",
-        f"`{part.called}` cannot hang on the {part.place.kind} `{part.place.name}`: MuJoCo aligns its body with "
+        f"`{part.called}` cannot be attached to the {part.place.kind} `{part.place.name}`: MuJoCo aligns its body with "
         "the inertia, and would no longer with something on it",
         part.place.span or part.span,
         notes=(Note("the free joint that is aligned", linking.span(linking.base, joint)),),

@@ -167,9 +167,7 @@ def _refuse(linking: Linking, flex: Flex, given: Mapping[str, str]) -> None:
         "not-supported",
         f"the flex of `{called}` takes the joint defaults {_shown(flex.joint)} alone, and here {_shown(given)}",
         linking.span(flex.unit, flex.element),
-        notes=(
-            Note("a flex takes the joint defaults of the body it stands in, in the world those of `main`"),
-        ),
+        notes=(Note("a flex takes the joint defaults of the body around it, in the world those of `main`"),),
         help="put the `<flexcomp>` into a `<body>` of its own",
     )
 
@@ -178,9 +176,9 @@ def _refuse_set(linking: Linking, part: Part, flex: Flex) -> None:
     linking.sink.error(
         "not-supported",
         f"the flex of `{part.called}` would take the joint defaults that the recipe sets for `main`: "
-        f"it hangs on the {part.place.kind} `{part.place.name}`",
+        f"it is attached to the {part.place.kind} `{part.place.name}`",
         linking.span(flex.unit, flex.element),
-        notes=(Note("a flex takes the joint defaults of the body it stands in"),),
+        notes=(Note("a flex takes the joint defaults of the body around it"),),
         help="put the `<flexcomp>` into a `<body>` of its own",
         subjects=(part.called, part.place.name),
     )

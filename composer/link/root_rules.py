@@ -68,7 +68,7 @@ def check_roots(linking: Linking) -> None:
         if _moves(geom):
             linking.sink.error(
                 "plane-on-body",
-                f"`{part.called}` brings a plane and hangs {_where(part)}, which moves: "
+                f"`{part.called}` brings a plane and is attached {_where(part)}, which moves: "
                 "MuJoCo allows planes only on what is static",
                 part.place.span or part.span or linking.span(part.unit, geom),
                 notes=(Note("the plane", linking.span(linking.base, geom)),),
@@ -101,8 +101,8 @@ def _own_joints(body: Node) -> Iterator[Node]:
 
 def _where(part: Part) -> str:
     if part.place.kind == "world":
-        return "below the body that `joint` gives it"
-    return f"on the {part.place.kind} `{part.place.name}`"
+        return "to the body that `joint` gives it"
+    return f"to the {part.place.kind} `{part.place.name}`"
 
 
 def _called(body: Node) -> str:
@@ -124,7 +124,7 @@ def _free_joint(linking: Linking, part: Part, joint: Node, called: str, alone: b
         help = f"write `{drop}` so that it moves by the `joint` that is added alone, or {help.removeprefix('write ')}"
     linking.sink.error(
         "freejoint-on-body",
-        f"`{part.called}` has a free joint at its root and cannot hang {_where(part)}: "
+        f"`{part.called}` has a free joint at its root and cannot be attached {_where(part)}: "
         "MuJoCo allows free joints only in the world",
         part.place.span or part.span or linking.span(part.unit, joint),
         notes=(Note(f"the free joint of {called}", linking.span(part.unit, joint)),),
@@ -136,7 +136,7 @@ def _free_joint(linking: Linking, part: Part, joint: Node, called: str, alone: b
 def _mocap(linking: Linking, part: Part, body: Node, called: str, alone: bool) -> None:
     linking.sink.error(
         "mocap-on-body",
-        f"`{part.called}` has a mocap body at its root and cannot hang {_where(part)}: "
+        f"`{part.called}` has a mocap body at its root and cannot be attached {_where(part)}: "
         "MuJoCo allows mocap bodies only in the world",
         part.place.span or part.span or linking.span(part.unit, body),
         notes=(Note(f"the mocap {called}", linking.span(part.unit, body)),),

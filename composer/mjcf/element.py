@@ -340,9 +340,9 @@ class RootElement(RootView, Element):
         Models attached to the other are copied and attached here. Files are still read from their present places.
         Keyframes are copied unchanged, so their lengths are those of the other model alone.
 
-        Raises `MjcfError` with all conflicts, and changes nothing, if a name is already used, if the two models have
-        different settings, or if a compiler setting or top default class of one would change the meaning of the
-        other's elements. With `override`, the settings written in the other model are used; if they change the
+        Raises `MjcfError` with all conflicts, and changes nothing, if a name is already used or the two models have
+        different settings. So does a compiler setting or top default class of one that would change the meaning of
+        the other's elements. With `override`, the settings written in the other model are used; if they change the
         meaning of elements, an `MjcfWarning` is issued.
 
         >>> from composer import mjcf

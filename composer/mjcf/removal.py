@@ -17,7 +17,7 @@ def remove(model: Model, node: Node, cascade: bool) -> None:
             "not-supported",
             "the root of a model cannot be removed",
             call_site(),
-            help="`detach()` takes an attached model out of the one it hangs on",
+            help="`detach()` takes an attached model out of the one it is attached to",
         )
     removal = Removal.of([(model, node)]).with_referrers() if cascade else None
     if removal is not None:

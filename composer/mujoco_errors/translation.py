@@ -28,7 +28,7 @@ _ADVICE = {
     Topic.PICTURE: "export the picture again, as PNG",
     Topic.TRANSMISSION: "say what it moves: `joint: NAME`, or `tendon`, `site` or `body`",
     Topic.MESH_FORMAT: "a mesh is a file that ends in .stl, .obj or .msh",
-    Topic.FLEX_UNPINNED: "hang the flex on what does not move, or give it a `<pin>`",
+    Topic.FLEX_UNPINNED: "attach the flex to what does not move, or give it a `<pin>`",
     Topic.PLUGIN_INSTANCE: "let an actuator have it: `type: plugin, plugin: …, instance: …`, or take the instance out",
     Topic.DOFS: "spread the joints over several bodies, one inside the other",
     Topic.FORMAT: "write numbers, parted by spaces",

@@ -127,13 +127,15 @@ def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> 
             ring.append(mount)
         if mount == part.prefix and part.prefix not in reported:
             reported.update(ring)
-            names = ", which hangs on ".join(f"`{prefix}`" for prefix in [*ring[1:], mount])
+            names = ", which is attached to ".join(f"`{prefix}`" for prefix in [*ring[1:], mount])
             alone = len(ring) == 1
             sink.error(
                 "attach-cycle",
-                f"`{part.prefix}` hangs on itself" if alone else f"`{part.prefix}` hangs on {names}",
+                f"`{part.prefix}` is attached to itself"
+                if alone
+                else f"`{part.prefix}` is attached to {names}",
                 part.span,
-                help=f"{'it' if alone else 'one of them'} must hang on the base or on the world",
+                help=f"{'it' if alone else 'one of them'} must be attached to the base or to the world",
                 subjects=ring,
             )
     if reported:

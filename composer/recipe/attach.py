@@ -78,11 +78,11 @@ class Attachment(UsedModel):
     edit: Annotated[tuple[Edit, ...], Edits()] = ()
     """Ordered changes to the part, in its own names, before it is attached."""
     site: Annotated[str | None, Text("site")] = None
-    """The site that the part hangs on."""
+    """The site that the part is attached to."""
     body: Annotated[str | None, Text("body")] = None
-    """The body that the part hangs on."""
+    """The body that the part is attached to."""
     frame: Annotated[str | None, Text("frame")] = None
-    """The frame that the part hangs on."""
+    """The frame that the part is attached to."""
     mate: Annotated[str | None, Text("mate")] = None
     """A site, body or frame of the part that is to coincide with that place; without it, the part's own origin."""
     pos: Annotated[Vector | None, Offset("pos")] = None
@@ -186,7 +186,7 @@ def prefix_fault(prefix: str, context: Settings, at: tuple[str, ...] = (), key: 
     if is_unprintable(prefix):
         return unprintable("a prefix", at, key=key)
     if separator in prefix and separator in PATH_LIKE:
-        help = "the separator is added by itself; a part that hangs on another part has a prefix of its own"
+        help = "mjcompose adds the separator; a part that is attached to another part has a prefix of its own"
         return Fault(
             "bad-name", f"the prefix `{prefix}` has the separator `{separator}` in it", at, key, help=help
         )

@@ -98,7 +98,7 @@ def _repeated(element: Node, robot: Node, place: Place) -> Diagnostic | None:
 
 
 def _ring(element: Node, robot: Node, place: Place) -> Diagnostic | None:
-    """MuJoCo builds from the links that hang on nothing, and names one of those it has come to."""
+    """MuJoCo starts from the links that have no parent, and names one of those that it has reached."""
     joints = {
         child: joint for joint in robot.iterchildren("joint") if (child := _end(joint, "child")) is not None
     }
@@ -109,12 +109,12 @@ def _ring(element: Node, robot: Node, place: Place) -> Diagnostic | None:
             above = _end(joints[above], "parent")
         if above in way:
             ring = way[way.index(above) :]
-            links = ", which hangs on ".join(f"`{name}`" for name in [*ring, ring[0]])
+            links = ", whose parent is ".join(f"`{name}`" for name in [*ring, ring[0]])
             closing = ", ".join(f"`{joints[name].get('name')}`" for name in ring)
             one = f"one of the joints {closing}" if len(ring) > 1 else f"the joint {closing}"
-            help = f"one of them must hang on nothing: take {one} out"
+            help = f"one of them must have no parent: remove {one}"
             link = next((each for each in robot.iterchildren("link") if each.get("name") == ring[0]), element)
-            return _error(f"links hang on one another in a ring: {links}", place(link, "name"), help)
+            return _error(f"links are in a ring: {links}", place(link, "name"), help)
     return None
 
 
@@ -122,13 +122,13 @@ def _two_parents(element: Node, robot: Node, place: Place) -> Diagnostic | None:
     name = _end(element, "child")
     joints = [joint for joint in robot.iterchildren("joint") if _end(joint, "child") == name]
     named = [f"`{joint.get('name')}`" for joint in joints]
-    message = f"the link `{name}` hangs on several joints: {' and '.join(named)}"
+    message = f"the link `{name}` is the child of several joints: {' and '.join(named)}"
     last = joints[-1]
     if _end(last, "parent") == name:
         message = f"the joint {named[-1]} connects the link `{name}` with itself"
     note = Note(f"{named[0]} is written here", place(joints[0], "name"))
     child = next(last.iterchildren("child"))
-    help = f"a link hangs on one joint: take {named[-1]} out, or give it another child"
+    help = f"a link is the child of one joint at most: remove {named[-1]}, or give it another child"
     return _error(message, place(child, "link"), help, note)
 
 

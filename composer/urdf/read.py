@@ -286,7 +286,7 @@ class UrdfReader:
             names = ", ".join(f"`{link.get('name')}`" for link in roots[:8])
             self.sink.warning(
                 "urdf-roots",
-                f"{len(roots)} links hang on nothing, and a URDF has one such link: {names}",
+                f"{len(roots)} links have no parent, and a URDF has one such link: {names}",
                 self._span(roots[1], "name"),
                 help="write a `<joint>` to each but one; in MuJoCo all stand in the world",
             )

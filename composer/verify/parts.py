@@ -84,7 +84,7 @@ class Judge:
         if not answer.ok:
             return Incomparable(answer.error or answer.crash or "it cannot be compared")
         if answer.value is None:
-            why = f"the body `{question.body}` that it hangs on is not in the compiled model"
+            why = f"the body `{question.body}` that it is attached to is not in the compiled model"
             return Incomparable(why, lacks_body=True)
         return tuple(differences_of(answer.value))
 

@@ -78,7 +78,7 @@ def verify_stored(
     elif manifest.inputs and not parts and manifest.target is None:
         context.sink.warning(
             "part-not-compared",
-            f"the manifest of `{shown}` does not say where its parts hang: none was compared with its source",
+            f"the manifest of `{shown}` does not say where its parts are attached: none was compared with its source",
             help="build it again with this version",
         )
     return Stored(bundle, manifest, compiled, parts)

@@ -176,7 +176,7 @@ def test_parts_that_hang_on_one_another_are_told(workshop: Workshop) -> None:
     ]
     fault = workshop.link(ARM, *ring).fault
     assert fault.code == "attach-cycle"
-    assert "`a` on `b` on `a`" in fault.message.replace("a/", "a").replace("b/", "b")
+    assert "`a` to `b` to `a`" in fault.message.replace("a/", "a").replace("b/", "b")
 
 
 def test_a_near_name_or_another_kind_is_suggested(workshop: Workshop) -> None:

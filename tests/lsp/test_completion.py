@@ -24,7 +24,7 @@ def test_sites_of_the_parts_by_final_name_with_where_they_are(editor: Editor) ->
     assert labels(found) == ["table/mount", "table/corner", "arm/attachment_site", "watcher/optical_frame"]
     assert found[2]["detail"] == "site of arm, in arm/flange, pos 0 0 0.025"
     assert not any(str(each["label"]).startswith("gripper/") for each in found), (
-        "a part does not hang on itself"
+        "a part is not attached to itself"
     )
 
 

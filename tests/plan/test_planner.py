@@ -116,8 +116,8 @@ def test_a_ring_is_told_once_and_what_hangs_on_it_not(tmp_path: Path) -> None:
     plan, context = tried(tmp_path, f"recipe: 1\nattach:\n{parts}")
     assert plan is None
     assert [each.message for each in context.sink.diagnostics] == [
-        "`a/` hangs on `b/`, which hangs on `c/`, which hangs on `a/`",
-        "`e/` hangs on `f/`, which hangs on `e/`",
+        "`a/` is attached to `b/`, which is attached to `c/`, which is attached to `a/`",
+        "`e/` is attached to `f/`, which is attached to `e/`",
     ]
 
 
