@@ -60,6 +60,7 @@ ALLOWED = {
     "sources/spdx.py": "licences and models that passed",
     "sources/store.py": "the store",
     "sources/unpack.py": "an archive in the store",
+    "starting/examples.py": "files of this package",
     "starting/project.py": "files of this package",
     "starting/write.py": "what stands where the project is to be",
     "targets/aim.py": "what MuJoCo's process has just written into a folder of ours",
