@@ -31,11 +31,7 @@ def client_of(text: str, workers: int) -> Iterator[Client]:
     try:
         import distributed
     except ImportError:
-        raise ClusterError(
-            "cluster-missing",
-            "`--cluster` needs the Python package `distributed`, which is not installed",
-            'run `pip install "mjcompose[cluster]"`',
-        ) from None
+        raise _missing("distributed") from None
     with _silence():
         if text == LOCAL:
             with (
@@ -49,6 +45,14 @@ def client_of(text: str, workers: int) -> Iterator[Client]:
             yield client
         finally:
             client.close(timeout=2)
+
+
+def _missing(package: str) -> ClusterError:
+    return ClusterError(
+        "cluster-missing",
+        f"`--cluster` needs the Python package `{package}`, which is not installed",
+        'run `pip install "mjcompose[cluster]"`',
+    )
 
 
 @contextmanager
@@ -103,8 +107,12 @@ def _local(distributed: Any, workers: int) -> Iterator[Any]:
     from dask import config
     from distributed.security import Security
 
+    try:
+        security = Security.temporary()
+    except ImportError:  # Dask installs without it
+        raise _missing("cryptography") from None
     with config.set(_IDLE), distributed.LocalCluster(
         n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, memory_limit=0,
-        security=Security.temporary(), silence_logs=logging.CRITICAL, worker_dashboard_address=None,
+        security=security, silence_logs=logging.CRITICAL, worker_dashboard_address=None,
     ) as cluster:  # fmt: skip
         yield cluster

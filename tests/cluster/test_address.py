@@ -28,13 +28,18 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize("verb", ["build", "check"])
-def test_without_dask_there_is_one_error_and_nothing_is_written(
-    folder: Path, verb: str, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("package", ["distributed", "cryptography"])
+def test_without_a_package_there_is_one_error_and_nothing_is_written(
+    folder: Path, verb: str, package: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(sys.modules, "distributed", None)
+    if package != "distributed":
+        pytest.importorskip("distributed", reason="needs `mjcompose[cluster]`")
+    for name in [package, *(name for name in sys.modules if name.startswith(f"{package}."))]:
+        monkeypatch.setitem(sys.modules, name, None)
     words = ["-o", "out/{name}/"] if verb == "build" else []
     result = CliRunner().invoke(main, [verb, "r.yaml", "--all", "--no-cache", "--cluster", "local", *words])
     assert result.exit_code == 1 and result.stderr.count("error[cluster-missing]") == 1
+    assert f"needs the Python package `{package}`" in result.stderr
     assert 'pip install "mjcompose[cluster]"' in result.stderr and not (folder / "out").exists()
 
 

@@ -138,7 +138,7 @@ NOT_A_BUILD = {
     "cells-not-checked": "is a note of `check`: tests/cli/test_check.py",
     "git-revision": "needs a repository: tests/diff",
     "no-rendering": "needs a machine without OpenGL: tests/diff",
-    "no-server": "needs a port that is taken: tests/cli/test_view.py",
+    "no-server": "needs a port that is taken: tests/view/test_live.py",
     "no-video": "needs a machine without an encoder: tests/cli/test_render.py",
     "cannot-format": "is not about a build: tests/formatting",
     "mesh-tools-missing": "needs to be without the extra `mesh`: tests/meshes/test_make.py",
