@@ -284,12 +284,12 @@ def _of_attributes(node: Node, kind: ElementType) -> Iterator[_Fault]:
 
 
 def _is_checked(node: Node) -> bool:
-    """Return whether MuJoCo (4.0) checks the rules for an element of the body tree here, but not inside a frame.
+    """Return whether MuJoCo (3.12 to 4.0) checks the rules for an element of the body tree here, but not inside a frame.
 
     A part ends up in one. What is not of the body tree is looked at in the composition, too.
     """
     around = {str(each.tag) for each in node.iterancestors()}
-    return "worldbody" in around and around.isdisjoint(BLIND) and not _is_older()
+    return "worldbody" in around and around.isdisjoint(BLIND)
 
 
 def _of_constraints(node: Node, kind: ElementType) -> Iterator[_Clashing]:
@@ -320,11 +320,6 @@ def _of_name(node: Node, kind: ElementType) -> Iterator[_Misnamed]:
 def _is_newer() -> bool:
     """Return whether this MuJoCo may have attributes that the grammar does not know yet."""
     return _installed() > version_key(GRAMMAR.versions[-1])
-
-
-def _is_older() -> bool:
-    """Return whether this MuJoCo has no schema with rules yet. If it is not installed, the newest one is assumed."""
-    return () < _installed() < (4,)
 
 
 @cache
