@@ -284,7 +284,7 @@ def _of_attributes(node: Node, kind: ElementType) -> Iterator[_Fault]:
 
 
 def _is_checked(node: Node) -> bool:
-    """Return whether MuJoCo (3.12 to 4.0) checks the rules for an element of the body tree here, but not inside a frame.
+    """Return whether MuJoCo (3.12 to 4.0) checks the rules for an element of a body here. Inside a frame it does not.
 
     A part ends up in one. What is not of the body tree is looked at in the composition, too.
     """

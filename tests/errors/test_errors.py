@@ -23,6 +23,7 @@ CASES = sorted(path.parent.name for path in HERE.glob("*/expected.txt"))
 SEVERAL = {
     "expression_in_model",
     "range_wrong_order",
+    "range_without_limited",
     "range_wrong_order_in_part",
     "several_expressions",
     "everything_at_once",

@@ -13,7 +13,7 @@ from composer.stages import Request, build
 # Where mjcompose is stricter than MuJoCo, on purpose: docs/security.md says why.
 STRICTER = frozenset({
     "unknown-element", "name-clash", "class-clash", "xml-syntax", "xml-include", "not-supported", "not-mjcf",
-    "asset-missing", "file-unreadable", "bad-name", "unknown-name", "not-urdf", "limit-exceeded",
+    "asset-missing", "file-unreadable", "bad-name", "unknown-name", "not-urdf", "limit-exceeded", "xacro",
 })  # fmt: skip
 
 
