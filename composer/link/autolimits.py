@@ -18,6 +18,8 @@ _LIMITED_BY = {
     "forcerange": "forcelimited",
     "actrange": "actlimited",
 }
+_IGNORED_BY = {"range": ("free",), "actuatorfrcrange": ("free", "ball")}
+"""Types of joints that these do not limit: MuJoCo (3.12 to 4.0) does not look at them there."""
 _SECTIONS = ("worldbody", "tendon", "actuator")
 
 
@@ -38,10 +40,13 @@ def autolimits(linking: Linking) -> None:
 
 def _check(linking: Linking, unit: Unit, element: Node) -> None:
     kind = kind_of(element)
-    if element.tag == "joint" and text_in_effect(element, kind, "type", unit.classes) == "free":
-        return  # MuJoCo limits no free joint
+    joint = text_in_effect(element, kind, "type", unit.classes) if element.tag == "joint" else None
     for name, limited in _LIMITED_BY.items():
-        if name not in kind.attributes or limited not in kind.attributes:
+        if (
+            name not in kind.attributes
+            or limited not in kind.attributes
+            or joint in _IGNORED_BY.get(name, ())
+        ):
             continue
         if not any(read(text_in_effect(element, kind, name, unit.classes) or "")):
             continue
@@ -49,7 +54,7 @@ def _check(linking: Linking, unit: Unit, element: Node) -> None:
             called = (
                 f"{element.tag} `{element.get('name')}`"
                 if element.get("name")
-                else f"a {element.tag} without a name"
+                else f"`<{element.tag}>` without a name"
             )
             linking.sink.error(
                 "mujoco-rejects",
