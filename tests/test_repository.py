@@ -35,3 +35,16 @@ def test_whatever_checks_recipes_for_a_team_checks_every_cell() -> None:
             r"(?:run:|entry:) mjcompose check.*|^mjcompose check.*", (ROOT / path).read_text(), re.M
         )
         assert commands and all("--all" in each for each in commands), path
+
+
+@pytest.mark.skipif(
+    shutil.which("git") is None or not (ROOT / ".git").exists(), reason="no clone of a repository"
+)
+def test_no_package_and_no_very_large_file_is_kept() -> None:
+    listed = subprocess.run(
+        ["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout
+    files = [ROOT / name for name in listed.split("\0") if name]
+    kept = [path for path in files if path.is_file()]
+    assert kept and not [path.name for path in kept if path.suffix in (".whl", ".egg", ".gz")]
+    assert max(path.stat().st_size for path in kept) < 2 << 20
