@@ -42,7 +42,7 @@ from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
 from composer.link.request import Request
 from composer.link.source_check import STUMBLES, check_source, put_right
-from composer.link.submodels import add_submodel
+from composer.link.submodels import add_named_file
 from composer.plan.drawn import Drawn, ElementDraws
 from composer.plan.foreseen import EditOutcome, Excluded
 from composer.plan.part_record import PartRecord, Tables
@@ -465,11 +465,7 @@ def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder, done: Colle
         check_joints(part, linking, making)
     for node, attribute, name in making.files:
         folder, door = making.folder_of(node, attribute), making.door_of(node, attribute)
-        span = making.span_of(node, attribute)
-        if node.tag == "model":
-            add_submodel(linking, folder, node, name, door, span.file)
-        else:
-            add_file(linking, folder, node, attribute, name, door, span)
+        add_named_file(linking, folder, node, attribute, name, door, making.span_of(node, attribute))
     if making.files:
         linking.watch(linking.units, add_file)
     making.files.clear()

@@ -9,7 +9,7 @@ from lxml.etree import _Element as Node
 
 from composer.compose.editing import Editing
 from composer.diagnostics.span import Span
-from composer.link.files import add_file
+from composer.link.submodels import add_named_file
 from composer.reading.door import Door
 from composer.reading.refused import Refused
 from composer.tree.files import written_path
@@ -28,7 +28,7 @@ def take_files(editing: Editing) -> None:
         if editing.own:
             _take_own_file(editing, node, attribute, Path(os.path.realpath(folder / name)), door, span)
         else:
-            add_file(linking, folder, node, attribute, name, door, span)
+            add_named_file(linking, folder, node, attribute, name, door, span)
     making.files.clear()
 
 

@@ -14,9 +14,10 @@ from pathlib import Path
 from lxml.etree import _Element as Node
 
 from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
 from composer.limits import advice, in_force
 from composer.link.compiler import FOLDERS
-from composer.link.files import ASSETS, inside
+from composer.link.files import ASSETS, add_file, inside
 from composer.link.linking import FileUse, Linking
 from composer.reading.door import Door, Passed, held
 from composer.reading.refused import Refused
@@ -47,10 +48,15 @@ def submodels(linking: Linking) -> None:
                     )
 
 
-def add_submodel(linking: Linking, folder: Path, element: Node, name: str, door: Door, file: str) -> None:
-    """Bundle a `<model>` that a recipe adds, with the files it needs. See `add_file`; `file` is the recipe."""
+def add_named_file(
+    linking: Linking, folder: Path, element: Node, attribute: str, name: str, door: Door, span: Span
+) -> None:
+    """Add a file that a recipe names, and for a `<model>` also the files it needs. See `add_file`."""
+    if element.tag != "model":
+        add_file(linking, folder, element, attribute, name, door, span)
+        return
     base = linking.base
-    recipe = Unit(base.root, file, folder, "", origins=base.origins, door=door)
+    recipe = Unit(base.root, span.file, folder, "", origins=base.origins, door=door)
     with suppress(_TooManyError):
         _bundle(linking, recipe, element, name, f"{ASSETS}/models", linking.request.base_keyframes != "none")
 
