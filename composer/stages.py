@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -31,6 +31,7 @@ from composer.bundle.renamed import renamed_in
 from composer.compose.compose import Composed, Composer
 from composer.compose.load import Library
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.document.node import locate
 from composer.link.measure import measure_with
 from composer.plan.allowed import acknowledge

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import copy
 import dataclasses
 import pickle
@@ -274,3 +275,15 @@ def test_a_subclass_that_is_called_first_leaves_its_base_as_it_is() -> None:
     assert (derived(1).b, derived(1).c) == (3, 4)
     assert derived.__base__(1).b == 1
     assert base(5).b == 1
+
+
+def test_every_dataclass_of_the_package_is_made_here() -> None:
+    """The standard library's would lose the fields that a class inherits, and takes 0.5 ms for each class."""
+    for path in sorted(COMPOSER.rglob("*.py")):
+        if path.name == "dataclass.py":
+            continue
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.module == "dataclasses":
+                assert "dataclass" not in {name.name for name in node.names}, path
+            if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+                assert (node.value.id, node.attr) != ("dataclasses", "dataclass"), path

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,6 +32,7 @@ from composer.bundle.manifest_index import index_of
 from composer.bundle.portable import Portable
 from composer.bundle.renamed import Renamed, renamed_in
 from composer.context import Context, as_text
+from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 from composer.document.node import spans
 from composer.grammar import GRAMMAR

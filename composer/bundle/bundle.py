@@ -6,8 +6,10 @@ import hashlib
 import re
 import unicodedata
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from types import MappingProxyType
+
+from composer.dataclass import dataclass
 
 MODEL = "model.xml"
 MANIFEST = "manifest.json"

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from composer.context import Context
+from composer.dataclass import dataclass
 
 if TYPE_CHECKING:
     from composer.plan.plan import Plan

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
+from composer.dataclass import dataclass
 from composer.reading.regular import read_regular
 
 LICENCES = "LICENSES"

@@ -6,12 +6,12 @@ import csv
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from io import TextIOWrapper
 from pathlib import Path, PurePosixPath
 from typing import IO, Any, TypeVar
 
 from composer.bundle.place import Place
+from composer.dataclass import dataclass
 from composer.diagnostics.error import DiagnosticError
 from composer.expr.value import Value
 from composer.reading.regular import is_irregular

@@ -9,11 +9,12 @@ import re
 import stat
 import zipfile
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
 from composer.bundle.bundle import MANIFEST, MODEL, Bundle, BundleError, check_paths
 from composer.bundle.zip_faults import ZIP_FAULTS
+from composer.dataclass import dataclass
 from composer.diagnostics.error import DiagnosticError
 from composer.diagnostics.sink import Sink
 from composer.limits import in_force

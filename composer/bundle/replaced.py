@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 import zipfile
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from composer.bundle.bundle import MANIFEST
 from composer.bundle.mjb import manifest_beside
+from composer.dataclass import dataclass
 
 _MAX = 64 << 20
 

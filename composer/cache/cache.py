@@ -15,7 +15,7 @@ import contextlib
 import json
 import os
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +24,7 @@ from composer.cache.entry import KeptFile, Record, from_json, to_json
 from composer.cache.files import Files, Seen, seen
 from composer.cache.outputs import is_written, note_written
 from composer.cache.reasons import differences
+from composer.dataclass import dataclass
 from composer.reading.regular import read_regular
 from composer.sources import blobs
 from composer.sources.blobs import key_of

@@ -10,12 +10,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from composer.cache.environment import environment_parts, python_version, tool_version
 from composer.cache.reasons import GIVEN
+from composer.dataclass import dataclass
 from composer.sources.blobs import key_of
 
 if TYPE_CHECKING:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from functools import partial
 from typing import Any
 
 from composer.bundle.licence_table import Row
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Diagnostic, Note, Severity
 from composer.diagnostics.fix import Fix
 from composer.diagnostics.span import Span

@@ -6,9 +6,10 @@ import hashlib
 import os
 import stat
 import time
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
+from composer.dataclass import dataclass
 from composer.reading.regular import is_irregular
 from composer.sources.licence import licence_names
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from importlib import metadata
 from pathlib import Path
 
 from composer.compose.shape_store import kept_beside
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.plan.plan import Plan
 from composer.plan.used_files import files_of_recipe, files_of_source
 from composer.sources.licence import licence_folders

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 from composer.cache.builder import Maker, Placing
@@ -15,6 +15,7 @@ from composer.cache.entry import Record
 from composer.cache.files import Seen
 from composer.cache.result import Made, files_of
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.sink import Sink
 from composer.document.node import Node

@@ -6,7 +6,7 @@ import os
 import shlex
 from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -30,6 +30,7 @@ from composer.cli.shard import Shard
 from composer.cli.tally import Tally
 from composer.cli.wanted import Wanted, kind_of_output
 from composer.cli.writing import add_picture, build_one, finish, put
+from composer.dataclass import dataclass
 from composer.diagnostics.secret import hide
 from composer.diagnostics.sink import Sink
 from composer.processes.deferring import deferring

@@ -5,13 +5,13 @@ from __future__ import annotations
 import contextlib
 import functools
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from composer.cli import completing
+from composer.dataclass import dataclass
 
 if TYPE_CHECKING:
     from composer.context import Context

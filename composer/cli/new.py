@@ -8,13 +8,13 @@ import re
 import shlex
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from composer.cli.reporting import FINDINGS, report, reporting_options, say
+from composer.dataclass import dataclass
 
 if TYPE_CHECKING:
     from composer.context import Context

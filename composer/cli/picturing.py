@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from composer.bundle.beside import picture_of
 from composer.bundle.place import is_address
+from composer.dataclass import dataclass
 from composer.diagnostics.secret import hide
 
 if TYPE_CHECKING:

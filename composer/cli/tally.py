@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, field
 from pathlib import Path
 
 import click
 
+from composer.dataclass import dataclass
 from composer.diagnostics import github
 from composer.diagnostics.cell_name import CellName, listed
 from composer.diagnostics.diagnostic import Diagnostic

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from composer.bundle.beside import file_name, hash_of
 from composer.bundle.place import Place, is_address, place
+from composer.dataclass import dataclass
 
 if TYPE_CHECKING:
     from composer.bundle.form import Form

@@ -7,7 +7,7 @@ import hashlib
 import os
 import pickle
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from composer import stages
 from composer.cache.cache import Package
@@ -16,6 +16,7 @@ from composer.cache.inputs import Inputs
 from composer.cache.making import CellMaker, Finish, Job
 from composer.cluster.error import ClusterError
 from composer.cluster.mirror import Layout, layout_of
+from composer.dataclass import dataclass
 from composer.diagnostics.sink import Sink
 from composer.document.node import Scalar
 from composer.expand.matrix import Cell

@@ -7,11 +7,12 @@ import os
 import pickle
 import shutil
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass, replace
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.reading.project import MARKERS
 from composer.sources.digest import sha256_of
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from composer.cache.entry import Record
 from composer.cache.files import Seen
 from composer.cache.making import MadeCell
 from composer.cluster.mirror import Layout
+from composer.dataclass import dataclass
 from composer.expand.matrix import Cell
 
 

@@ -7,10 +7,10 @@ and `qvel`. `rows_of` takes the name of an array, `span` the name of a vector.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 from composer.compiled.joints import JOINT_TYPES
 from composer.compiled.kinds import Model
+from composer.dataclass import dataclass
 
 POSITIONS = tuple(each.positions for each in JOINT_TYPES)
 VELOCITIES = tuple(each.velocities for each in JOINT_TYPES)

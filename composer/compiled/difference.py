@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import TypeAlias
+
+from composer.dataclass import dataclass
 
 Value: TypeAlias = bool | int | float | str | tuple["Value", ...] | None
 

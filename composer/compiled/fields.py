@@ -6,8 +6,9 @@ Everything else has its treatment and the reason for it in ``RULES``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import StrEnum
+
+from composer.dataclass import dataclass
 
 
 class Treatment(StrEnum):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from composer.compiled import units
@@ -11,6 +10,7 @@ from composer.compiled.addresses import span
 from composer.compiled.enums import words
 from composer.compiled.joints import JOINT_TYPES, LENGTH
 from composer.compiled.kinds import Model, holder, names
+from composer.dataclass import dataclass
 
 Range: TypeAlias = tuple[float, float]
 

@@ -5,7 +5,7 @@ MuJoCo uses radians and metres. A quaternion has no unit; its numbers have the w
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from composer.dataclass import dataclass
 
 ANGLE, LENGTH, QUATERNION = "rad", "m", "quaternion"
 

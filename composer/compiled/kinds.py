@@ -5,8 +5,9 @@ Everything is read from the arrays of the model object, so MuJoCo itself is neve
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, TypeAlias
+
+from composer.dataclass import dataclass
 
 Model: TypeAlias = Any
 """A compiled ``mujoco.MjModel``; untyped, because only ``composer.engine`` may import MuJoCo."""

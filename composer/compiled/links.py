@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from enum import StrEnum
 
 from composer.compiled.kinds import OF_OBJECT_TYPE, Model
+from composer.dataclass import dataclass
 
 
 class World(StrEnum):

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from composer.compiled.kinds import Model, NameTable
+from composer.dataclass import dataclass
 from composer.numerics.pose import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, normalise
 
 AT_ORIGIN = Pose()

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from composer.compiled.fields import RULES, Treatment
 from composer.compiled.joints import ANGULAR
+from composer.dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from lxml.etree import _Element as Node
 
 from composer.compose.without_keyframes import without_keys
+from composer.dataclass import dataclass
 from composer.diagnostics.sink import Sink
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -29,6 +29,7 @@ from composer.compose.reference_check import check_names, check_names_of_keys
 from composer.compose.section import append, set_default, set_singleton
 from composer.compose.subtree import PartRequest, part_requests
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.document.node import locate

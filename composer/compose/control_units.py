@@ -9,13 +9,14 @@ scales the number, so it is not an angle of the joint.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
 from composer.compose.actuator_model import ActuatorModel, actuator_models
+from composer.dataclass import dataclass
 from composer.diagnostics.sink import Sink
 from composer.grammar import GRAMMAR
 from composer.link import numbers

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from composer.compose.add import add
 from composer.compose.elements import ElementBuilder
+from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 from composer.link.bodies import bodies
 from composer.link.linking import Linking

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from lxml.etree import _Element as Node
 
 from composer.compose.editing import Editing, is_angular
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import Scalar, find, locate

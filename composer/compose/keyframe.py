@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from typing import Any
 
@@ -12,6 +12,7 @@ from lxml.etree import _Element as Node
 
 from composer.compose.control_units import ControlUnits
 from composer.compose.elements import ElementBuilder, in_radians, plain
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import closest, did_you_mean, exists_note, renaming

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 from composer.link.source_check import check_source
 from composer.plan.part_record import Tables

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from lxml.etree import _Element as Node
 
 from composer.compiled.affected_arrays import arrays_of
 from composer.compose.part_provenance import reaches, with_edits
 from composer.compose.subtree import PartRequest
+from composer.dataclass import dataclass
 from composer.link.part import Part
 from composer.link.placing import read_pose
 from composer.numerics.pose import Pose

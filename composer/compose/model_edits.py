@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 from lxml import etree
@@ -14,6 +14,7 @@ from composer.compose.edit_cost import EditCost
 from composer.compose.editing import Editing
 from composer.compose.elements import ElementBuilder
 from composer.compose.randomize import draw_values
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.document.node import Mapping as Located

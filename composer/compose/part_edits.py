@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Set
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from lxml.etree import _Element as Node
@@ -16,6 +16,7 @@ from composer.compose.elements import ElementBuilder
 from composer.compose.intervals import check_intervals
 from composer.compose.subtree import PartRequest
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.document.node import locate
 from composer.link.key_layouts import layouts, remove_keys
 from composer.link.keyframes import keyframes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import zip_longest
 from typing import Any, Literal
 
@@ -18,6 +18,7 @@ from composer.compose.select import select_counted
 from composer.compose.verbs.change import Change
 from composer.compose.verbs.operation import OPERATIONS
 from composer.compose.zeros import only_zeros, report_only_zeros
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Note
 from composer.expr.angle import Angle
 from composer.expr.value import Value

@@ -11,11 +11,12 @@ import contextlib
 import json
 import math
 import os
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 from composer.limits import MIB
 from composer.reading.door import ALL

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any
 
 from lxml.etree import _Element as Node
@@ -15,6 +15,7 @@ from composer.bundle.collect import read
 from composer.compose.editing import Editing
 from composer.compose.shape_store import ShapeStore, checked, key_of
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Cause, Note
 from composer.diagnostics.span import Span
 from composer.document.quote import word

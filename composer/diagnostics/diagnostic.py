@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import StrEnum
 
+from composer.dataclass import dataclass
 from composer.diagnostics.cell_name import CellName
 from composer.diagnostics.fix import Fix
 from composer.diagnostics.span import Span

@@ -5,8 +5,7 @@ It becomes a diagnostic once its place is known.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.fix import Fix
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from xml.etree import ElementTree as Xml
 
+from composer.dataclass import dataclass
 from composer.diagnostics.cell_name import CellName
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.text import ReadSource, render

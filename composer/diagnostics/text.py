@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from functools import lru_cache
 
+from composer.dataclass import dataclass
 from composer.diagnostics.cell_name import listed
 from composer.diagnostics.diagnostic import Diagnostic, Severity
 from composer.diagnostics.paint import Paint

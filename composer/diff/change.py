@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 
 Value: TypeAlias = bool | int | float | str | tuple["Value", ...] | None

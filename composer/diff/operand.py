@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import os
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.diff.revision import RevisionError, check_out, split

@@ -7,9 +7,9 @@ import re
 import shutil
 import subprocess
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
+from composer.dataclass import dataclass
 from composer.diagnostics.error import DiagnosticError
 from composer.processes.process import Process
 from composer.sources.digest import files_below, sha256_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +18,7 @@ from composer.bundle.read import ReadError, read
 from composer.cache.cells import cells_of, check_axes_are_free, picked_one
 from composer.compose.compose import Composer
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.diff.change import End

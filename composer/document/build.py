@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from yaml.events import (
@@ -16,6 +16,7 @@ from yaml.events import (
     SequenceStartEvent,
 )
 
+from composer.dataclass import dataclass
 from composer.diagnostics import Diagnostic, Note, Sink, Span
 from composer.diagnostics.fix import Fix
 from composer.document.fault import MAX_KEY

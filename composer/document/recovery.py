@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
+from composer.dataclass import dataclass
 from composer.diagnostics import Diagnostic, Note, Span
 from composer.diagnostics.fix import Fix
 from composer.document.decode import position

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 from pathlib import Path
+
+from composer.dataclass import dataclass
 
 WANTS = frozenset({"forward", "index", "names"})
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import escape
 
+from composer.dataclass import dataclass
 from composer.engine.digits import save_all_digits
 from composer.engine.limits import Limits
 from composer.engine.run import call, without_folder

@@ -7,11 +7,11 @@ import os
 import re
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.engine.run import call
 from composer.engine.session import Session
 from composer.scratch import scratch

@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from collections.abc import Mapping as Map
-from dataclasses import dataclass
 
+from composer.dataclass import dataclass
 from composer.diagnostics.cell_name import CellName
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any, Literal
 
+from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 
 

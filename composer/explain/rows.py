@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
+from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 from composer.explain.trace import Change, Life, Trace
 from composer.link import numbers

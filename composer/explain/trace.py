@@ -6,10 +6,11 @@ Elements are compared by identity after each pass and step.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from types import FunctionType
 from typing import TYPE_CHECKING
 
+from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 from composer.link.linking import Linking
 from composer.link.part import Part

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 
+from composer.dataclass import dataclass
 from composer.expr.error import ExpressionError
 from composer.expr.evaluate import evaluate, names
 from composer.expr.opening import OPENING

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from composer.dataclass import dataclass
 from composer.expr.value import Value
 
 

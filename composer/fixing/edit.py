@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.fix import Fix
 from composer.diagnostics.span import Span

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from composer.dataclass import dataclass
 from composer.document.tokens import Comment
 
 

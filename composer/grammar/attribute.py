@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
 
+from composer.dataclass import dataclass
 from composer.grammar.version import exists_in
 
 AttributeType = Literal[

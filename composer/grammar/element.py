@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import Literal
 
+from composer.dataclass import dataclass
 from composer.grammar.attribute import Attribute
 from composer.grammar.version import exists_in
 

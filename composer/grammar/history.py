@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from composer.dataclass import dataclass
 from composer.grammar import GRAMMAR
 from composer.grammar.version import exists_in
 

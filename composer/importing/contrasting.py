@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
+from composer.dataclass import dataclass
 from composer.diff.change import Change, Contrast
 from composer.diff.models import contrast, contrast_of
 from composer.engine import Session, call, compile

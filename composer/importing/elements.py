@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
+from composer.dataclass import dataclass
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
 from composer.grammar.element import ElementType

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from composer.dataclass import dataclass
 from composer.document.quote import word
 from composer.grammar.attribute import Attribute
 from composer.importing.elements import Item

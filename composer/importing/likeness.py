@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any
 
 from composer.compiled.correspondence import Correspondence
 from composer.compiled.kinds import KINDS, Model, NameTable
 from composer.compiled.mount import Mount
 from composer.compiled.quantities import follows
+from composer.dataclass import dataclass
 from composer.diff.change import Change, Value
 from composer.diff.models import references
 from composer.diff.values import Values

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
+from composer.dataclass import dataclass
 from composer.tree.unit import Unit
 
 if TYPE_CHECKING:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Severity
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span

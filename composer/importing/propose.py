@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import quoteattr
 
+from composer.dataclass import dataclass
 from composer.document.quote import quoted, word
 from composer.grammar import GRAMMAR
 from composer.importing.comparing import Comparison

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from composer.bundle.bundle import Bundle
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.span import Span
 from composer.diff.change import Change

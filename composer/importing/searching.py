@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
 from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.diagnostics.sink import Sink
 from composer.importing.match import find
 from composer.reading.refused import Refused

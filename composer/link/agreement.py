@@ -7,9 +7,9 @@ on, else MuJoCo's default. A setting that the recipe writes itself cannot confli
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Cause, Note
 from composer.diagnostics.span import Span
 from composer.link.adopting import Opinions, common_settings, of_base

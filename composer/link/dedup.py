@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from lxml.etree import _Element as Node
 
+from composer.dataclass import dataclass
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
 from composer.link.linking import FileUse

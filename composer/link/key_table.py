@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from lxml.etree import _Element as Node
 
+from composer.dataclass import dataclass
 from composer.link.layout import Layout, Slot
 from composer.link.part import Part
 from composer.numerics.pose import Pose

@@ -8,13 +8,14 @@ it, so its inner order cannot change.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
 from composer.compiled.joints import JOINT_TYPES
+from composer.dataclass import dataclass
 from composer.link.multiplied import Copy, actuators_in_order, element_of
 from composer.tree.classes import Classes, DefaultClass, childclass_of, through_frames
 from composer.tree.unit import Unit

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
 from lxml.etree import _Element as Node
 
+from composer.dataclass import dataclass
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.link.key_table import KeyTable

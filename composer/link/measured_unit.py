@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 from lxml.etree import _Element as Node
 
+from composer.dataclass import dataclass
 from composer.link.linking import Linking
 from composer.tree.classes import walk_bodies
 from composer.tree.scaled import first_scaled

@@ -8,12 +8,13 @@ second, and so on. Elements that also refer to something outside the replicate a
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
+from composer.dataclass import dataclass
 from composer.tree.names import DECLARES, REFERS, naming_table
 
 Name = tuple[str, str]

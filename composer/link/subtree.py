@@ -6,10 +6,10 @@ This is done to a unit by itself, before it is linked to anything.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 
 from lxml.etree import _Element as Node
 
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span

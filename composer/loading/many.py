@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
 from composer.bundle.listing import ListingError, Row, rows
 from composer.bundle.place import Place, is_address
 from composer.bundle.where import Condition
+from composer.dataclass import dataclass
 from composer.expr.value import Value
 from composer.loading.errors import LoadError
 from composer.loading.load import Loaded, load

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from composer.dataclass import dataclass
 from composer.loading.numbers import Lookup, Names, unknown
 
 Place: TypeAlias = int | slice | NDArray[np.intp]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.span import Span
 from composer.document.node import Mapping, Node

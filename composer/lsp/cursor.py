@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Literal
+
+from composer.dataclass import dataclass
 
 Path = tuple[str | int, ...]
 Role = Literal["key", "value", "either", "text"]

@@ -8,9 +8,10 @@ import re
 import traceback
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.lsp.analysis import Analysis, shown
 from composer.lsp.files import is_saved

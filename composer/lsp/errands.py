@@ -6,9 +6,9 @@ import asyncio
 import contextlib
 import subprocess
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 
+from composer.dataclass import dataclass
 from composer.processes.process import Process
 
 

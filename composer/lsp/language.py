@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.grammar import GRAMMAR, ElementType
 from composer.lsp.cursor import Path
 from composer.recipe.schema import recipe_schema

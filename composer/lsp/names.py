@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 from composer.compose.load import Library, key_of
+from composer.dataclass import dataclass
 from composer.plan.plan import BASE, Place, Plan
 from composer.sources.source import Source
 from composer.tree.name_index import NameIndex

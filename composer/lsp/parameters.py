@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 from composer.document.node import Mapping, Node, Scalar, Sequence, to_python
 from composer.expr.error import ExpressionError

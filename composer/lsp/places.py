@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.grammar import GRAMMAR
 from composer.lsp.cursor import Path
 from composer.lsp.language import Form, kinds_of

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 from composer.document.node import Node, find, to_python
 from composer.lsp.analysis import Analysis

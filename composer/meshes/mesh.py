@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
 import numpy
 
+from composer.dataclass import dataclass
 from composer.meshes.plausible import is_flat
 
 

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any
+
+from composer.dataclass import dataclass
 
 SIZE, SHAPE = "mesh-size", "mesh-shape"
 """The codes of the warnings."""

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy
+
+from composer.dataclass import dataclass
 
 _ON = 1e-9
 _FINE = 4

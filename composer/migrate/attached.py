@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.migrate.editing import Meaning
 from composer.tree.files import join
 from composer.tree.parse import parse_file

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from enum import StrEnum
 
+from composer.dataclass import dataclass
 from composer.migrate.editing import Editing
 
 Act = Callable[[Editing], None]

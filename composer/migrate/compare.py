@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
 
+from composer.dataclass import dataclass
 from composer.migrate.environments import Compiled
 from composer.migrate.fields import FLAGS, UNSAID, follows, neutral
 from composer.migrate.released import later

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Protocol
 
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Cause
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span

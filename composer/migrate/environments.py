@@ -9,10 +9,11 @@ import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.limits import in_force
 from composer.migrate.released import release
 from composer.processes.process import Process

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from html import unescape
 from xml.sax.saxutils import quoteattr
 
 from lxml import etree
 from lxml.etree import _Element as Node
 
+from composer.dataclass import dataclass
 from composer.tree.line import line_of
 
 _PIECE = re.compile(

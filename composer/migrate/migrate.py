@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Cause
 from composer.grammar.history import default_of, place, unread
 from composer.grammar.version import version_key

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
+from composer.dataclass import dataclass
 from composer.grammar.format import number_text
 from composer.migrate.compare import Outcome, compare
 from composer.migrate.environments import Compiled, Other

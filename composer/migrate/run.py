@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Note
 from composer.migrate.environments import Other, OtherError, make, open_python, this_python
 from composer.migrate.migrate import Migrated, migrate, report

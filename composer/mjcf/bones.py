@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Container
-from dataclasses import dataclass
 from pathlib import Path
 
+from composer.dataclass import dataclass
 from composer.mjcf.asset import Files
 from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure

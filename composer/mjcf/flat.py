@@ -6,12 +6,13 @@ import re
 import warnings
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 
 from composer.bundle.collect import collect, read
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Cause, Diagnostic
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.text import render

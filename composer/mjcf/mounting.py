@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from lxml.etree import _Element as Node
 
+from composer.dataclass import dataclass
 from composer.link.angles import model_angle
 from composer.link.linking import Linking
 from composer.link.numbers import joint_radians, read

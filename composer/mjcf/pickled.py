@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from lxml import etree
 from lxml.etree import _Element as Node
 
+from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 from composer.mjcf.attributed import Attributed
 from composer.mjcf.model import Attachment, Model

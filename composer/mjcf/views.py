@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 from lxml.etree import _Element as Node
 
+from composer.dataclass import dataclass
 from composer.grammar import ElementType
 from composer.mjcf.members import class_name, members
 from composer.mjcf.model import Model

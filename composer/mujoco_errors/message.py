@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+
+from composer.dataclass import dataclass
 
 CRASHES = {"timeout": "mujoco-timeout", "missing": "mujoco-missing"}
 """The diagnostic codes for a `crash` of `engine.Compiled`; every other crash is `mujoco-crash`."""

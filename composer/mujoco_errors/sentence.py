@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from enum import Enum
+
+from composer.dataclass import dataclass
 
 _UNKNOWN_ATTRIBUTE = re.compile(r"unrecognized attribute: '(?P<name>[^']*)'")
 _UNKNOWN_ELEMENT = re.compile(r"unrecognized (?:model )?element")

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Diagnostic, Note
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.diagnostics.unknown import unknown_attribute as no_attribute

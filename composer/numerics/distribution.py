@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
+from composer.dataclass import dataclass
 from composer.numerics import one
 from composer.numerics.exact import exp, log
 from composer.numerics.normal import FARTHEST, probability

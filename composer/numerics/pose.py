@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+
+from composer.dataclass import dataclass
 
 Vec3 = tuple[float, float, float]
 Quat = tuple[float, float, float, float]

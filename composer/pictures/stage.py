@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from composer.compiled.placed import place
+from composer.dataclass import dataclass
 from composer.pictures.background import over
 from composer.pictures.framing import camera, corners, has_sky, prepared
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
+from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 from composer.document.node import Mapping as Located
 from composer.document.node import locate

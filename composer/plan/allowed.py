@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path as File
 
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Diagnostic, Severity
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping as Map
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from composer.dataclass import dataclass
 from composer.diagnostics.sink import Sink
 from composer.document.node import Mapping, Node, locate, to_python
 from composer.expand.expand import Concrete

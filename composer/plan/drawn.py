@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
+from composer.dataclass import dataclass
 from composer.expr.value import Value
 from composer.recipe.distribution import Operation
 from composer.recipe.draw_field import DrawField

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, TypeAlias
 
+from composer.dataclass import dataclass
 from composer.recipe.fault import Path
 from composer.tree.adopted import Adopted
 

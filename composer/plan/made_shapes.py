@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 from composer.grammar.format import number_text
 from composer.recipe.verbs.collision import in_words

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import TypeAlias
 
+from composer.dataclass import dataclass
 from composer.numerics.pose import Pose
 from composer.sources.source import ReadAs, Source
 from composer.tree.read_row import ReadRow

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Literal
 
+from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 from composer.document.node import Mapping as Located
 from composer.expr.value import Value

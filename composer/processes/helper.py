@@ -10,10 +10,10 @@ import sys
 import threading
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
+from composer.dataclass import dataclass
 from composer.processes.process import Process, module_path
 
 Task = TypeVar("Task")

@@ -9,9 +9,10 @@ from __future__ import annotations
 import os
 import stat
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import NewType
 
+from composer.dataclass import dataclass
 from composer.reading.folders import files_among, parted, real_folder
 from composer.reading.refused import OUTSIDE, Refused
 from composer.reading.regular import is_irregular, read_regular

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Literal
 
+from composer.dataclass import dataclass
 from composer.diagnostics.suggest import advised, exists_note
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection
-from dataclasses import dataclass
 
+from composer.dataclass import dataclass
 from composer.diagnostics.fix import Fix
 from composer.expr.angle import Angle
 from composer.grammar.attribute import Attribute

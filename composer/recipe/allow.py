@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.diagnostics.codes import CODES
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.fix import Fix

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Annotated, Any
 
 from pydantic import (
@@ -17,6 +16,7 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, core_schema
 
+from composer.dataclass import dataclass
 from composer.recipe.allow import Allowed
 from composer.recipe.base import KeyPolicy
 from composer.recipe.drop import Drop, Drops

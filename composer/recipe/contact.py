@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, Literal
 
+from composer.dataclass import dataclass
 from composer.diagnostics.suggest import closest, exists_note
 from composer.recipe.by_tag import Lists
 from composer.recipe.element import Element

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Literal
 
+from composer.dataclass import dataclass
 from composer.diagnostics.suggest import closest, renaming
 from composer.recipe.element_schema import by_name
 from composer.recipe.fault import Fault, Path

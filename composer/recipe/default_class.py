@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.diagnostics.suggest import advised, exists_note
 from composer.grammar import GRAMMAR
 from composer.recipe.element import Element

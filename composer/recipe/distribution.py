@@ -5,10 +5,11 @@ from __future__ import annotations
 import sys
 from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import lru_cache
 from typing import Any, Literal
 
+from composer.dataclass import dataclass
 from composer.diagnostics.fix import Fix
 from composer.diagnostics.suggest import closest, exists_note
 from composer.expr.angle import Angle

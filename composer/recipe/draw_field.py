@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Literal
 
+from composer.dataclass import dataclass
 from composer.diagnostics.suggest import closest, exists_note, renaming
 from composer.recipe.count import COUNT, read_count
 from composer.recipe.distribution import (

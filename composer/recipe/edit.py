@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.recipe.allow import ALLOW, read_codes
 from composer.recipe.count import COUNT, read_count
 from composer.recipe.edit_schema import OWN, edits

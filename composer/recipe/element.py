@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from composer.dataclass import dataclass
 from composer.expr.angle import Angle
 from composer.recipe.fault import Path
 

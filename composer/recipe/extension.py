@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.grammar.element import ElementType
 from composer.recipe.by_tag import ByTag
 from composer.recipe.element import Element

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from typing import Any
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
 
+from composer.dataclass import dataclass
 from composer.recipe.fault import Fault, validation_error
 from composer.recipe.reference import Schema
 from composer.recipe.settings import Settings, settings

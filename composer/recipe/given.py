@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.recipe.fault import Fault
 from composer.recipe.form import Form
 from composer.recipe.reference import Schema

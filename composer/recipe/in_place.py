@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.document.node import Key, Scalar, find
 from composer.document.node import Mapping as Located
 from composer.document.node import Sequence as List

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.expr.angle import Angle
 from composer.grammar import GRAMMAR
 from composer.recipe.attribute_schema import attribute_schema

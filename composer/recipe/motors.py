@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.recipe.fault import EXCLUSIVE, Fault, unknown_key
 from composer.recipe.form import Form
 from composer.recipe.reference import Schema, reference

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, Literal
 
+from composer.dataclass import dataclass
 from composer.diagnostics.suggest import closest, exists_note, renaming
 from composer.expr.angle import Angle
 from composer.grammar import GRAMMAR

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
+from composer.dataclass import dataclass
 from composer.limits import advice, in_force
 from composer.recipe.draw_field import DrawField, read_field
 from composer.recipe.fault import Fault

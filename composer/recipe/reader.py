@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.diagnostics.suggest import closest, exists_note, renaming
 from composer.diagnostics.unknown import unknown_attribute
 from composer.grammar import GRAMMAR

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from composer.dataclass import dataclass
 from composer.recipe.add import Addition, Additions
 from composer.recipe.allow import Allowed
 from composer.recipe.attach import Attachment, Prefixes

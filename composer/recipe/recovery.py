@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass
 
+from composer.dataclass import dataclass
 from composer.diagnostics.suggest import closest
 from composer.document.node import Key, Mapping, Node, Scalar, texts
 from composer.document.node import Sequence as List

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.diagnostics.suggest import advised
 from composer.diagnostics.unknown import unknown_attribute
 from composer.grammar import GRAMMAR

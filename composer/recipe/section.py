@@ -7,9 +7,9 @@ Typed("sensor")]`. Therefore 170 kinds of elements have types without 170 models
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.diagnostics.suggest import advised, exists_note
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType

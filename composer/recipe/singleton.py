@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Note
 from composer.recipe.element import Element
 from composer.recipe.element_schema import element

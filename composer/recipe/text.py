@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, get_args
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidatorFunctionWrapHandler
 from pydantic_core import CoreSchema, core_schema
 
+from composer.dataclass import dataclass
 from composer.diagnostics.suggest import closest, exists_note, renaming
 from composer.recipe.fault import Fault, Path, validation_error
 from composer.recipe.form import Form

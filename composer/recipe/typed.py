@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.diagnostics.suggest import closest, exists_note, renaming
 from composer.grammar import GRAMMAR
 from composer.grammar.element import ElementType

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
 from composer.bundle.output_error import OutputError
+from composer.dataclass import dataclass
 from composer.diagnostics.suggest import did_you_mean
 
 Colour = tuple[int, int, int, int]

@@ -14,10 +14,10 @@ import hashlib
 import json
 import os
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from composer.dataclass import dataclass
 from composer.sources.lease import lock_file
 
 if TYPE_CHECKING:

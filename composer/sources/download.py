@@ -6,11 +6,11 @@ import json
 import re
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
+from composer.dataclass import dataclass
 from composer.diagnostics.secret import hide
 from composer.limits import advice, in_force, written
 from composer.sources.error import SourceError

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from composer.dataclass import dataclass
 from composer.reading.door import ALL, Door
 from composer.reading.folders import real_path
 from composer.reading.project import folder_of_recipe, own_door

@@ -12,10 +12,10 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.limits import in_force
 from composer.processes.process import Process
 from composer.sources.error import SourceError

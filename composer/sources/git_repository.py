@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 import tempfile
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
+from composer.dataclass import dataclass
 from composer.diagnostics.suggest import closest, exists_note
 from composer.limits import advice, in_force, written
 from composer.scratch import scratch

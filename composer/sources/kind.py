@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal, get_args
+
+from composer.dataclass import dataclass
 
 Pin = Literal["commit", "tree", "sha256", "package", "version"]
 """What a lock can record about a source besides the hashes of its files."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
+from composer.dataclass import dataclass
 from composer.diagnostics.secret import hide
 from composer.sources.error import SourceError
 from composer.sources.kind import Form, Kind

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path, PurePath
 from typing import Literal, TypeAlias
 
+from composer.dataclass import dataclass
 from composer.reading.door import NOTHING, Door
 from composer.sources.kind import Kind
 from composer.sources.origin import Origin

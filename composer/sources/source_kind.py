@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from composer.dataclass import dataclass
 from composer.sources.kind import Kind
 
 if TYPE_CHECKING:

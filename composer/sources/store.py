@@ -23,10 +23,10 @@ import stat
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, get_args
 
+from composer.dataclass import dataclass
 from composer.limits import parse_size
 from composer.reading.owner import untrusted
 from composer.sources.blobs import WRITING, Blob, blobs_in, is_left, write_whole

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
+
+from composer.dataclass import dataclass
 
 Visuals = Literal["keep", "drop"]
 Fixed = Literal["keep", "fuse"]

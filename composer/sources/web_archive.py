@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
+from composer.dataclass import dataclass
 from composer.sources.digest import differences, sha256_of
 from composer.sources.error import SourceError
 from composer.sources.fetched import not_at_hand, source_in, unlocked

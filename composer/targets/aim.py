@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,7 @@ from composer.bundle.staging import write_files
 from composer.compiled.index import Index
 from composer.compiled.order import compiled_order
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Cause
 from composer.diagnostics.span import Span
 from composer.scratch import scratch

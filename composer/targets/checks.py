@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ from lxml import etree
 from composer import engine
 from composer.bundle.bundle import Bundle
 from composer.bundle.staging import write_files
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.fault import Fault
 from composer.recipe.check import KINDS

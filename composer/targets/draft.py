@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from lxml.etree import _Element as Node
 
+from composer.dataclass import dataclass
 from composer.targets.loss import Loss
 
 

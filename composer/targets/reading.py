@@ -7,10 +7,10 @@ import os
 import subprocess
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.limits import in_force
 from composer.processes.process import Process
 from composer.recipe.checks.simulators import READ_IN

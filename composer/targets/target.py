@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
+from composer.dataclass import dataclass
 from composer.targets.draft import Draft
 from composer.targets.limit import Limit
 

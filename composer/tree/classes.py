@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache, cached_property
 
 from lxml.etree import _Element as Node
 
+from composer.dataclass import dataclass
 from composer.grammar import GRAMMAR
 
 MAIN = "main"

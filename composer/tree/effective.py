@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Literal
 
+from composer.dataclass import dataclass
 from composer.grammar import GRAMMAR, ElementType
 from composer.grammar.attribute import Attribute
 from composer.grammar.format import to_text

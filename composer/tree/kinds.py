@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from keyword import iskeyword
 
 from lxml.etree import _Element as Node
 
+from composer.dataclass import dataclass
 from composer.grammar import GRAMMAR, ElementType
 from composer.grammar.attribute import Attribute
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from lxml.etree import _Element as Node
 
+from composer.dataclass import dataclass
 from composer.tree.classes import MAIN
 from composer.tree.files import NAMED_AFTER_FILE, stem
 from composer.tree.names import LISTS, WORLD, declaring, naming_table, own_references

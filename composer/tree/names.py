@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
 from typing import Any
 
 from lxml.etree import _Element as Node
 
+from composer.dataclass import dataclass
 from composer.grammar import GRAMMAR
 from composer.tree.files import NAMED_AFTER_FILE, stem
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Generic
 
 from lxml.etree import _Element as Node
 
+from composer.dataclass import dataclass
 from composer.tree.attributes import assign
 from composer.tree.editable import M, Reference, referrers
 from composer.tree.kinds import ROOT, WORLD_SECTION, section_of

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Generic, NamedTuple
 
+from composer.dataclass import dataclass
 from composer.tree.editable import M, Reference, uses_of
 from composer.tree.kinds import section_of
 from composer.tree.name_index import is_list

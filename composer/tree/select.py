@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
 from typing import Any
 
 from lxml import etree
 from lxml.etree import _Element as Node
 
+from composer.dataclass import dataclass
 from composer.grammar import GRAMMAR
 from composer.grammar.characters import NOT_XML
 from composer.tree.classes import MAIN, Classes

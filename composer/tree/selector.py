@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import cache
 
+from composer.dataclass import dataclass
 from composer.grammar import GRAMMAR
 from composer.tree.pattern import is_pattern
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from pathlib import Path
 
 from lxml.etree import _Element as Node
 
+from composer.dataclass import dataclass
 from composer.reading.door import NOTHING, Door
 from composer.tree.adopted import Adopted
 from composer.tree.classes import Classes

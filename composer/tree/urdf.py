@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import partial
 
 from lxml.etree import _Element as Node
 
+from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 from composer.tree.origin import Origins
 from composer.tree.unit import Unit

@@ -6,7 +6,6 @@ import hashlib
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 
 from composer import engine
@@ -14,6 +13,7 @@ from composer.bundle.admitted import outside
 from composer.bundle.bundle import MANIFEST, Bundle
 from composer.bundle.output_error import unwritable
 from composer.bundle.staging import write_files
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.mujoco_errors.message import CRASHES, Fault, parse
 from composer.scratch import scratch

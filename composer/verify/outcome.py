@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Diagnostic, Severity
 from composer.diagnostics.span import Span
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from composer import engine
 from composer.bundle.renamed import Renamed
 from composer.compiled.difference import Difference
 from composer.compiled.keyframes import Keys
+from composer.dataclass import dataclass
 from composer.numerics.pose import IDENTITY_QUAT, ORIGIN
 from composer.plan.part_record import PartRecord
 from composer.verify.compiles import WHOLE

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, field
 from typing import Any
 
 from composer.compiled.difference import MISSING, Difference, Value
@@ -12,6 +12,7 @@ from composer.compiled.keyframes import Keys, Roots
 from composer.compiled.kinds import Model, NameTable
 from composer.compiled.mount import Mount
 from composer.compiled.unchanged import compare
+from composer.dataclass import dataclass
 from composer.numerics.pose import IDENTITY_QUAT, ORIGIN, Quat, Vec3
 
 

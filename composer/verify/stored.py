@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +13,7 @@ from composer.bundle.manifest_index import index_of
 from composer.bundle.output_error import OutputError
 from composer.bundle.read import ReadError, read
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Cause
 from composer.numerics.pose import Pose
 from composer.plan.part_record import PartRecord

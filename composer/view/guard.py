@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hmac
 from collections.abc import Mapping
-from dataclasses import dataclass
 from ipaddress import ip_address
+
+from composer.dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

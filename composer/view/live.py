@@ -7,11 +7,11 @@ import sys
 import webbrowser
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from pathlib import Path
 from threading import Event, Thread
 
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.view.server import Server
 from composer.view.watching import Mark, Watch, marks
 from composer.view.workshop import Shown, Workshop

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path, PurePath
 
+from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 from composer.diff.change import Cause, Diff, End, Group
 from composer.diff.revision import split

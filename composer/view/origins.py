@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.diff.side import Side

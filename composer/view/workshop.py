@@ -5,12 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from threading import RLock
 from typing import TYPE_CHECKING
 
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.diff.operand import Operand, read_operand
 from composer.diff.side import Side, load
 from composer.render.given import check_given

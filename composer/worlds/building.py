@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from composer.bundle.bundle import DRAWS, WORLDS, Bundle
@@ -11,6 +11,7 @@ from composer.bundle.folder import write_folder
 from composer.cache.builder import Maker
 from composer.cache.result import Made
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.diagnostics.sink import Sink
 from composer.document.node import Scalar, find
 from composer.engine import Session

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,6 +12,7 @@ import numpy as np
 from composer.bundle.listing import SIZES
 from composer.compiled.kinds import KINDS, Model, names
 from composer.compiled.varying import Differences, arrays, flat
+from composer.dataclass import dataclass
 from composer.expr.value import Value
 from composer.loading.load import Loaded
 from composer.worlds.errors import failure

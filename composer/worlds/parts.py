@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from hashlib import sha256
 
 import numpy as np
 
 from composer.compiled.kinds import ON_BODIES, Model, NameTable
+from composer.dataclass import dataclass
 from composer.worlds.errors import failure
 
 CODE = "not-a-world"

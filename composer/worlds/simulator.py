@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import mujoco
 
 from composer.compiled.kinds import Model, NameTable
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Diagnostic, Note
 from composer.loading.errors import LoadError
 from composer.targets.limit import Refusal

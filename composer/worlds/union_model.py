@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from composer.bundle.bundle import Bundle
 from composer.bundle.read import read
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.diagnostics.sink import Sink
 from composer.engine import Session
 from composer.loading.errors import LoadError

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from composer.bundle.output_error import OutputError
 from composer.bundle.read import ReadError, read
 from composer.compiled.varying import flat, put, value_of
 from composer.compiled.whose import Whose, whose
+from composer.dataclass import dataclass
 from composer.diagnostics.failure import MjcomposeError
 from composer.loading.index import Index
 from composer.loading.load import Model

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from lxml.etree import _Element as Node
@@ -16,6 +15,7 @@ from composer.compose.verbs.arithmetic import compute
 from composer.compose.verbs.entry import Entry
 from composer.compose.verbs.operation import SET, Operation
 from composer.compose.verbs.whole_value import check_units, set_whole
+from composer.dataclass import dataclass
 from composer.recipe.fault import Fault, Path
 from composer.recipe.select import unknown_attribute
 from composer.recipe.subscript import attribute_and_index

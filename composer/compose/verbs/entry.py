@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING
 
 from lxml.etree import _Element as Node
 
 from composer.compose.editing import Editing
 from composer.compose.mass import Masses
+from composer.dataclass import dataclass
 from composer.link.subtree import Left
 
 if TYPE_CHECKING:

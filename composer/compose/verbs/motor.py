@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, NoReturn
 
 from lxml.etree import _Element as Node
@@ -15,6 +14,7 @@ from composer.compose.refuse import refuse
 from composer.compose.verbs.change import Change
 from composer.compose.verbs.entry import Entry
 from composer.compose.verbs.operation import SET
+from composer.dataclass import dataclass
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.link import numbers
 from composer.link.layout import joint_type

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from lxml.etree import _Element as Node
 
 from composer.compiled.kinds import Model as MjModel
 from composer.compiled.kinds import NameTable
 from composer.compiled.order import compiled_kind, compiled_order, rows
+from composer.dataclass import dataclass
 from composer.diagnostics.sink import Sink
 from composer.link.request import Policy
 from composer.mjcf.attaching import attachments_below

@@ -6,13 +6,13 @@ They come from the running MuJoCo, which describes its own structs and the size 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
 from typing import Any
 
 from composer.compiled.addresses import RUNS
 from composer.compiled.kinds import KINDS
+from composer.dataclass import dataclass
 
 # short name keeps it, so that `solref` of a joint is `jnt_solref` and the other one is `dof_solref`.
 _MORE_WORDS = {"joint": ("dof",), "tendon": ("ten",), "skin": ("skin",), "flex": ("flexedge", "flexvert")}

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import ClassVar, Literal
 
+from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 from composer.plan.steps.step import Step, StepInput, words_of_element
 from composer.recipe.element import Element

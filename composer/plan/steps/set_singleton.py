@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import ClassVar
 
+from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 from composer.plan.steps.step import Step, StepInput
 from composer.recipe.element import Element

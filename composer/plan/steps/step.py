@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import ClassVar
 
+from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 from composer.document.node import Mapping, locate
 from composer.recipe.element import Element

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from composer.compiled.attributes import TAGS, attributes
+from composer.dataclass import dataclass
 from composer.diagnostics.suggest import advised, exists_note
 from composer.expr.angle import Angle
 from composer.recipe.checks import form

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from composer.compiled.attributes import ENUMERATED
 from composer.compiled.attributes import TAGS as ATTRIBUTES_OF
 from composer.compiled.kinds import HOLDERS
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import advised, exists_note
 from composer.recipe.checks.equal import Number, attribute_of, check_one, numbers_of

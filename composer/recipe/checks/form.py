@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Protocol
 
+from composer.dataclass import dataclass
 from composer.diagnostics.suggest import advised, exists_note
 from composer.recipe.checks.keys import Keys
 from composer.recipe.pattern import GLOB

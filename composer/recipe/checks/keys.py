@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.fix import Fix
 from composer.recipe.advice import without_unit

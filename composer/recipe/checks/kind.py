@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, Protocol
 
+from composer.dataclass import dataclass
 from composer.recipe.checks.form import Keyed
 from composer.recipe.checks.keys import Keys
 from composer.recipe.fault import Path

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from composer.dataclass import dataclass
 from composer.recipe.checks.form import Globs, Key, Keyed, Number, Numbers
 from composer.recipe.checks.keys import Keys
 from composer.recipe.checks.kind import Kind

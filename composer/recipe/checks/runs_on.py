@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
+from composer.dataclass import dataclass
 from composer.recipe.checks.form import Words
 from composer.recipe.checks.keys import Keys
 from composer.recipe.checks.kind import Kind

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, ClassVar
 
+from composer.dataclass import dataclass
 from composer.recipe.checks.form import Key, Keyed, Name, Number
 from composer.recipe.checks.keys import Keys
 from composer.recipe.checks.kind import Kind

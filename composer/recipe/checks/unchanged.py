@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from composer.dataclass import dataclass
 from composer.diagnostics.suggest import advised
 from composer.grammar import GRAMMAR
 from composer.recipe.checks.form import Key, Keyed, Name

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
+from composer.dataclass import dataclass
 from composer.diagnostics.suggest import advised, closest, exists_note
 from composer.recipe.fault import EXCLUSIVE, Fault, Path, unknown_key
 from composer.recipe.reference import Schema, or_template, reference

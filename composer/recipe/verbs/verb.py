@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+from composer.dataclass import dataclass
 from composer.grammar.element import ElementType
 from composer.recipe.fault import Fault, Path
 from composer.recipe.reference import Schema

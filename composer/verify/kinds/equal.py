@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from composer.compiled.addresses import rows_of
 from composer.compiled.attributes import ANGLES, array_of
 from composer.compiled.joints import JOINT_TYPES
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.fault import Fault
 from composer.grammar.degrees import is_in_degrees

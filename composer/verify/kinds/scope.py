@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import Any
 
 from composer.compiled.kinds import ON_BODIES, Model, NameTable, holder
 from composer.compiled.links import links
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.fault import Fault
 from composer.tree.pattern import fitter
