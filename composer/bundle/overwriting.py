@@ -40,5 +40,5 @@ def files_read(plan: Plan, model: Unit, uses: Iterable[FileUse]) -> Iterator[Pat
     """Yield the recipes, models and assets that a model is made from."""
     yield from (each.path for each in plan.plans())
     yield from (source.path for source in plan.sources())
-    yield from (text for text in model.origins.texts.values() if isinstance(text, Path))
+    yield from (text.path for text in model.origins.texts.values() if text.path is not None)
     yield from (Path(use.source) for use in uses if use.content is None)

@@ -64,6 +64,7 @@ from composer.recipe.rows import check_rows
 from composer.sources.source import Source
 from composer.tree.classes import MAIN
 from composer.tree.expansion import check_size, written
+from composer.tree.file_text import FileText
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
 from composer.tree.watch import Watch, nobody
@@ -296,7 +297,7 @@ class Composer:
 
     def _builder(self, plan: Plan, base: Unit) -> ElementBuilder:
         """Return what makes the recipe's own elements in the base."""
-        base.origins.texts[plan.file] = plan.path
+        base.origins.texts[plan.file] = FileText(plan.path)
         return ElementBuilder(
             plan.document, plan.file, self.context.sink, plan.angle_context,
             "radian", base.settings.eulerseq, self.context.folder, base.file, base.origins,

@@ -223,7 +223,7 @@ def _mjcf(operand: Operand, kept: str, session: Session) -> Side | None:
 def _files_of(unit: Unit, path: Path) -> Iterator[Path]:
     """Yield an MJCF file, the files that it includes, and the meshes and other files that it names."""
     yield path
-    yield from (text for text in unit.origins.texts.values() if isinstance(text, Path))
+    yield from (text.path for text in unit.origins.texts.values() if text.path is not None)
     for element, _, name in file_attributes(unit.root):
         yield Path(join(str(unit.directory), written_path(unit.settings, element, name)))
 

@@ -40,5 +40,5 @@ def _files(key: Key, unit: Unit) -> set[Path]:
     """Return the file of a unit and those that it includes. Texts without a path of their own belong to their file."""
     return {
         key[0],
-        *(text if isinstance(text, Path) else Path(name) for name, text in unit.origins.texts.items()),
+        *(text.path or Path(name) for name, text in unit.origins.texts.items()),
     }

@@ -15,8 +15,8 @@ from composer.mjcf.attributed import Attributed
 from composer.mjcf.model import Attachment, Model
 from composer.mjcf.views import view
 from composer.reading.door import Door
+from composer.tree.file_text import FileText
 from composer.tree.origin import Origins
-from composer.tree.start_tag import SourceText
 from composer.tree.unit import Unit
 
 Reduced = tuple[Callable[..., Attributed], tuple[Any, ...]]
@@ -70,7 +70,7 @@ class _Composition:
     directory: Path
     label: str
     contents: Mapping[str, bytes | Path]
-    texts: dict[str, Path | bytes | str | SourceText | None]
+    texts: dict[str, FileText]
     attached: list[_Attached]
     door: Door
 

@@ -10,6 +10,7 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.sink import Sink
 from composer.reading.refused import Refused
+from composer.tree.file_text import FileText
 from composer.tree.files import file_attributes, join, written_path
 from composer.tree.mesh_points import check_meshes
 from composer.tree.parse import parse_file, parse_xml
@@ -88,6 +89,6 @@ def includes_admitted(urdf: Unit, sink: Sink, shown: Callable[[Path], str] | Non
             seen.add(path)
             inner = parse_xml(data, str(path), Sink()) if data else None
             if inner is not None:
-                urdf.origins.texts[str(path)] = data
+                urdf.origins.texts[str(path)] = FileText(path, data)
                 waiting.append((inner, str(path), path.parent))
     return sink.error_count == before

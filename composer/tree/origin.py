@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import field
-from pathlib import Path
 
 from lxml.etree import _Element as Node
 
 from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
-from composer.reading.regular import TooLarge, read_regular
+from composer.reading.regular import TooLarge
+from composer.tree.file_text import FileText
 from composer.tree.key_number import KeyRecord
 from composer.tree.line import line_of
 from composer.tree.start_tag import SourceText
@@ -24,15 +24,15 @@ class Origins:
     """The file of every subtree whose file is not its parent's, and the recipe place of what a recipe wrote.
 
     Line numbers need no storage: lxml keeps the line of each element, and they survive moves and copies. `owners`
-    holds the elements themselves, so that their identity is stable. `texts` has, by name in messages, where the
-    text of a file is; it is read when an error in it is reported. `settings` has the attributes that a program or
+    holds the elements themselves, so that their identity is stable. `texts` has the files that the model was read from,
+    by name in messages, also those without text, such as meshes. `settings` has the attributes that a program or
     the linker has set, each with its place or a function that returns it. `renamed` has each old and new name of an
     edit. `keys` has the layout of keys that differ from their file. `unread` is what MuJoCo ignores in the files
     themselves, by file, line and attribute (None: the element). `size` is the bytes of all files.
     """
 
     owners: dict[Node, str | Span | Place] = field(default_factory=dict)
-    texts: dict[str, Path | bytes | str | SourceText | None] = field(default_factory=dict)
+    texts: dict[str, FileText] = field(default_factory=dict)
     settings: dict[Node, dict[str, Span | Callable[[], Span]]] = field(default_factory=dict)
     renamed: dict[Node, list[tuple[str, str]]] = field(default_factory=dict)
     keys: dict[Node, KeyRecord] = field(default_factory=dict)
@@ -138,13 +138,6 @@ class Origins:
             raise TooLarge(self.size, most, "the files of this model are together")
 
     def text(self, file: str) -> SourceText | None:
-        """Return the text of a file, read on first use, or None if it is not available."""
+        """Return the text of a file, read on first use, or None if the model was not read from it."""
         known = self.texts.get(file)
-        if known is None or isinstance(known, SourceText):
-            return known
-        try:
-            text = SourceText(read_regular(known) if isinstance(known, Path) else known)
-        except OSError:
-            text = None
-        self.texts[file] = text
-        return text
+        return None if known is None else known.split()

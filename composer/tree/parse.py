@@ -28,6 +28,7 @@ from composer.tree import doctype, xml_fault
 from composer.tree.cdata import take_cdata_in
 from composer.tree.comments import take_header_in
 from composer.tree.expansion import CODE, check_size
+from composer.tree.file_text import FileText
 from composer.tree.files import join
 from composer.tree.ignored import note_unread
 from composer.tree.unit import Unit
@@ -60,7 +61,7 @@ def parse_file(
         return None
     unit = parse_text(data, sink, file=shown, directory=path.parent, label=path.stem, door=door)
     if unit is not None:
-        unit.origins.texts[shown] = path
+        unit.origins.texts[shown] = FileText(path)
     return unit
 
 
@@ -98,7 +99,7 @@ def parse_text(
     header = take_header_in(root)
     door = door or own_door(directory / "model.xml")
     unit = Unit(root, file, directory, label, contents or {}, header=header, door=door)
-    unit.origins.texts[file] = data
+    unit.origins.texts[file] = FileText(contents=data)
     unit.origins.size = len(data)
     if root.tag != "mujoco":
         help = SDF.help(file) if root.tag == "sdf" else _NO_MODEL.get(str(root.tag))
@@ -230,7 +231,7 @@ class _Includes:
         included = parse_xml(data, shown, self.sink)
         if included is None:
             return
-        origins.texts[shown] = data
+        origins.texts[shown] = FileText(None if isinstance(content, bytes) else path, data)
         if included.tag not in ("mujoco", "mujocoinclude"):
             refuse(f"`{name}` has the root `<{included.tag}>`, not `<mujocoinclude>` or `<mujoco>`")
             return

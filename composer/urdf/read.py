@@ -26,6 +26,7 @@ from composer.scratch import scratch
 from composer.sources import ros_package
 from composer.sources.source import Source
 from composer.tree.admitted import includes_admitted
+from composer.tree.file_text import FileText
 from composer.tree.files import written_path
 from composer.tree.parse import parse_text, parse_xml, read_file
 from composer.tree.unit import Unit
@@ -111,7 +112,7 @@ class UrdfReader:
         self._report_roots(robot)
         self._report_joints(robot)
         for path in meshes.files:
-            robot.unit.origins.texts.setdefault(self.shown(path), None)
+            robot.unit.origins.texts.setdefault(self.shown(path), FileText(path, b""))
         return self._completed(robot, converted.text)
 
     def _robot(self) -> Robot | None:
@@ -132,7 +133,7 @@ class UrdfReader:
             if root is None:
                 return None
             unit = Unit(root, shown, source.path.parent, source.path.stem, door=source.door)
-            unit.origins.texts[shown] = data
+            unit.origins.texts[shown] = FileText(source.path, data)
             return Robot(
                 unit, source.path, known_packages(data.decode("utf-8", "replace"), source.path, given)
             )
@@ -151,7 +152,7 @@ class UrdfReader:
         label = source.path.name.partition(".")[0]
         unit = Unit(root, shown, source.path.parent, label, door=source.door)
         for path in (source.path, *expanded.files):
-            unit.origins.texts[self.shown(path)] = path
+            unit.origins.texts[self.shown(path)] = FileText(path)
         owned(root, expanded.owners, unit.origins)
         text = expanded.text.decode("utf-8", "replace")
         return Robot(unit, source.path, known_packages(text, source.path, given), changed=True)

@@ -79,6 +79,18 @@ def test_it_builds_again_what_is_saved(folder: Path, watch: Callable[..., Watchi
     assert command.interrupt() == 0
 
 
+def test_it_builds_again_when_an_included_file_is_saved(folder: Path, watch: Callable[..., Watching]) -> None:
+    floor = folder / "floor.xml"
+    floor.write_text('<mujoco><worldbody><geom size="1"/></worldbody></mujoco>')
+    (folder / "scene.xml").write_text('<mujoco><include file="floor.xml"/></mujoco>')
+    (folder / "scene.yaml").write_text("recipe: 1\nname: scene\nbase: ./scene.xml\n")
+    command = watch("build", "scene.yaml", "-o", "out.xml")
+    assert "wrote out.xml" in command.until_it_watches()
+    floor.write_text(floor.read_text().replace('"1"', '"2"'))
+    assert "wrote out.xml" in command.until_it_watches()
+    assert 'size="2"' in (folder / "out.xml").read_text()
+
+
 def test_it_checks_again_from_a_recipe_that_fails_at_first(
     folder: Path, watch: Callable[..., Watching]
 ) -> None:

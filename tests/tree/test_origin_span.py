@@ -3,6 +3,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from composer.diagnostics import Sink, Span
+from composer.tree.file_text import FileText
 from composer.tree.origin import Origins
 from composer.tree.parse import parse_file, parse_text
 
@@ -52,8 +53,10 @@ def test_without_a_text_the_line_remains(tmp_path: Path) -> None:
     assert unit is not None
     geom = unit.root[0][0]
     assert Origins().span(geom, "a.xml") == Span("a.xml", 5, 1)
-    assert Origins(texts={"a.xml": tmp_path / "gone.xml"}).span(geom, "a.xml") == Span("a.xml", 5, 1)
-    assert Origins(texts={"a.xml": "<other/>"}).span(geom, "a.xml") == Span("a.xml", 5, 1)
+    assert Origins(texts={"a.xml": FileText(tmp_path / "gone.xml")}).span(geom, "a.xml") == Span(
+        "a.xml", 5, 1
+    )
+    assert Origins(texts={"a.xml": FileText(contents="<other/>")}).span(geom, "a.xml") == Span("a.xml", 5, 1)
     assert Origins().span(unit.root.makeelement("geom"), "a.xml") == Span("a.xml", 1, 1)
 
 

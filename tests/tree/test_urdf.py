@@ -6,6 +6,7 @@ import pytest
 from lxml import etree
 
 from composer.diagnostics import Span
+from composer.tree.file_text import FileText
 from composer.tree.origin import Origins
 from composer.tree.unit import Unit
 from composer.tree.urdf import locate_in_urdf, mesh_of, name_fused_links
@@ -41,7 +42,7 @@ MJCF = """<mujoco model="arm">
 @pytest.fixture
 def unit() -> Unit:
     unit = Unit(etree.fromstring(MJCF), "arm.urdf", Path(), "arm")
-    locate_in_urdf(unit, etree.fromstring(URDF), Origins(texts={"arm.urdf": URDF}))
+    locate_in_urdf(unit, etree.fromstring(URDF), Origins(texts={"arm.urdf": FileText(contents=URDF)}))
     return unit
 
 
