@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import field
 from functools import cached_property
 
@@ -20,6 +21,7 @@ from composer.link.layout import JOINTS
 from composer.link.linking import Linking
 from composer.recipe.fault import Path
 from composer.recipe.motors import Motor
+from composer.tree.attributes import changing
 from composer.tree.classes import Classes
 from composer.tree.effective import text_in_effect
 from composer.tree.kinds import kind_of, section_of
@@ -100,6 +102,19 @@ class Editing:
     def note(self, node: Node) -> None:
         """Add the names of a changed node to the index, and record the other effects of the change."""
         self.names.note(node, section_of(node))
+        self._has_changed(node)
+
+    @contextmanager
+    def writing(self, node: Node, attribute: Attribute) -> Iterator[None]:
+        """Keep what is known of a node up to date while an attribute of it is written."""
+        if not attribute.is_number:
+            with changing(self, node):
+                yield
+            return
+        yield  # numbers are no names: the index, which takes a walk over the model to make, is not needed
+        self._has_changed(node)
+
+    def _has_changed(self, node: Node) -> None:
         if section_of(node) == "default":
             self.linking.base.forget_classes()
         if node.tag in _LAID_OUT or section_of(node) in ("default", "actuator"):

@@ -113,7 +113,7 @@ def _described(request: dict[str, Any], mujoco: Any, model: Any) -> dict[str, An
     wants = request["wants"]
     answer: dict[str, Any] = {"sizes": facts.sizes(model)}
     if "index" in wants:
-        answer["index"] = index(model, mujoco)
+        answer["index"] = json.dumps(index(model, mujoco))
     if "names" in wants:
         answer["names"] = facts.all_names(model)
     if request["mjb"]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Callable, Iterable, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -97,9 +99,15 @@ def _compiled(answer: dict[str, Any], request: Request, version: str | None) -> 
         mujoco_version=version,
         sizes=answer.get("sizes", {}),
         forward=relative(answer.get("forward")),
-        index=Index.from_data(answer["index"]) if "index" in answer else None,
+        index=_index(answer["index"]) if "index" in answer else None,
         names=None if names is None else {kind: tuple(found) for kind, found in names.items()},
     )
+
+
+@lru_cache(maxsize=4)
+def _index(text: str) -> Index:
+    """Return the index for its JSON text. Samples of a model have the same, which is read once."""
+    return Index.from_data(json.loads(text))
 
 
 def without_folder(text: str, folder: Path) -> str:

@@ -16,7 +16,7 @@ from composer.grammar.format import to_text
 from composer.link import numbers
 from composer.recipe.fault import Fault, Path
 from composer.recipe.verbs.values import MASS
-from composer.tree.attributes import assign
+from composer.tree.attributes import replace
 from composer.tree.effective import levels
 from composer.tree.kinds import kind_of
 
@@ -54,7 +54,8 @@ def compute(
     if attribute.is_interval:
         editing.making.intervals[node, attribute.name] = editing.span(at)
     editing.write(node, {attribute.name: at})
-    assign(editing, node, {attribute.name: to_text(attribute, result)})
+    with editing.writing(node, attribute):
+        replace(node, {attribute.name: to_text(attribute, result)})
 
 
 def _present(

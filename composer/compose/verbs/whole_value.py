@@ -34,7 +34,7 @@ def set_whole(values: Values, attribute: Attribute, written: Any, at: Path) -> N
     element = Element(str(node.tag), {attribute.name: read}, at=at[:-1])
     making = editing.making
     making.made[node] = element
-    with changing(editing, node):
+    with editing.writing(node, attribute):
         if attribute.name in ORIENTATIONS or attribute.name == "fromto":
             # MuJoCo 4.0 takes one orientation ("multiple orientation specifiers are not allowed"), so that the one
             # before has to go.
