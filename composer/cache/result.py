@@ -104,7 +104,7 @@ def files_of(made: Made | None, context: Context) -> set[str]:
 
         built = made.built
         read = files_read(built.plan, built.composed.model, built.composed.files)
-    return {context.shown(path) for path in read if (context.folder / path).is_file()}
+    return {context.shown(path) for path in set(read) if (context.folder / path).is_file()}
 
 
 def load_files(record: Record, cache: Cache) -> dict[str, bytes] | None:

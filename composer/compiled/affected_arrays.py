@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from collections.abc import Set as AbstractSet
+from functools import cache
 
 from composer.compiled.attributes import TAGS, array_of, attributes
 from composer.compiled.fields import RULES, Treatment
@@ -67,7 +67,8 @@ _KINDS = {
 _BEYOND = {"joint": ["dof"], "geom": ["body"], "mesh": ["geom", "body"], "inertial": ["body"]}
 
 
-def arrays_of(attribute: str, tag: str | None = None) -> AbstractSet[str]:
+@cache
+def arrays_of(attribute: str, tag: str | None = None) -> frozenset[str]:
     """Return the arrays that follow from an attribute of an element, or without `tag` the suffixes of their names.
 
     Arrays computed from the inertia of the whole model, or from a gain, are included, because they follow from
@@ -78,11 +79,13 @@ def arrays_of(attribute: str, tag: str | None = None) -> AbstractSet[str]:
     """
     ends = _BECOMES.get(attribute, attribute).split()
     if tag is None:
-        return {*ends, *DERIVED, *(array.partition("_")[2] or array for array in _own(attribute, TAGS))}
+        return frozenset(
+            {*ends, *DERIVED, *(array.partition("_")[2] or array for array in _own(attribute, TAGS))}
+        )
     kind = _KINDS.get(tag, tag)
     starts = [KINDS[kind].arrays if kind in KINDS else kind, *_BEYOND.get(kind, [])]
     following = {end if end.startswith("qpos") else f"{start}_{end}" for start in starts for end in ends}
-    return following | DERIVED | _own(attribute, (kind,))
+    return frozenset(following | DERIVED | _own(attribute, (kind,)))
 
 
 def _own(attribute: str, kinds: Iterable[str]) -> set[str]:

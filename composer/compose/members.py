@@ -139,8 +139,6 @@ def _changed(plan: Plan, found: list[UnplacedRecord]) -> list[UnplacedRecord]:
             rows = [(row.tag, name) for row in step.element.children for name in row.attributes]
             arrays = [array for tag, name in rows for array in arrays_of(name, tag)]
             found = [_with(each, arrays) if each.member.prefix == owner else each for each in found]
-        elif isinstance(step, DrawValues) and step.sample:
-            found = [_with(each, arrays_of_draw(step)) for each in found]
         elif isinstance(step, SetSingleton) and step.section == "compiler":
             written = step.element.attributes
             if not _MASSES.isdisjoint(written):
@@ -150,6 +148,10 @@ def _changed(plan: Plan, found: list[UnplacedRecord]) -> list[UnplacedRecord]:
             for name in sorted(_RESHAPING & written.keys()):
                 reason = f"the recipe sets `compiler.{name}`, which takes elements away"
                 found = [UnplacedRecord(replace(each.member, obscure=reason), each.content) for each in found]
+    drawn = [arrays_of_draw(step) for step in plan.steps if isinstance(step, DrawValues) and step.sample]
+    if drawn:
+        arrays = sorted(set().union(*drawn))
+        found = [_with(each, arrays) for each in found]
     written_keys = tuple(step.key.name for step in plan.keyframes)
     found = [
         UnplacedRecord(

@@ -26,8 +26,8 @@ from typing import Any, TextIO
 
 LOG_FILE = "MUJOCO_LOG.TXT"
 _LOG_HEAD = re.compile(r"^(?:WARNING|ERROR) \w{3} \w{3} [ \d]\d \d\d:\d\d:\d\d \d{4}: ", re.MULTILINE)
-# how pybind11, C++ and MuJoCo's compiler report a failed allocation
 _REMEMBERED = 256 << 20
+# how pybind11, C++ and MuJoCo's compiler report a failed allocation
 _NO_MEMORY = ("Caught an unknown exception", "bad_alloc", "ould not allocate")
 
 
@@ -44,7 +44,7 @@ def main() -> None:
         _say(answers, {"missing": f"{type(error).__name__}: {error}" if str(error) else type(error).__name__})
         return
     _say(answers, {"mujoco": mujoco.__version__})
-    log_read = 0
+    log_read, index = 0, None
     kept: dict[str, Any] = {}
     for line in sys.stdin:
         _set_cpu_limit(settings["seconds"])
@@ -54,6 +54,9 @@ def main() -> None:
             answer = (_call if "function" in request else _compile)(request, mujoco, kept)
         logged, log_read = _read_log(log_read)
         answer["warnings"] = [str(entry.message) for entry in python_warnings] + logged
+        if answer.get("index") is not None:  # the parent keeps it, and gets None for the same one
+            same, index = answer["index"] == index, answer["index"]
+            answer["index"] = None if same else index
         _say(answers, answer)
 
 

@@ -55,6 +55,7 @@ class Session:
         self._shelf: Path | None = None
         self._held = contextlib.ExitStack()
         self._count = 0
+        self._index: str | None = None
 
     def __enter__(self) -> Session:
         return self
@@ -83,6 +84,8 @@ class Session:
         answer = self._exchange(request.to_json(arrays_file, self.limits.step), self.limits.seconds)
         if answer is None:
             return self._crashed(), arrays_file
+        if "index" in answer:  # None for the same as before
+            self._index = answer["index"] = answer["index"] or self._index
         return answer, arrays_file
 
     def call(self, function: Callable[..., Any], models: Sequence[str], argument: Any) -> dict[str, Any]:

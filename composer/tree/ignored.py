@@ -8,6 +8,7 @@ Because parts are joined by frames, a typo that MuJoCo reports for the source al
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from typing import TYPE_CHECKING
 
 from composer.diagnostics.diagnostic import Diagnostic, Severity
@@ -47,6 +48,12 @@ def _exists(what: ElementType | Attribute, version: str | None) -> bool:
     return what.since is None and what.until is None if version is None else what.exists_in(version)
 
 
+@cache
+def _readable(kind: ElementType, version: str | None) -> frozenset[str]:
+    """Return the attributes that MuJoCo reads."""
+    return frozenset(name for name, each in kind.attributes.items() if _exists(each, version))
+
+
 def _below(
     parent: Node, kind: ElementType, blind: bool, version: str | None
 ) -> Iterator[tuple[Node, str | None]]:
@@ -62,10 +69,8 @@ def _below(
                 continue
             unseen = blind or child.tag in BLIND
             if unseen:
-                known = child_kind.attributes
-                for name in map(str, child.keys()):
-                    if name not in known or not _exists(known[name], version):
-                        yield child, name
+                known = _readable(child_kind, version)
+                yield from ((child, name) for name in map(str, child.keys()) if name not in known)
             if len(child):
                 stack.append((child, child_kind, unseen))
 

@@ -225,3 +225,28 @@ def test_names_that_this_process_cannot_read_are_bytes(tmp_path: Path) -> None:
     with Session() as session:
         answer, _ = session.ask(engine.Request(tmp_path / "\udcc3\udcbc"))
     assert answer["ok"], answer
+
+
+@posix
+def test_each_answer_has_the_index_of_its_own_model(tmp_path: Path) -> None:
+    """What crosses from MuJoCo's process only once: the same index again, also after another one and a crash."""
+
+    def bodies(session: Session, text: str) -> tuple[str, ...] | None:
+        compiled = engine.compile(put(tmp_path, text), wants=("index",), session=session)
+        return None if compiled.index is None else compiled.index.bodies
+
+    def named(name: str, size: int = 1) -> str:
+        return f'<mujoco><worldbody><body name="{name}"><geom size="{size}"/></body></worldbody></mujoco>'
+
+    with engine.Session() as session:
+        assert bodies(session, named("a")) == ("world", "a")
+        assert bodies(session, named("a", 2)) == ("world", "a")
+        assert bodies(session, named("b")) == ("world", "b")
+        assert bodies(session, "<mujoco><worldbody>") is None
+        assert bodies(session, named("b", 2)) == ("world", "b")
+        mjb = tmp_path / "none" / "a.mjb"
+        failed = engine.compile(put(tmp_path, named("c")), wants=("index",), mjb=mjb, session=session)
+        assert not failed.ok
+        assert bodies(session, named("c")) == ("world", "c")
+        session._stop()
+        assert bodies(session, named("c", 2)) == ("world", "c")
