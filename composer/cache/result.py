@@ -96,15 +96,19 @@ def recalled(record: Record, inputs: tuple[str, ...]) -> Made:
 
 def files_of(made: Made | None, context: Context) -> set[str]:
     """Return the input files of a model, as messages name them."""
-    if made is None:
-        return set()
-    read: Iterator[Path] = map(Path, made.inputs)
-    if made.built is not None:
-        from composer.bundle.overwriting import files_read
+    read = () if made is None else set(inputs_of(made))
+    return {context.shown(path) for path in read if (context.folder / path).is_file()}
 
-        built = made.built
-        read = files_read(built.plan, built.composed.model, built.composed.files)
-    return {context.shown(path) for path in set(read) if (context.folder / path).is_file()}
+
+def inputs_of(made: Made) -> Iterator[Path]:
+    """Yield the files that a model is made from."""
+    if made.built is None:
+        yield from map(Path, made.inputs)
+        return
+    from composer.bundle.overwriting import files_read
+
+    built = made.built
+    yield from files_read(built.plan, built.composed.model, built.composed.files)
 
 
 def load_files(record: Record, cache: Cache) -> dict[str, bytes] | None:

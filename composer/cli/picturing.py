@@ -37,6 +37,11 @@ def check_has_picture(out: str, kind: Form) -> None:
         )
 
 
+def picture_beside(target: str, name: str) -> Path:
+    """Return the path of the picture of the output `target`."""
+    return Path(os.path.dirname(target.rstrip("/"))) / picture_of(name)
+
+
 @dataclass(slots=True)
 class Picturing:
     """Draws the pictures in one child process with a renderer, which ends with `opened`."""
@@ -49,7 +54,7 @@ class Picturing:
 
         Errors go to the sink.
         """
-        out = Path(os.path.dirname(target.rstrip("/"))) / picture_of(name)
+        out = picture_beside(target, name)
         if is_known and (context.folder / out).exists():
             return
         from composer.diagnostics.sink import Sink

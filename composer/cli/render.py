@@ -153,9 +153,10 @@ def _one(
     if not check_given(operand, given):
         return None
     progress(f"drawing {operand.label}")
-    if load(operand, kept, session, given) is None or context.sink.has_errors:
+    side = load(operand, kept, session, given)
+    if side is None or context.sink.has_errors:
         return None
-    return f"wrote {out}" if render(kept, out, wish, context, session) else None
+    return f"wrote {out}" if render(kept, out, wish, context, session, side.inputs) else None
 
 
 def _sheet(

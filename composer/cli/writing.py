@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING
 from composer.bundle.place import is_address, place
 from composer.cli.built_words import remarks, said
 from composer.cli.noted import note_files
+from composer.cli.picturing import picture_beside
 from composer.cli.reporting import clear_progress, exit_code, progress, report, say, say_details
 from composer.cli.wanted import Wanted
 from composer.diagnostics.diagnostic import Severity
@@ -78,6 +78,7 @@ def put(made: Made, maker: Maker, context: Context, session: Session | None, wan
         return None
     target = wanted.target(made.name, made.mujoco)
     try:
+        _check_picture(made, target, wanted, context)
         if wanted.kind == "text" and made.built is not None:
             from composer.bundle.text_alone import text_alone
 
@@ -100,6 +101,15 @@ def put(made: Made, maker: Maker, context: Context, session: Session | None, wan
     return made
 
 
+def _check_picture(made: Made, target: str, wanted: Wanted, context: Context) -> None:
+    """Refuse a picture that would take the place of a texture. Raises OutputError."""
+    if wanted.picturing is not None:
+        from composer.bundle.overwriting import check_is_no_source
+        from composer.cache.result import inputs_of
+
+        check_is_no_source(context.folder / picture_beside(target, made.name), inputs_of(made))
+
+
 def add_picture(made: Made, wanted: Wanted, context: Context) -> None:
     """Draw a picture next to a written model, if one is wanted; errors go to the context's sink."""
     if wanted.picturing is not None:
@@ -120,19 +130,16 @@ def _write(
     made: Made, out: str, maker: Maker, wanted: Wanted, context: Context, session: Session | None
 ) -> tuple[Path, ...]:
     """Write the model, and return what was written elsewhere than to `out`."""
-    from composer.bundle.overwriting import check_is_no_source, files_read
+    from composer.bundle.overwriting import check_is_no_source
+    from composer.cache.result import inputs_of
 
-    built = made.built
     if wanted.kind in ("text", "mjb", "usd") and made.bundle is not None:
         _check_holds_all(made.bundle, out)
     if out != "-":
-        read: Iterator[Path] = map(Path, made.inputs)
-        if built is not None:
-            read = files_read(built.plan, built.composed.model, built.composed.files)
         if is_address(out):
             _deliver(made, out, maker, wanted, context, session)
             return ()
-        check_is_no_source(context.folder / out, read)
+        check_is_no_source(context.folder / out, inputs_of(made))
     if wanted.kind == "text":
         text = made.text
         assert text is not None

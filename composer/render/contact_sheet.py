@@ -10,6 +10,7 @@ from pathlib import Path
 
 from composer import engine
 from composer.bundle.output_error import OutputError
+from composer.bundle.overwriting import check_is_no_source
 from composer.bundle.staging import staged_file
 from composer.cache.making import handed_over
 from composer.compose.load import Library
@@ -35,8 +36,8 @@ _CELLS_A_PROCESS = 2
 _ENDS = ("no-rendering", "mujoco-missing")
 """Errors that apply to all cells if they apply to one."""
 _MODULES = ("composer.render.contact_sheet",)
-Drawn = tuple[bool, tuple[Diagnostic, ...]]
-"""Whether a cell was drawn, and its diagnostics."""
+Drawn = tuple[bool, tuple[Diagnostic, ...], tuple[Path, ...]]
+"""Whether a cell was drawn, its diagnostics, and the files that were read for it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +63,7 @@ class _Job:
             side = load_cell(own, _KEPT, session, self.given, cell, library=library)
             asked = {**self.wish.as_data(), "out": str(self.tile(number)), "tile": str(cell.name)}
             is_drawn = side is not None and drawn(_KEPT, asked, own.context, session)
-        return is_drawn, tuple(own.context.sink.sorted())
+        return is_drawn, tuple(own.context.sink.sorted()), () if side is None else side.inputs
 
     def tile(self, number: int) -> Path:
         return self.folder / f"{number}.npy"
@@ -84,7 +85,9 @@ def render_sheet(
     is called with the name of each finished cell. `jobs` is the number of processes; the default is as many as pay
     off.
     """
-    context, tiles = operand.context, []
+    context = operand.context
+    tiles: list[str] = []
+    read: set[Path] = set()
     workers = min(len(cells), jobs or min(cores(), max(1, len(cells) // _CELLS_A_PROCESS))) - 1
     with ExitStack() as held:
         folder = held.enter_context(scratch("pictures"))
@@ -93,7 +96,8 @@ def render_sheet(
         results = pool.results(job.opened, enumerate(cells), partial(job.draw, session, {}))
         for number, (cell, result) in enumerate(zip(cells, results, strict=True)):
             tell(cell.name)
-            is_drawn, found = _lost(cell, result) if isinstance(result, Died) else result
+            is_drawn, found, inputs = _lost(cell, result) if isinstance(result, Died) else result
+            read.update(inputs)
             if is_drawn:
                 tiles.append(str(job.tile(number)))
             for each in found:
@@ -101,11 +105,12 @@ def render_sheet(
             if any(each.code in _ENDS for each in found):
                 break
         pool.end()
-        return len(tiles) if tiles and _put(tiles, out, operand, session) else 0
+        return len(tiles) if tiles and _put(tiles, out, operand, session, read) else 0
 
 
-def _put(tiles: list[str], out: Path, operand: Operand, session: engine.Session) -> bool:
+def _put(tiles: list[str], out: Path, operand: Operand, session: engine.Session, read: set[Path]) -> bool:
     try:
+        check_is_no_source(operand.context.folder / out, read)
         with staged_file(operand.context.folder / out) as stage:
             engine.call(session, sheet, (), {"tiles": tiles, "out": str(stage)})
     except OutputError as error:
@@ -117,4 +122,4 @@ def _put(tiles: list[str], out: Path, operand: Operand, session: engine.Session)
 def _lost(cell: Cell, died: Died) -> Drawn:
     help = "if memory ran out, give `--jobs` a smaller number; with `--jobs 1` no other process is used"
     message = f"the process that drew this model {died.how}, twice"
-    return False, (Diagnostic("worker-died", message, cell.span, help=help),)
+    return False, (Diagnostic("worker-died", message, cell.span, help=help),), ()

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from composer import engine
 from composer.bundle.output_error import OutputError
+from composer.bundle.overwriting import check_is_no_source
 from composer.bundle.staging import staged_file
 from composer.context import Context
 from composer.diagnostics.unknown import unknown_name
@@ -23,10 +25,16 @@ class _NotDrawn(Exception):
     """There is nothing to write, which was reported; an older picture stays."""
 
 
-def render(kept: str, out: Path, wish: Wish, context: Context, session: Session) -> bool:
-    """Write a picture or a film of a model that `session` keeps; return False after an error, which is reported."""
+def render(
+    kept: str, out: Path, wish: Wish, context: Context, session: Session, read: Iterable[Path] = ()
+) -> bool:
+    """Write a picture or a film of a model that `session` keeps; return False after an error, which is reported.
+
+    It does not take the place of the files that were `read` for the model.
+    """
     try:
         suffix = format_of(out, wish)
+        check_is_no_source(context.folder / out, read)
         with staged_file(context.folder / out) as stage:
             made = stage.with_name(stage.name + suffix)
             try:

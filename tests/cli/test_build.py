@@ -453,14 +453,3 @@ def test_a_model_of_other_values_is_replaced_and_that_is_said(folder: Path) -> N
     run("build", "cell.yaml", "--no-verify")
     recipe.write_text(recipe.read_text().replace("name: cell", "name: cell\ndescription: new"))
     assert "replaced" not in run("build", "cell.yaml", "--no-verify").stdout
-
-
-def test_an_output_takes_the_place_of_no_included_file(folder: Path) -> None:
-    included = '<mujoco><worldbody><geom name="floor" type="plane" size="1 1 1"/></worldbody></mujoco>'
-    (folder / "floor.xml").write_text(included)
-    (folder / "scene.xml").write_text('<mujoco><include file="floor.xml"/></mujoco>')
-    (folder / "scene.yaml").write_text("recipe: 1\nname: scene\nbase: ./scene.xml\n")
-    result = run("build", "scene.yaml", "--no-verify", "-o", "floor.xml")
-    assert result.exit_code == 1
-    assert "floor.xml` is one of the files that this model is built from" in result.stderr
-    assert (folder / "floor.xml").read_text() == included
