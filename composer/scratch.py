@@ -94,7 +94,7 @@ def sweep(folder: Path, save: Callable[[Path], None] | None = None) -> bool:
         if os.name != "posix":
             (folder / _NEW).unlink()  # Windows refuses this while the file is open: that is the lock there
             return _remove(folder, save)
-        if not (folder / _LOCK).exists():
+        if not os.path.exists(folder / _LOCK):
             return _remove_unlocked(folder, status.st_mtime)
         lock = os.open(folder / _LOCK, os.O_RDWR | os.O_NOFOLLOW)
         try:

@@ -173,6 +173,6 @@ def _elsewhere(source: Path) -> Path | None:
     for folder in (source.parent, source.parent.parent):
         with suppress(OSError):  # a name that is too long, or an unreadable folder
             for path in sorted(folder.glob(f"*/{glob.escape(source.name)}")):
-                if path.is_file():
+                if os.path.isfile(path):
                     return path
     return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -133,8 +134,8 @@ def _of_parquet(stream: IO[bytes], file: str) -> tuple[Sequence[str], Iterator[M
 
 
 def _files(path: Path, shown: str) -> list[Path]:
-    if not path.is_dir():
-        if not path.exists():
+    if not os.path.isdir(path):
+        if not os.path.exists(path):
             raise ListingError("file-not-found", f"`{shown}` does not exist")
         return [path]
     found = _indexes({each.name: each for each in path.iterdir() if each.name.startswith("models")})

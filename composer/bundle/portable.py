@@ -74,7 +74,7 @@ class Portable:
 
     def texts_on_disk(self) -> list[Path]:
         """Return the models and recipes that the composition was read from, if they are files."""
-        return [path for shown in self.texts if (path := self.path(shown)).is_file()]
+        return [path for shown in self.texts if os.path.isfile(path := self.path(shown))]
 
     def path(self, shown: str) -> Path:
         """Return the file of that name in messages."""

@@ -83,7 +83,9 @@ def deliver_folder(folder: Path, address: str) -> None:
                 f"replacing `{hide(address)}` would delete files that mjcompose did not write: `{foreign[0]}`",
                 "move them elsewhere, or choose another address",
             )
-        new = {each.relative_to(folder).as_posix(): each for each in folder.rglob("*") if each.is_file()}
+        new = {
+            each.relative_to(folder).as_posix(): each for each in folder.rglob("*") if os.path.isfile(each)
+        }
         if MANIFEST in there:
             fs.rm_file(f"{path}/{MANIFEST}")
         for name in sorted(new, key=lambda name: name == MANIFEST):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -66,7 +67,7 @@ def _manifest(out: Path | str) -> bytes:
         from composer.bundle.remote import manifest_at
 
         return manifest_at(out)
-    if out.is_dir():
+    if os.path.isdir(out):
         return (out / MANIFEST).read_bytes()
     if out.suffix == ".mjb":
         return manifest_beside(out).read_bytes()

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import re
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
@@ -99,7 +100,7 @@ def gathered(files: Mapping[str, bytes], folder: Path) -> dict[str, bytes]:
     names = {path: f"{ASSETS}/{parts[2]}" for path, parts in beside.items()}
     for path, inside in names.items():
         file = folder / path
-        if file.is_file() and not file.is_symlink():
+        if os.path.isfile(file) and not file.is_symlink():
             found[inside] = read_regular(file)
     for element, attribute, path in list(file_attributes(root)):
         if path in names:

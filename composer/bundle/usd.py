@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -41,7 +42,7 @@ def write_usd(
                 write_files(bundle, Path(folder))
                 target = Path(folder) / f"usd-output{out.suffix.lower()}"
                 exported = export_usd(Path(folder) / bundle.model, target, session)
-                if target.is_file():
+                if os.path.isfile(target):
                     content = target.read_bytes()
                     stage.write_bytes(with_moment(content, moment) if target.suffix == ".usdz" else content)
         except OSError as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import field, replace
 from pathlib import Path
@@ -97,7 +98,7 @@ def recalled(record: Record, inputs: tuple[str, ...]) -> Made:
 def files_of(made: Made | None, context: Context) -> set[str]:
     """Return the input files of a model, as messages name them."""
     read = () if made is None else set(inputs_of(made))
-    return {context.shown(path) for path in read if (context.folder / path).is_file()}
+    return {context.shown(path) for path in read if os.path.isfile(context.folder / path)}
 
 
 def inputs_of(made: Made) -> Iterator[Path]:

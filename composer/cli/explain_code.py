@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 from pathlib import Path
 
@@ -45,14 +46,14 @@ def say_codes(form: str) -> None:
 
 def check_model(model: Path) -> None:
     """Raise UsageError for a code in place of a model: no other arguments apply to a code."""
-    if code_of(str(model)) is not None and not model.exists():
+    if code_of(str(model)) is not None and not os.path.exists(model):
         raise click.UsageError(
             f"`{model}` is a code, not a model. Write `mjcompose explain {code_of(str(model))}` alone."
         )
 
 
 def _no_code(asked: Path) -> str:
-    if asked.exists() or asked.suffix or len(asked.parts) > 1:
+    if os.path.exists(asked) or asked.suffix or len(asked.parts) > 1:
         return (
             "Missing argument 'QUERY'. Say which element:"
             f" `mjcompose explain {asked} 'joint NAME'`. `mjcompose tree {asked}` lists them."

@@ -155,7 +155,7 @@ def _urdf(file: Path, is_more_named: bool, target: Path, context: Context, form:
 
 def _is_reference(part: Path) -> bool:
     """Return whether a file argument is a reference such as `menagerie:…`; a single letter is a drive."""
-    return re.match(r"[a-z][a-z+]+:", str(part)) is not None and not part.exists()
+    return re.match(r"[a-z][a-z+]+:", str(part)) is not None and not os.path.exists(part)
 
 
 def _searched(

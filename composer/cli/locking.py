@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -57,7 +58,7 @@ def made_lock(
     from composer.sources.blobs import digest
     from composer.sources.lock_file import to_text
 
-    if not (context.folder / recipe).is_file():
+    if not os.path.isfile(context.folder / recipe):
         make_plan(recipe, context)  # which reports what exists instead
         return None
     disputes: Disputed = {}
@@ -88,7 +89,7 @@ def made_lock(
     text = to_text(after).encode()
     if not _wrote_shapes(how.lock_file, shapes, before, context):
         return None
-    if not how.lock_file.is_file() or how.lock_file.read_bytes() != text:
+    if not os.path.isfile(how.lock_file) or how.lock_file.read_bytes() != text:
         try:
             with staged_file(how.lock_file) as stage:
                 stage.write_bytes(text)

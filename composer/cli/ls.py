@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -52,7 +53,7 @@ def command(folder: str, where: str | None, form: str) -> None:
 
 def _code(folder: str, no_condition: bool) -> int:
     """Return the exit code of a run with errors."""
-    is_there = is_address(folder) or Path(folder).exists()
+    is_there = is_address(folder) or os.path.exists(folder)
     return USAGE if no_condition or not is_there else FINDINGS
 
 

@@ -146,7 +146,7 @@ def _kept(path: str, folder: Path, files: Mapping[str, str]) -> str:
     from composer.starting.project import lacking
 
     kept = f"kept {folder / path}"
-    if path not in files or not (folder / path).is_file():
+    if path not in files or not os.path.isfile(folder / path):
         return kept
     lines = lacking(path, (folder / path).read_text("utf-8", "replace"), files[path])
     return (

@@ -55,7 +55,7 @@ class Picturing:
         Errors go to the sink.
         """
         out = picture_beside(target, name)
-        if is_known and (context.folder / out).exists():
+        if is_known and os.path.exists(context.folder / out):
             return
         from composer.diagnostics.sink import Sink
         from composer.diff.operand import read_operand

@@ -97,7 +97,7 @@ def say_details(context: Context, files: Iterable[str] = ()) -> None:
 
 def exit_code(folder: Path, named: Iterable[Path]) -> int:
     """Return the exit code of a failed command: a usage error if one of its files does not exist."""
-    return FINDINGS if all((folder / each).exists() for each in named) else USAGE
+    return FINDINGS if all(os.path.exists(folder / each) for each in named) else USAGE
 
 
 def say(words: str, *, err: bool = False, form: str = "text") -> None:

@@ -192,9 +192,9 @@ def _deliver(
         models = folder / "models"
         local = models.joinpath(*parts[1:])
         _write(made, f"{local}/" if out.endswith("/") else str(local), maker, wanted, context, session)
-        if (models / ASSETS).is_dir():
+        if os.path.isdir(models / ASSETS):
             deliver_assets(models / ASSETS, f"{parts[0]}/{ASSETS}")
-        if local.is_dir():
+        if os.path.isdir(local):
             deliver_folder(local, out.rstrip("/"))
             return
         for each in sorted(local.parent.iterdir(), key=lambda each: each == local):

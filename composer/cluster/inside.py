@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import pickle
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -35,7 +36,7 @@ def opened_away(memory: int, job: bytes, root: str, store: str) -> Iterator[Call
     environment = dict(context.environment)
     for name in ("MJCOMPOSE_CACHE", *(each for kind in KINDS for each in kind.variables)):
         path = f"{root}{environment.get(name, '')}"
-        if environment.get(name, "").startswith("/") and Path(path).is_dir():
+        if environment.get(name, "").startswith("/") and os.path.isdir(path):
             environment[name] = path
     here = replace(here, context=replace(context, environment=environment), store=Store(Path(store)))
     kept: list[tuple[Record, tuple[Seen, ...]]] = []

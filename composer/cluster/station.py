@@ -143,7 +143,7 @@ def _begin(order: Order, contents: Path) -> Refused | Lacks | None:
         station = Station(order.run, opening, order.folder, ExitStack())
     else:
         lacking = tuple(
-            dict.fromkeys(each for each in order.layout.files.values() if not (contents / each).exists())
+            dict.fromkeys(each for each in order.layout.files.values() if not os.path.exists(contents / each))
         )
         if lacking or not order.is_tried:
             return Lacks(lacking)

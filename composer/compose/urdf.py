@@ -57,7 +57,7 @@ class _Beside:
     def report_missing(self, robot: Robot, converted: Converted) -> None:
         uses = []
         for file in converted.meshes:
-            if not file.startswith(PACKAGE) and file not in robot.made and not Path(file).is_file():
+            if not file.startswith(PACKAGE) and file not in robot.made and not os.path.isfile(file):
                 found = held(join(str(robot.path.parent), join(converted.folder, file)))
                 uses.append(FileUse(mesh_of(robot.root, file), "filename", file, found, None, shared=False))
         sink = Sink()

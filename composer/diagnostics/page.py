@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import textwrap
 from collections.abc import Iterable, Iterator
@@ -32,7 +33,7 @@ def page(code: str) -> str:
     here = Path(__file__).resolve()
     name = f"{code}.md"
     installed = here.with_name("pages") / name
-    path = installed if installed.exists() else here.parents[2] / "docs" / "errors" / name
+    path = installed if os.path.exists(installed) else here.parents[2] / "docs" / "errors" / name
     return path.read_text(encoding="utf-8")
 
 

@@ -77,14 +77,14 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
     Temporary folders live as long as `opened`.
     """
     path, revision, files, own = context.folder / text, None, None, replace(context, sink=Sink())
-    if not path.exists() and (parts := split(text)) is not None:
+    if not os.path.exists(path) and (parts := split(text)) is not None:
         revision = parts[0]
         try:
             path, files, own = _of_revision(revision, parts[1], own, opened)
         except RevisionError as error:
             context.sink.add(error.diagnostic)
             return None
-    if not path.exists():
+    if not os.path.exists(path):
         where = "" if revision is None else f" in revision `{revision}`"
         shown = text if revision is None else own.shown(path)
         help = None if revision is None else f"`git ls-tree -r --name-only {revision}` lists what there is"
@@ -136,7 +136,7 @@ def _of_revision(revision: str, path: str, context: Context, opened: ExitStack) 
 
 
 def _kind(path: Path) -> Kind | None:
-    if path.is_dir():
+    if os.path.isdir(path):
         return Kind.BUNDLE
     kinds = {
         **dict.fromkeys(_URDF, Kind.RECIPE),

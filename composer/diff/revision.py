@@ -56,7 +56,7 @@ def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, s
 
     `path` need not exist any more. Raises RevisionError.
     """
-    near = next(each for each in path.absolute().parents if each.is_dir())
+    near = next(each for each in path.absolute().parents if os.path.isdir(each))
     git = _Git(near, {name: value for name, value in environment.items() if name not in _OWN})
     top = Path(git.run("rev-parse", "--show-toplevel", fault=f"`{near}` is not in a git repository"))
     commit = git.run(
@@ -94,7 +94,7 @@ def from_lfs(folder: Path, objects: Path) -> None:
             continue
         digest = named[1].decode()
         stored = objects / digest[:2] / digest[2:4] / digest
-        if stored.is_file() and not stored.is_symlink() and sha256_of(stored) == digest:
+        if os.path.isfile(stored) and not stored.is_symlink() and sha256_of(stored) == digest:
             path.unlink()
             shutil.copyfile(stored, path)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Iterator
 from dataclasses import field
 from pathlib import Path
@@ -254,7 +255,7 @@ def _bundle(operand: Operand, kept: str, session: Session) -> Side | None:
         contents=bundle.files,
         door=NOTHING,
     )
-    files = [operand.path / name for name in bundle.files] if operand.path.is_dir() else [operand.path]
+    files = [operand.path / name for name in bundle.files] if os.path.isdir(operand.path) else [operand.path]
     side = Side(operand, kept, _digests(bundle), _traced(unit, context), inputs=tuple(files))
     side.bundle = bundle
     side.texts[file] = text.decode("utf-8", "replace")

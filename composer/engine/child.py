@@ -121,7 +121,7 @@ def _described(request: dict[str, Any], mujoco: Any, model: Any) -> dict[str, An
         answer["names"] = facts.all_names(model)
     if request["mjb"]:
         mujoco.mj_saveModel(model, request["mjb"])
-        if not Path(request["mjb"]).is_file():
+        if not os.path.isfile(request["mjb"]):
             raise OSError("the compiled model could not be written")
     data = None
     if "forward" in wants or any(name.startswith("data.") for name in request["arrays"]):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -51,7 +52,7 @@ def trace(path: Path, context: Context, sample: int = 0, given: Given | None = N
             return None
         watch([unit], path)
         return Traced(unit, watch, "/", context.folder)
-    if path.suffix.lower() in (".zip", ".mjz", ".mjb") or (context.folder / path).is_dir():
+    if path.suffix.lower() in (".zip", ".mjz", ".mjb") or os.path.isdir(context.folder / path):
         _no_recipe(path, context)
         return None
     plan = make_plan(path, context, given, sample)

@@ -113,7 +113,7 @@ class _Fixing:
         """Return whether it is the user's own recipe, and not one that was fetched or installed."""
         fetching = self.context.fetching
         fetched = fetching is not None and fetching.around(path) is not None
-        return path.suffix.lower() in RECIPES and path.is_file() and not fetched
+        return path.suffix.lower() in RECIPES and os.path.isfile(path) and not fetched
 
 
 def _identity(diagnostic: Diagnostic) -> tuple[str, str, str]:

@@ -113,7 +113,7 @@ def _share(path: Path, bodies: set[str]) -> float:
 
 def _candidates(folders: Iterable[Path], context: Context) -> Iterator[Candidate]:
     for folder in folders:
-        yield from (Candidate(path) for path in sorted(folder.rglob("*.xml")) if path.is_file())
+        yield from (Candidate(path) for path in sorted(folder.rglob("*.xml")) if os.path.isfile(path))
     yield from _of_menagerie(context)
     yield from _of_packages()
 
@@ -144,5 +144,5 @@ def _of_packages() -> Iterator[Candidate]:
         for file in distribution.files or ():
             if file.suffix == ".xml" and len(file.parts) > 1:
                 path = Path(str(distribution.locate_file(file)))
-                if path.is_file():
+                if os.path.isfile(path):
                     yield Candidate(path, f"package:{file.as_posix()}")

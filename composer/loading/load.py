@@ -79,7 +79,7 @@ def _load(path: Path, shown: str, *, allow_changes: bool) -> Loaded:
     import mujoco
 
     sink = Sink()
-    is_binary = path.suffix.lower() == ".mjb" and not path.is_dir()
+    is_binary = path.suffix.lower() == ".mjb" and not os.path.isdir(path)
     read_bundle = _read_binary(path) if is_binary else _read(path)
     manifest = manifest_of(read_bundle.files.get(MANIFEST), shown, sink)
     if manifest is None:
@@ -113,7 +113,7 @@ def _read_binary(path: Path) -> Bundle:
         content = path.read_bytes()
         manifest = beside.read_bytes()
     except FileNotFoundError as error:
-        if not path.exists():
+        if not os.path.exists(path):
             raise _failure("file-not-found", f"the file `{path}` does not exist") from error
         message = f"`{beside}`, the manifest of `{path.name}`, does not exist"
         raise _failure("bundle-manifest", message, "keep the two together") from error

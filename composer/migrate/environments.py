@@ -67,11 +67,11 @@ def this_python() -> Path:
 
 def open_python(python: Path) -> Other:
     """The MuJoCo of a Python. Raises OtherError."""
-    if not python.exists():
+    if not os.path.exists(python):
         raise OtherError(f"the Python `{python}` does not exist", "name an interpreter: `VENV/bin/python`")
-    if python.is_dir():
+    if os.path.isdir(python):
         inside = _python_of(python)
-        if not inside.exists():
+        if not os.path.exists(inside):
             raise OtherError(
                 f"`{python}` is a folder without a Python", "name an interpreter or its environment"
             )

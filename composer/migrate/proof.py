@@ -94,7 +94,7 @@ def lay_out(migrated: Migrated, folder: Path, *, link: bool = False) -> dict[Pat
         placed[path] = to
         if path in migrated.files:
             to.write_bytes(migrated.files[path][1])
-        elif not path.exists():
+        elif not os.path.exists(path):
             continue  # MuJoCo says so
         elif link and os.name == "posix":
             to.symlink_to(os.path.abspath(path))

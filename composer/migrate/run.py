@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Collection
 from contextlib import ExitStack
 from dataclasses import field
@@ -99,7 +100,7 @@ def run(wish: Wish, context: Context, progress: Callable[[str], None]) -> Result
 def _found(model: str, context: Context) -> Path | None:
     """The file that a path or a reference leads to."""
     path = context.folder / model
-    if path.exists():
+    if os.path.exists(path):
         return path
     try:
         return resolve(

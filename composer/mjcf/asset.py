@@ -168,7 +168,7 @@ def place(model: Model, tag: str, asset: Asset, contents: dict[str, bytes | Path
         written = _written(model, tag, name)
         known = contents.get(written, model.unit.contents.get(written))
         there = Path(join(str(model.unit.directory), written))
-        if known is None and not there.exists():
+        if known is None and not os.path.exists(there):
             contents[written] = asset.source
             return name
         if asset.source == (there if known is None else known):

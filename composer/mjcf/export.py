@@ -50,7 +50,7 @@ def export_with_assets(
     target = real(out)
     try:
         with parents(target), stage_beside(target) as stage:
-            made = not target.exists()
+            made = not os.path.exists(target)
             if made:
                 target.mkdir()
             try:

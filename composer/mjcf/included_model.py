@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import posixpath
 from pathlib import Path
 
@@ -51,6 +52,6 @@ def _are_free(model: Model, files: dict[str, bytes | Path]) -> bool:
     directory, known = str(model.unit.directory), dict(model.unit.contents)
     for path, content in files.items():
         there = Path(join(directory, path))
-        if known.get(path, there if there.exists() else content) != content:
+        if known.get(path, there if os.path.exists(there) else content) != content:
             return False
     return True

@@ -138,7 +138,7 @@ def from_zip(path: str | os.PathLike[str], *, escape_separators: bool = False) -
     'arm'
     """
     archive = as_path("path", path)
-    if archive.is_dir():
+    if os.path.isdir(archive):
         raise failure("file-unreadable", f"`{archive}` is a folder, not a zip", call_site())
     try:
         bundle = read(archive)

@@ -41,10 +41,10 @@ def outline(text: str, context: Context, given: Given | None = None, sample: int
     variants, `sample` selects its draws.
     """
     path = context.folder / text
-    if path.is_dir() or (path.suffix.lower() in _ARCHIVES and "#" not in text):
+    if os.path.isdir(path) or (path.suffix.lower() in _ARCHIVES and "#" not in text):
         return _of_bundle(path, text, context)
     # An existing file is a path, whatever colons it has.
-    reference = text if not path.exists() or path.is_absolute() else os.path.join(".", text)
+    reference = text if not os.path.exists(path) or path.is_absolute() else os.path.join(".", text)
     try:
         source = resolve(
             reference, relative_to=context.folder, environment=context.environment, fetching=context.fetching

@@ -220,7 +220,7 @@ def _more(changes: Sequence[str]) -> list[Note]:
 
 def _is_gone(use: _Use, file: str) -> bool:
     """Return whether a locked, unused file no longer exists either; another variant may use it."""
-    return not (use.root / file).is_file()
+    return not os.path.isfile(use.root / file)
 
 
 class _Gathering:

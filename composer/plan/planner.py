@@ -415,7 +415,7 @@ class _Planner:
             if not door.sees(folder):
                 door.outside(str(folder)).report(self.sink, span)
                 continue
-            if not folder.is_dir():
+            if not os.path.isdir(folder):
                 self.sink.error(
                     "file-not-found",
                     f"the folder of the package `{name}` does not exist: `{self.context.shown(folder)}`",
@@ -441,7 +441,7 @@ class _Planner:
                     help=f"say which one is meant: `{name}: …`, and put a file `COLCON_IGNORE` into the other",
                 )
             found.setdefault(name, at)
-        if not found and folder.is_dir():
+        if not found and os.path.isdir(folder):
             self.sink.error(
                 "file-not-found",
                 f"the workspace `{self.context.shown(folder)}` has no package",

@@ -177,9 +177,9 @@ def _is_given_by_the_shell(path: Path) -> bool:
 
 
 def _unreadable(path: Path, shown: str, error: OSError, context: Context) -> None:
-    folder = path if path.is_dir() else path.parent
+    folder = path if os.path.isdir(path) else path.parent
     recipes = [each for each in model_files(folder, 1) if each.endswith((".yaml", ".yml"))]
-    if path.is_dir():
+    if os.path.isdir(path):
         notes = [exists_note("recipe", recipes)]
         help: str | None = "name a file in it; `mjcompose new` writes a recipe to begin with"
         if len(recipes) == 1:

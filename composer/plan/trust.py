@@ -78,7 +78,7 @@ def _example(value: Node) -> str:
 
 def _folder(text: str, span: Span, folder: Path, sink: Sink) -> Path | None:
     path = folder / text
-    if not path.is_dir():
+    if not os.path.isdir(path):
         hint = "`~` is not expanded: write the whole path" if text.startswith("~") else None
         sink.error(
             "file-not-found", f"the folder `{text}` of `{TRUST}.{FILES}` does not exist", span, help=hint

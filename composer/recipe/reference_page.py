@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -94,7 +95,7 @@ def examples(name: str) -> list[str]:
     """
     here = Path(__file__).resolve()
     for folder in (here.parent / "examples", here.parents[2] / "docs" / "examples" / "keys"):
-        if (folder / f"{name}.yaml").is_file():
+        if os.path.isfile(folder / f"{name}.yaml"):
             return (folder / f"{name}.yaml").read_text(encoding="utf-8").split("---\n")
     return []
 

@@ -111,7 +111,7 @@ def _model_file(description: Any, reference: Reference) -> Path:
         if written is None:
             continue
         path = Path(written)
-        if not path.is_file() or not has_format(path):
+        if not os.path.isfile(path) or not has_format(path):
             raise SourceError(
                 "source-not-found", f"`{reference.text}` stands for `{path}`, which is not a model file"
             )

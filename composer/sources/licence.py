@@ -32,7 +32,7 @@ def find(model: Path, base: Path | None = None) -> tuple[Path, ...]:
             break
         if found := tuple(sorted(_in_folder(folder))):
             return found
-        if folder in (top, folder.parent) or (folder / ".git").exists():
+        if folder in (top, folder.parent) or os.path.exists(folder / ".git"):
             break
         folder = folder.parent
     return ()
@@ -40,7 +40,7 @@ def find(model: Path, base: Path | None = None) -> tuple[Path, ...]:
 
 def _in_folder(folder: Path) -> list[Path]:
     try:
-        return [path for name in licences_in(os.fspath(folder)) if (path := folder / name).is_file()]
+        return [path for name in licences_in(os.fspath(folder)) if os.path.isfile(path := folder / name)]
     except OSError:
         return []
 

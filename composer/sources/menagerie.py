@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
@@ -53,7 +54,7 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
     entry = _entry(robot, reference)
     folder = _folder(library, robot, reference, environment, fetching)
     path = folder / entry.file
-    if not path.is_file():
+    if not os.path.isfile(path):
         raise SourceError(
             "source-not-found",
             f"`{folder}` has no `{entry.file}`, which `{reference.text}` stands for",
@@ -132,9 +133,9 @@ def _folder(
     root = environment.get("MENAGERIE_ROOT")
     if root:
         folder = Path(root, robot.name)
-        if folder.is_dir():
+        if os.path.isdir(folder):
             return folder
-        existing = sorted(each.name for each in Path(root).glob("*/")) if Path(root).is_dir() else []
+        existing = sorted(each.name for each in Path(root).glob("*/")) if os.path.isdir(root) else []
         raise SourceError(
             "source-not-found",
             f"the robot `{robot.name}` is not in the folder that `MENAGERIE_ROOT` names",

@@ -44,7 +44,7 @@ def key_of(version: str) -> str:
 
 def is_complete(folder: Path) -> bool:
     """Return whether the environment in a folder was made to its end."""
-    return (folder / READY).is_file()
+    return os.path.isfile(folder / READY)
 
 
 def complete(folder: Path) -> None:

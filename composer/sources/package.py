@@ -69,7 +69,7 @@ def folders(name: str) -> list[Path]:
     if spec is None or spec.submodule_search_locations is None:
         return []
     candidates = (Path(location, *rest) for location in spec.submodule_search_locations)
-    return [folder for folder in candidates if folder.is_dir()]
+    return [folder for folder in candidates if os.path.isdir(folder)]
 
 
 def _spec(top: str) -> ModuleSpec | None:
@@ -125,7 +125,7 @@ def _licences_of(owner: Distribution) -> Iterator[Path]:
             continue
         if licence.is_licence(file.name) or "licenses" in file.parts[1:-1]:
             path = Path(str(owner.locate_file(file)))
-            if path.is_file():
+            if os.path.isfile(path):
                 yield path
 
 

@@ -54,9 +54,9 @@ def in_workspace(folder: Path) -> Iterator[tuple[str, Path]]:
         if (name := _called(at)) is not None:
             yield name, at
             continue
-        if depth < _DEPTH and not (at / "COLCON_IGNORE").exists():
+        if depth < _DEPTH and not os.path.exists(at / "COLCON_IGNORE"):
             try:
-                inner = sorted(each for each in at.iterdir() if each.is_dir() and not each.is_symlink())
+                inner = sorted(each for each in at.iterdir() if os.path.isdir(each) and not each.is_symlink())
             except OSError:
                 continue
             waiting += [
@@ -70,7 +70,7 @@ def _called(folder: Path) -> str | None:
     """What the `package.xml` of a folder calls its package."""
     manifest = folder / MANIFEST
     try:
-        found = _NAME.search(read_regular(manifest)) if manifest.is_file() else None
+        found = _NAME.search(read_regular(manifest)) if os.path.isfile(manifest) else None
     except OSError:
         return None
     return None if found is None else found[1].decode("utf-8", "replace")
@@ -78,7 +78,7 @@ def _called(folder: Path) -> str | None:
 
 def beside(name: str, urdf: Path) -> Path | None:
     """Return a folder of that name beside one above the file. It is probably meant, but only suggested."""
-    return next((found for folder in _above(urdf) if (found := folder / name).is_dir()), None)
+    return next((found for folder in _above(urdf) if os.path.isdir(found := folder / name)), None)
 
 
 def _above(urdf: Path) -> Iterator[Path]:

@@ -389,7 +389,7 @@ def name_of(id: str) -> str:
 def _erase(path: Path) -> None:
     import shutil  # reading what is there needs none of it
 
-    if path.is_dir():
+    if os.path.isdir(path):
         if os.name == "nt":  # Windows does not remove read-only files
             for _, file in files_below(path):
                 with contextlib.suppress(OSError):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 _SCHEMA_IN_CLONE = b"../schemas/recipe.schema.json"
@@ -13,7 +14,9 @@ _NOT_MODELS = ("README.md", "make_meshes.py")
 def examples(schema: str) -> dict[str, bytes]:
     """Return the files of the examples by path, with their licence; `schema` is the schema of recipes."""
     folder, licence = _places()
-    paths = (path for path in sorted(folder.rglob("*")) if path.is_file() and path.name not in _NOT_MODELS)
+    paths = (
+        path for path in sorted(folder.rglob("*")) if os.path.isfile(path) and path.name not in _NOT_MODELS
+    )
     files = {path.relative_to(folder).as_posix(): _read(path) for path in paths if not _is_cached(path)}
     return {**files, "LICENSE": licence.read_bytes(), "recipe.schema.json": schema.encode()}
 
@@ -22,7 +25,7 @@ def _places() -> tuple[Path, Path]:
     """Return the folder and the licence: beside this file in an installed package, at the top of a clone."""
     beside = Path(__file__).with_name("examples")
     root = Path(__file__).parents[2]
-    return (beside, beside / "LICENSE") if beside.is_dir() else (root / "recipes", root / "LICENSE")
+    return (beside, beside / "LICENSE") if os.path.isdir(beside) else (root / "recipes", root / "LICENSE")
 
 
 def _is_cached(path: Path) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Mapping
 from importlib import resources
@@ -70,4 +71,6 @@ def _filled(text: str, given: Mapping[str, str]) -> str:
 def _action() -> str:
     """Return the GitHub action: next to this file in an installed package, at the top of a clone."""
     installed = Path(__file__).with_name("action.yml")
-    return (installed if installed.exists() else Path(__file__).parents[2] / "action.yml").read_text("utf-8")
+    return (installed if os.path.exists(installed) else Path(__file__).parents[2] / "action.yml").read_text(
+        "utf-8"
+    )

@@ -25,7 +25,9 @@ def write_project(
                 (stage / path).parent.mkdir(parents=True, exist_ok=True)
                 (stage / path).write_bytes(content)
             finish(stage)
-            made = sorted(path.relative_to(stage).as_posix() for path in stage.rglob("*") if path.is_file())
+            made = sorted(
+                path.relative_to(stage).as_posix() for path in stage.rglob("*") if os.path.isfile(path)
+            )
             kept = [path for path in made if _is_kept(folder / path, stage / path, folder, path in needed)]
             written = [path for path in made if path not in kept]
             _move(stage, target, written)
@@ -38,14 +40,14 @@ def _is_kept(place: Path, made: Path, folder: Path, needed: bool) -> bool:
     """Return whether a file exists already. Raises OutputError for anything that blocks the project."""
     above = place.parent
     while above != folder:
-        if os.path.lexists(above) and not above.is_dir():
+        if os.path.lexists(above) and not os.path.isdir(above):
             raise _in_the_way(above, "and no folder")
         above = above.parent
     if not os.path.lexists(place):
         return False
-    if place.is_dir():
+    if os.path.isdir(place):
         raise _in_the_way(place, "and a folder")
-    if needed and (not place.exists() or place.read_bytes() != made.read_bytes()):
+    if needed and (not os.path.exists(place) or place.read_bytes() != made.read_bytes()):
         raise _in_the_way(place, "with another content than the project needs")
     return True
 
@@ -59,7 +61,7 @@ def _in_the_way(path: Path, what: str) -> OutputError:
 
 
 def _move(stage: Path, target: Path, paths: Collection[str]) -> None:
-    if not target.exists():
+    if not os.path.exists(target):
         stage.rename(target)
         return
     for path in paths:

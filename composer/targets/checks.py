@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -144,7 +145,7 @@ def placed(folder: Path, model: str) -> Path:
     A ROS package must be in a folder with the name of the package.
     """
     about = folder / "package.xml"
-    if about.is_file():
+    if os.path.isfile(about):
         named = str(etree.parse(about, etree.XMLParser(resolve_entities=False)).findtext("name"))
         folder = folder.rename(folder.with_name(named))
     return folder / model

@@ -63,7 +63,7 @@ def interpreter(reader: Reader, environment: Mapping[str, str]) -> str | None:
     folder = environment.get(CONSUMERS)
     named = Path(folder, reader.program, _INTERPRETER) if folder else None
     for python in (named, Path(sys.executable)):
-        if python is not None and python.is_file() and _has(str(python), reader.module):
+        if python is not None and os.path.isfile(python) and _has(str(python), reader.module):
             return str(python)
     return None
 
@@ -95,7 +95,7 @@ def read_back(reader: Reader, python: str, model: Path, poses: list[dict[str, An
         except subprocess.TimeoutExpired:
             process.end()
             return f"it took longer than {seconds:g} seconds"
-    if process.returncode or not out.is_file():
+    if process.returncode or not os.path.isfile(out):
         lines = said.decode("utf-8", "replace").strip().splitlines()
         return lines[-1][:_LAST_WORDS] if lines else f"it ended with the code {process.returncode}"
     facts: dict[str, Any] = json.loads(out.read_bytes())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -80,7 +81,7 @@ def includes_admitted(urdf: Unit, sink: Sink, shown: Callable[[Path], str] | Non
             path = Path(join(str(folder), str(element.get("file") or "")))
             try:
                 urdf.door.admit(path)
-                data = urdf.door.read(path) if path.is_file() and path not in seen else b""
+                data = urdf.door.read(path) if os.path.isfile(path) and path not in seen else b""
             except Refused as refused:
                 refused.report(sink, urdf.origins.span(element, file, "file"), shown=shown)
                 continue

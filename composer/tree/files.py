@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import posixpath
 from collections.abc import Iterator
 from pathlib import Path
@@ -74,5 +75,5 @@ def stem(file: str) -> str:
 
 def in_archive(path: Path) -> tuple[Path, str] | None:
     """Return the file that a path treats as a folder, and the rest of the path."""
-    archive = next((above for above in path.parents if above.is_file()), None)
+    archive = next((above for above in path.parents if os.path.isfile(above)), None)
     return None if archive is None else (archive, path.relative_to(archive).as_posix())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from lxml import etree
@@ -58,7 +59,7 @@ def _picture(robot: Robot, texture: Node, sink: Sink) -> Look | None:
     written = str(texture.get("filename") or "")
     path = robot.file_of(written) if written else None
     span = robot.unit.origins.span(texture, robot.unit.file, "filename")
-    if path is None or not path.is_file():
+    if path is None or not os.path.isfile(path):
         sink.warning("asset-missing", f"the texture `{written}` does not exist: the material has none", span)
         return None
     try:

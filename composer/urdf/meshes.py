@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import os
 import re
 from collections.abc import Iterator
 from dataclasses import field
@@ -60,7 +61,7 @@ class Meshes:
                 self.sink.error("asset-missing", message, self._span(mesh), help=help)
                 continue
             found = self.robot.file_of(str(mesh.get("filename") or ""))
-            if found is not None and found.is_file():
+            if found is not None and os.path.isfile(found):
                 try:
                     wanted.setdefault(self.robot.unit.door.admit(found), []).append(mesh)
                 except Refused as refused:

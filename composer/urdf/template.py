@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterator, Mapping
 from functools import partial
@@ -220,7 +221,7 @@ def files_named(path: Path, data: bytes, door: Door, packages: Mapping[str, Path
         file, content = waiting.pop()
         for each in _WRITTEN.findall(content):
             for found in _named(each.decode("utf-8", "replace"), file, packages):
-                if found in seen or not door.sees(found) or not found.is_file():
+                if found in seen or not door.sees(found) or not os.path.isfile(found):
                     continue
                 seen.add(found)
                 yield found
@@ -245,7 +246,7 @@ def _named(written: str, file: Path, packages: Mapping[str, Path]) -> Iterator[P
     parts = [_VALUE.sub("*", part) for part in path.parts]
     first = next(i for i, part in enumerate(parts) if "*" in part)
     folder = Path(*parts[:first])
-    if folder.is_dir() and len(folder.parts) > 1:
+    if os.path.isdir(folder) and len(folder.parts) > 1:
         yield from sorted(folder.glob("/".join(parts[first:])))
 
 

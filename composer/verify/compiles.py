@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -114,7 +115,7 @@ def _written(bundle: Bundle, session: engine.Session | None) -> Iterator[tuple[P
             yield folder, False
         return
     folder = session.standing(_named(bundle))
-    if folder.exists():
+    if os.path.exists(folder):
         (folder / bundle.model).write_bytes(bundle.files[bundle.model])
     else:
         stage = folder.with_name("stage")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -92,6 +93,6 @@ class Inputs:
 def _sha256(path: Path) -> str | None:
     """Return the hash of a file, or None if it does not exist."""
     try:
-        return hashlib.sha256(read_regular(path)).hexdigest() if path.is_file() else None
+        return hashlib.sha256(read_regular(path)).hexdigest() if os.path.isfile(path) else None
     except (OSError, ValueError):
         return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -66,7 +67,7 @@ def described(
             return None
         scene = json.loads(Path(folder, FILE).read_text(encoding="utf-8"))
         used = tuple(answer.value["blobs"])
-        blobs = {name: path.read_bytes() for name in used if (path := Path(folder, name)).exists()}
+        blobs = {name: path.read_bytes() for name in used if os.path.exists(path := Path(folder, name))}
     origins = Origins(side, names or Names(side.operand.context.folder))
     elements = {
         kind: columns["name"]

@@ -108,8 +108,8 @@ def _no_browser() -> str | None:
     if os.environ.get("SSH_CONNECTION") or os.environ.get("SSH_TTY"):
         return "ssh"
     if (
-        Path("/.dockerenv").exists()
-        or Path("/run/.containerenv").exists()
+        os.path.exists("/.dockerenv")
+        or os.path.exists("/run/.containerenv")
         or os.environ.get("KUBERNETES_SERVICE_HOST")
     ):
         return "container"

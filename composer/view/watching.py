@@ -70,7 +70,7 @@ class Watch:
 
     def _sleep(self, folders: set[Path]) -> None:
         """Wait until something happens in the folders, or for a while if that cannot be observed."""
-        there = [folder for folder in folders if folder.is_dir()]
+        there = [folder for folder in folders if os.path.isdir(folder)]
         if self._watchfiles is None or not there:
             self.stop.wait(POLL_SECONDS)
             return

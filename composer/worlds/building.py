@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -46,9 +47,9 @@ class Shelf:
         """Load a model, with its worlds if it has some. Raises LoadError."""
         folder = self.place(made.name, made.mujoco)
         loaded, table = load(folder), None
-        if (folder / WORLDS).exists():
+        if os.path.exists(folder / WORLDS):
             table = read(read_regular(folder / WORLDS))
-        elif (folder / DRAWS).exists():
+        elif os.path.exists(folder / DRAWS):
             help = "write `emit: worlds`, or `emit: models`, which builds each sample"
             raise failure(CODE, f"`{made.name}` has a table of its draws, not worlds", help)
         named = {"name": cell.cell or loaded.manifest.name}

@@ -129,7 +129,7 @@ def test_no_path_is_resolved_by_pathlib() -> None:
         if isinstance(node, ast.Call)
         and isinstance(node.func, ast.Attribute)
         and node.func.attr == "resolve"
-        and not node.args
+        and not (node.args or node.keywords)
         and ast.unparse(node.func.value) != "Path(__file__)"
     ]
     assert not found, f"write os.path.realpath: {found}"
@@ -147,3 +147,35 @@ def test_mujoco_is_given_what_passed() -> None:
         if any(isinstance(node, ast.Call) and ast.unparse(node.func) in calls for node in ast.walk(tree)):
             found.add(name)
     assert found == GIVEN_TO_MUJOCO.keys()
+
+
+LOOKS = {"exists", "is_dir", "is_file"}
+LOOKS_AT_ENTRIES = {
+    "bundle/read.py": "reports what cannot be read, with the reason of the system",
+    "cache/environment.py": "entries of a folder",
+    "sources/suggest.py": "entries of a folder",
+    "sources/unpack.py": "members of an archive",
+}
+
+
+def looks_at_paths(module: Path) -> list[str]:
+    """What a module asks of paths with methods of `Path`, which raise OSError for a name that is too long."""
+    return [
+        node.func.attr
+        for node in ast.walk(ast.parse(module.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Attribute)
+        and node.func.attr in LOOKS
+        and not (node.args or node.keywords)
+    ]
+
+
+def test_names_that_are_too_long_are_files_that_do_not_exist() -> None:
+    found = {
+        path.relative_to(ROOT / "composer").as_posix(): calls
+        for path in sorted((ROOT / "composer").rglob("*.py"))
+        if (calls := looks_at_paths(path))
+    }
+    unlisted = {path: calls for path, calls in found.items() if path not in LOOKS_AT_ENTRIES}
+    assert not unlisted, f"ask `os.path.isfile`, `isdir` or `exists` instead: {unlisted}"
+    assert not LOOKS_AT_ENTRIES.keys() - found.keys(), "these ask nothing: take them from the list"

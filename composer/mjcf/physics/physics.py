@@ -116,7 +116,7 @@ class Physics:
         The model may read files of its project and in the folders of `trust`, and no others. Raises `MjcfError`.
         """
         file = as_path("path", path)
-        if not file.is_file():
+        if not os.path.isfile(file):
             raise failure("file-not-found", f"the file `{file}` does not exist", call_site())
         mujoco = engine()
         binary = file.suffix.lower() == ".mjb"
