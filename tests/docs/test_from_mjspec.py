@@ -6,6 +6,7 @@ import io
 import os
 import re
 import runpy
+import shutil
 import tokenize
 from collections.abc import Iterator
 from pathlib import Path
@@ -26,12 +27,19 @@ JOBS = {
     Path(program).stem: (recipe, int(lines), program, int(more))
     for recipe, lines, program, more in ROW.findall(PAGE)
 }
-CORPUS = os.environ.get("MENAGERIE_ROOT") if os.environ.get("MJCOMPOSE_CORPUS") else None
+CORPUS = Path(os.environ["MJCOMPOSE_CORPUS"], "models") if os.environ.get("MJCOMPOSE_CORPUS") else None
 # The cell of a matrix that the program makes last.
 CELLS = {"tools": "tools-hand-3kg-0.4m"}
 # What MjSpec brings along of a scene of which one body is attached, and where files lie.
 OTHERWISE = re.compile(r"_sizes|(mesh|mat|tex|numeric|bvh|oct)_\w+|names|names_map|name_\w+|paths|text_\w+")
 needs_corpus = pytest.mark.skipif(CORPUS is None, reason="MJCOMPOSE_CORPUS names no corpus")
+
+
+@pytest.fixture(autouse=True)
+def robots(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The robots of the corpus, for the programs as for the recipes."""
+    if CORPUS is not None:
+        monkeypatch.setenv("MENAGERIE_ROOT", str(CORPUS))
 
 
 def lines_of_recipe(text: str) -> int:
@@ -133,7 +141,7 @@ def test_the_merged_model_becomes_the_recipe(tmp_path: Path, monkeypatch: pytest
     robots = {"universal_robots_ur5e/ur5e": "ur5e.xml", "robotiq_2f85/2f85": "2f85.xml"}
     for robot in robots:
         for file in (Path(str(CORPUS)) / robot).parent.glob("assets/*"):
-            (tmp_path / "assets" / file.name).symlink_to(file)
+            shutil.copy(file, tmp_path / "assets")
     parts = {Path(str(CORPUS)) / f"{robot}.xml": f"menagerie:{robot}" for robot in robots}
     found = recover(
         tmp_path / "merged.xml", list(parts), tmp_path / "merged.yaml", Context(environment=dict(os.environ)),
