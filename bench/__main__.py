@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
-import tempfile
 from dataclasses import asdict
 from pathlib import Path
 
@@ -28,6 +26,7 @@ from bench import (
     worlds,
 )
 from bench.row import table
+from bench.scratch import in_scratch_folder
 
 
 def main() -> int:
@@ -36,30 +35,25 @@ def main() -> int:
     parser.add_argument("--check", action="store_true", help="exit with 1 where a ratio is above its limit")
     arguments = parser.parse_args()
     out = arguments.json and arguments.json.absolute()
-    home = Path.cwd()
-    with tempfile.TemporaryDirectory(prefix="mjcompose-bench-") as scratch:
-        os.chdir(scratch)  # MuJoCo leaves a log where it runs
-        try:
-            benches = (
-                attaching,
-                pairs,
-                copying,
-                texts,
-                binding,
-                editing,
-                drawing,
-                process,
-                single,
-                many,
-                cluster,
-                worlds,
-                memory,
-                viewing,
-                typing,
-            )
-            rows = [row for each in benches for row in each.rows()]
-        finally:
-            os.chdir(home)
+    benches = (
+        attaching,
+        pairs,
+        copying,
+        texts,
+        binding,
+        editing,
+        drawing,
+        process,
+        single,
+        many,
+        cluster,
+        worlds,
+        memory,
+        viewing,
+        typing,
+    )
+    with in_scratch_folder():
+        rows = [row for each in benches for row in each.rows()]
     sys.stdout.write(table(rows) + "\n")
     if out is not None:
         out.write_text(json.dumps([{**asdict(row), "ok": row.ok} for row in rows], indent=2) + "\n")

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from bench.models import REPOSITORY
 from bench.row import Row
+from bench.scratch import in_scratch_folder
 from bench.timing import Candidate, best_times, processor_time
 
 _RECIPE = REPOSITORY / "recipes" / "menagerie_ur5e_2f85.yaml"
@@ -69,6 +70,7 @@ def _run(*arguments: str) -> str:
     return done.stdout + done.stderr
 
 
+@in_scratch_folder()
 def main() -> None:
     """Each row of its own run, the shortest of several; a row of imports has those of the rows before it."""
     lines, before, done = [], 0.0, "pass"
