@@ -189,7 +189,9 @@ def _expanded(
     """What stands in the place of an element, which itself counts as one more."""
     one = Weight(1)
     if node.tag == "replicate":
-        return one.plus(inside.times(_product(str(node.get("count") or "1"), 1)))
+        # MuJoCo (4.0) takes its time for each copy, even where there is nothing to copy.
+        copied = inside if inside.elements else inside.plus(one)
+        return one.plus(copied.times(_product(str(node.get("count") or "1"), 1)))
     if node.tag == "composite":
         count = _product(str(node.get("count") or _COMPOSITE_COUNT), 3)
         # A cable, the last one that there was (MuJoCo 3.17): each body hangs on the one before by a ball joint.

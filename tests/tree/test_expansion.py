@@ -27,7 +27,8 @@ def told(inside: str) -> list[tuple[str, str, int | None]]:
     [
         ('<replicate count="3"><geom/></replicate>', 4),
         ('<replicate count="3"><body><replicate count="5"><geom/></replicate></body></replicate>', 22),
-        ('<replicate count="3"/>', 1),
+        ('<replicate count="3"/>', 4),
+        ('<replicate count="3"><!-- nothing --></replicate>', 4),
         ('<replicate><geom/></replicate>', 2),
         ('<replicate count="many"><geom/></replicate>', 2),
         ('<replicate count="2e3"><geom/></replicate>', 2001),
@@ -118,6 +119,7 @@ def test_the_size_of_the_whole(limit: dict[str, int], inside: str, said: str | N
     "inside",
     [
         '<replicate count="2000000000"><geom/></replicate>',
+        '<replicate count="2000000000"/>',
         '<replicate count="99999999999999999999999999"><geom/></replicate>',
         '<replicate count="1e300"><geom/></replicate>',
         '<body><composite count="9 9999 1"><geom/></composite></body>',
