@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 if TYPE_CHECKING:
     from dataclasses import dataclass as dataclass
+    from inspect import Signature
 else:
 
     def dataclass(
@@ -60,7 +61,9 @@ def _own_fields(cls: type, kw_only: bool) -> dict[str, Field[Any]]:
             continue
         default = cls.__dict__.get(name, MISSING)
         field: Any = default if isinstance(default, Field) else dataclasses.field(default=default)
-        field.name, field.type, field.kw_only = name, annotation, kw_only
+        field.name, field.type = name, annotation
+        if field.kw_only is MISSING:
+            field.kw_only = kw_only
         field._field_type = dataclasses._FIELD  # type: ignore[attr-defined]  # else `fields` leaves it out
         fields[name] = field
     return fields
@@ -93,7 +96,7 @@ def _add_methods(cls: Any, fields: dict[str, Field[Any]], frozen: bool, slots: b
     positional = (name for name, field in fields.items() if field.init and not field.kw_only)
     cls.__match_args__ = tuple(positional)  # type: ignore[misc]  # mypy knows the name from class bodies alone
     if "__init__" not in defined:
-        cls.__init__ = _init_when_called(cls, frozen)
+        cls.__init__, cls.__signature__ = _init_when_called(cls, frozen), _Signature()
     if "__repr__" not in defined:
         cls.__repr__ = _repr
     if eq:
@@ -115,7 +118,36 @@ def _init_when_called(cls: Any, frozen: bool) -> Callable[..., None]:
         cls.__init__ = _init(cls, frozen)
         cls.__init__(self, *arguments, **named)
 
+    init.__made__ = True  # type: ignore[attr-defined]
     return init
+
+
+class _Signature:
+    """The parameters that `help` and `inspect.signature` show, also of a class that was not called yet."""
+
+    def __get__(self, _: object, cls: Any) -> Signature:
+        from inspect import Parameter, Signature
+
+        if not hasattr(cls.__init__, "__made__"):
+            raise AttributeError("__signature__")  # the class has an `__init__` of its own, which says it
+        return Signature(
+            Parameter(
+                field.name,
+                Parameter.KEYWORD_ONLY if field.kw_only else Parameter.POSITIONAL_OR_KEYWORD,
+                default=_shown_default(field),
+                annotation=field.type,
+            )
+            for field in sorted(cls.__dataclass_fields__.values(), key=attrgetter("kw_only"))
+            if field.init
+        )
+
+
+def _shown_default(field: Field[Any]) -> object:
+    from inspect import Parameter
+
+    if field.default_factory is not MISSING:
+        return dataclasses._HAS_DEFAULT_FACTORY  # type: ignore[attr-defined]
+    return Parameter.empty if field.default is MISSING else field.default
 
 
 def _init(cls: Any, frozen: bool) -> Callable[..., None]:
@@ -147,6 +179,7 @@ def _init(cls: Any, frozen: bool) -> Callable[..., None]:
     text = f"def __init__({parameters}):\n " + ("\n ".join(lines) or "pass")
     exec(text, known)  # nosec B102  # the text has names from bodies of classes, nothing that was read
     init: Callable[..., None] = known["__init__"]
+    init.__made__ = True  # type: ignore[attr-defined]
     init.__qualname__ = f"{cls.__qualname__}.__init__"
     return init
 

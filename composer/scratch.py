@@ -52,7 +52,11 @@ def _is_ours(name: str) -> bool:
 
 @contextmanager
 def locked_folder(folder: Path) -> Iterator[Path]:
-    """Create a folder that is locked for the block, and removed after it. Raises OSError."""
+    """Create a folder that is locked for the block, and removed after it. Raises OSError.
+
+    A process that was forked inside the block leaves it alone.
+    """
+    owner = os.getpid()
     folder.mkdir(mode=0o700)
     try:
         lock = os.open(folder / _NEW, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600)
@@ -62,10 +66,12 @@ def locked_folder(folder: Path) -> Iterator[Path]:
                 os.replace(folder / _NEW, folder / _LOCK)
             yield folder
         finally:
-            _empty(folder)
+            if os.getpid() == owner:
+                _empty(folder)
             os.close(lock)
     finally:
-        shutil.rmtree(folder, ignore_errors=True)
+        if os.getpid() == owner:
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def sweep_once(

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import copy
 import dataclasses
+import inspect
 import pickle
 import subprocess
 import sys
@@ -136,6 +138,16 @@ def _around_itself(dataclass: Maker) -> Any:
     return Ring
 
 
+def _partly_named(dataclass: Maker) -> Any:
+    @dataclass(frozen=True)
+    class PartlyNamed:
+        x: int
+        y: int = dataclasses.field(kw_only=True)
+        z: list[int] = dataclasses.field(default_factory=list)
+
+    return PartlyNamed
+
+
 SHAPES = (
     _point, _derived, _named, _mutable, _open, _identity, _own_methods, _own_init, _empty, _around_itself,
 )  # fmt: skip
@@ -206,10 +218,31 @@ def test_what_a_class_says_of_itself_is_the_same(shape: Callable[[Maker], Any]) 
 _LEFT_OUT = {
     "__dataclass_params__",
     "__replace__",
+    "__signature__",
     "__annotations__",
     "__annotate_func__",
     "__annotations_cache__",
 }
+
+
+@pytest.mark.parametrize("shape", [*SHAPES, _partly_named])
+def test_a_class_shows_its_parameters_before_and_after_its_first_call(
+    shape: Callable[[Maker], Any],
+) -> None:
+    mine, theirs = (shape(dataclass) for dataclass in MADE)
+    before = inspect.signature(mine)
+    assert str(before).removesuffix(" -> None") == str(inspect.signature(theirs)).removesuffix(" -> None")
+    with contextlib.suppress(TypeError):
+        mine(1)
+    assert inspect.signature(mine) == before
+
+
+def test_one_field_may_be_named_by_itself() -> None:
+    for dataclass in MADE:
+        cls = _partly_named(dataclass)
+        assert cls(1, y=2).y == 2
+        with pytest.raises(TypeError):
+            cls(1, 2)
 
 
 def test_equal_objects_have_equal_hashes_and_fields_that_do_not_count_do_not() -> None:

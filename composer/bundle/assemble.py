@@ -204,7 +204,7 @@ def _files_of(plan: Plan) -> Iterator[str]:
 
 def _by_licence(inputs: tuple[Input, ...], members: tuple[PartRecord, ...]) -> dict[str, tuple[str, ...]]:
     found: dict[str, list[str]] = {}
-    for each, member in zip(inputs, members, strict=False):
+    for each, member in zip(inputs, members, strict=True):
         found.setdefault(each.licence or UNKNOWN, []).append(member.part)
     return {licence: tuple(parts) for licence, parts in sorted(found.items())}
 

@@ -61,7 +61,9 @@ def report_unlicensed(rows: Iterable[Row], context: Context) -> None:
     bare = [row for row in rows if row.has_none]
     if not bare:
         return
-    names = ", ".join(f"`{row.part}`" for row in bare)
+    names = ", ".join(f"`{row.part}`" for row in bare[:20])
+    if len(bare) > 20:
+        names += f" and {len(bare) - 20} other parts"
     context.sink.warning(
         "licence-missing",
         f"nothing says under which licence {names} may be passed on",

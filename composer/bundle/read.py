@@ -10,6 +10,7 @@ import stat
 import zipfile
 from collections.abc import Mapping
 from dataclasses import field
+from io import BytesIO
 from pathlib import Path
 
 from composer.bundle.bundle import MANIFEST, MODEL, Bundle, BundleError, check_paths
@@ -37,8 +38,12 @@ class ReadError(DiagnosticError):
     """The reason why a bundle cannot be read."""
 
 
-def read(path: Path, limits: ReadLimits | None = None, shown: str | None = None) -> Bundle:
+def read(
+    path: Path, limits: ReadLimits | None = None, shown: str | None = None, content: bytes | None = None
+) -> Bundle:
     """Return the bundle in a folder, a zip or an MJZ. Raises ReadError, with `shown` as the path in messages.
+
+    `content` are the bytes of an archive that was read already.
 
     Links, paths that lead out, encrypted files and files beyond the limits are refused before anything is
     decompressed. The model is the one in the manifest, else `model.xml`, else `STEM.xml`, else the only model that
@@ -60,7 +65,7 @@ def read(path: Path, limits: ReadLimits | None = None, shown: str | None = None)
                 f"`{shown}` is text alone, which has no manifest: a bundle is a folder, a `.zip` or an `.mjz`",
             )
         elif path.exists():
-            files = _read_archive(path, limits, shown)
+            files = _read_archive(path if content is None else BytesIO(content), limits, shown)
         else:
             raise ReadError("file-not-found", f"the file or folder `{shown}` does not exist")
         bundle = Bundle(files, _model(files, path, shown))
@@ -113,7 +118,7 @@ def _read_folder(folder: Path, limits: ReadLimits, shown: str) -> dict[str, byte
     return gathered(files, folder)
 
 
-def _read_archive(file: Path, limits: ReadLimits, shown: str) -> dict[str, bytes]:
+def _read_archive(file: Path | BytesIO, limits: ReadLimits, shown: str) -> dict[str, bytes]:
     try:
         with zipfile.ZipFile(file) as archive:
             entries = [entry for entry in archive.infolist() if not entry.filename.endswith("/")]

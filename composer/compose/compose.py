@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import field, replace
 from functools import partial
@@ -236,13 +236,13 @@ class Composer:
                 check_size(unit, self.context.sink, attached_size(unit))
                 elements += written(unit.root)
                 text += unit.origins.size
-            for name, count, most in (
-                ("elements", elements, limits.elements), ("bytes of XML", text, limits.xml_size)
-            ):  # fmt: skip
+            for limit, name, count, most in (
+                ("elements", "elements", elements, limits.elements),
+                ("xml-size", "bytes of XML", text, limits.xml_size),
+            ):
                 if count > most:
                     message = f"the parts up to here have {count} {name}; {most} are allowed"
                     span = locate(plan.document, (*each.at, "model"))
-                    limit = "elements" if most == limits.elements else "xml-size"
                     self.context.sink.error("limit-exceeded", message, span, help=advice(limit))
                     return None
             units.append(unit)
@@ -269,7 +269,7 @@ class Composer:
         linking.later_places = early
         if not link(linking):
             return None
-        _carry_out(plan, linking, making, early.done)
+        _carry_out(plan, linking, making, early)
         changes = self._model_edits(plan, linking, making)
         self._edit(plan, changes, linking, making)
         if self.context.sink.error_count > before:
@@ -447,9 +447,9 @@ def _adds_mass(plan: Plan) -> bool:
     )
 
 
-def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder, done: Collection[Step]) -> None:
+def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder, early: EarlyAdditions) -> None:
     for step in plan.steps:
-        if step not in done and (write := _WRITE.get(type(step))) is not None:
+        if not early.has_done(step) and (write := _WRITE.get(type(step))) is not None:
             write(step, linking, making)
             linking.watch(linking.units, step)
     if making.pending:

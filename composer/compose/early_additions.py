@@ -14,40 +14,53 @@ from composer.link.linking import Linking
 from composer.plan.added_places import AddedPlace, makers
 from composer.plan.plan import Plan
 from composer.plan.steps.add_element import AddElement
+from composer.plan.steps.step import Step
 
 Place = tuple[str, str]
 
 
 @dataclass(slots=True)
 class EarlyAdditions:
-    """Carries out the `add` entries that parts wait for; `done` lists those carried out."""
+    """Carries out the `add` entries that parts wait for."""
 
     plan: Plan
     linking: Linking
     making: ElementBuilder
     places: Mapping[Place, AddedPlace] = field(init=False)
-    done: list[AddElement] = field(default_factory=list)
+    done: dict[int, AddElement] = field(default_factory=dict)
+    """By identity: to compare two entries is to compare all that they say."""
+    names_of: dict[int, list[Place]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.places = self.plan.added_places
+        for name, place in self.places.items():
+            self.names_of.setdefault(id(place.step), []).append(name)
 
-    def make(self, kind: str, name: str) -> bool:
-        """Make a place. Return False if no entry adds it, or if what it is added to is not in the model yet."""
-        steps = makers(self.places, kind, name)
-        waiting = [step for step in steps if step not in self.done]
-        if not waiting or not self._stands(waiting[0]):
-            return False
-        for step in waiting:
+    def make(self, kind: str, name: str) -> list[Place]:
+        """Make a place and what it is added to. Return all that this makes, nothing if it cannot be made yet."""
+        steps = makers(self.places, kind, name, self.done)
+        if not steps or not self._stands(steps[0]):
+            return []
+        for step in steps:
             # What the pass has done so far is its own, for those who watch.
             self.linking.watch(self.linking.units, bodies)
             add(step, self.linking, self.making)
             self.linking.watch(self.linking.units, step)
-            self.done.append(step)
-        return True
+            self.done[id(step)] = step
+        return [name for step in steps for name in self.names_of[id(step)]]
+
+    def has_done(self, step: Step) -> bool:
+        """Return whether the step was carried out because a part waited for it."""
+        return id(step) in self.done
 
     def names(self) -> list[Place]:
         """Return the kind and the name of each place that is not made yet."""
-        return [key for key, place in self.places.items() if place.step not in self.done]
+        return [key for key, place in self.places.items() if not self.has_done(place.step)]
+
+    def waits_for(self, kind: str, name: str) -> Place | None:
+        """Return what has to be in the model before a place can be made, or None if nothing is left to be made."""
+        steps = makers(self.places, kind, name, self.done)
+        return (steps[0].to_kind, steps[0].to) if steps else None
 
     def stands_on(self, kind: str, name: str) -> tuple[str, Span] | None:
         """Return what a place is added to and where its name is written, or None if no entry adds it."""

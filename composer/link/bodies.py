@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from heapq import heappop, heappush
 from types import MappingProxyType
 
 from lxml.etree import _Element as Node
@@ -38,34 +39,84 @@ def bodies(linking: Linking) -> None:
     >>> after(bodies, part, base, on="s")
     model: <worldbody><site name="s" pos="0 0 1"/><frame pos="0 0 1" childclass="p/"><body/></frame></worldbody>
     """
-    waiting = list(linking.parts)
+    order = _Order(linking)
     tops: dict[Part, Node] = {}
-    while waiting:
-        ready = [part for part in waiting if _mount(linking, part)]
+    while ready := order.next():
         for part in ready:
             _hang(linking, part, tops)
-        if not ready and _grow(linking, waiting):
-            continue
-        if not ready:
-            lost = [part for part in waiting if part.mount is None]
-            _report_lost(linking, lost)
-            if not lost:
-                _ring(linking, waiting)
-            prefixes = [part.prefix for part in waiting if part.prefix]
-            linking.sink.suppress_about(
-                [*prefixes, *(each.removesuffix(linking.request.separator) for each in prefixes)]
-            )
+            order.attached(part)
+    if not order.waiting:
+        _in_order(linking, tops)
+        return
+    lost = [part for part in order.waiting if part.mount is None]
+    _report_lost(linking, lost)
+    if not lost:
+        _ring(linking, [*order.waiting])
+    prefixes = [part.prefix for part in order.waiting if part.prefix]
+    linking.sink.suppress_about(
+        [*prefixes, *(each.removesuffix(linking.request.separator) for each in prefixes)]
+    )
+
+
+class _Order:
+    """The order in which parts can be attached. Each part is looked at again only when what it waits for is there.
+
+    A part waits for the part that has its place, for an entry of `add` that makes it, or for the body that another
+    attachment makes. Entries are carried out as late as possible, in the order of the parts.
+    """
+
+    def __init__(self, linking: Linking) -> None:
+        self.linking = linking
+        self.numbers = {part: number for number, part in enumerate(linking.parts)}
+        self.waiting = dict.fromkeys(linking.parts)
+        self.ready: set[int] = set()
+        self.nowhere: list[int] = []
+        """A heap of the parts whose place an entry may make now."""
+        self.until: dict[object, list[Part]] = {}
+        """By the root of another part, or by the kind and the name of an element: who waits for it."""
+        for part in linking.parts:
+            self._look(part)
+
+    def next(self) -> list[Part]:
+        """Return the parts that can be attached now, none if no part is left or all wait for one another."""
+        while not self.ready and self.nowhere:
+            self._make(self.linking.parts[heappop(self.nowhere)])
+        ready, self.ready = sorted(self.ready), set()
+        return [self.linking.parts[number] for number in ready]
+
+    def attached(self, part: Part) -> None:
+        """Look at the parts that wait for one that is attached now."""
+        del self.waiting[part]
+        self._there(part.unit.root)
+        self._there(("body", part.prefix))
+
+    def _there(self, what: object) -> None:
+        for part in self.until.pop(what, ()):
+            self._look(part)
+
+    def _look(self, part: Part) -> None:
+        if part not in self.waiting:
             return
-        waiting = [part for part in waiting if part not in ready]
-    _in_order(linking, tops)
+        if _mount(self.linking, part):
+            self.ready.add(self.numbers[part])
+        elif part.mount is not None:
+            self.until.setdefault(part.mount.getroottree().getroot(), []).append(part)
+        else:
+            self.until.setdefault((part.place.kind, part.place.name), []).append(part)
+            heappush(self.nowhere, self.numbers[part])
 
-
-def _grow(linking: Linking, waiting: Iterable[Part]) -> bool:
-    """Let the recipe add a place that a part waits for. Return False if it adds none, or if that waits for a part."""
-    later = linking.later_places
-    if later is None:
-        return False
-    return any(later.make(part.place.kind, str(part.place.name)) for part in waiting if part.mount is None)
+    def _make(self, part: Part) -> None:
+        """Let the recipe add the place of a part, or wait for what this is added to."""
+        later, place = self.linking.later_places, part.place
+        if later is None or part.mount is not None:
+            return
+        made = later.make(place.kind, str(place.name))
+        for name in made:
+            self._there(name)
+        if made or (holder := later.waits_for(place.kind, str(place.name))) is None:
+            return
+        node = self.linking.names.find(*holder)
+        self.until.setdefault(holder if node is None else node.getroottree().getroot(), []).append(part)
 
 
 def _in_order(linking: Linking, tops: Mapping[Part, Node]) -> None:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import field
+from collections.abc import Iterable, Mapping
+from dataclasses import field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import NamedTuple, Protocol
@@ -37,8 +37,12 @@ class Measure(Protocol):
 class LaterPlaces(Protocol):
     """Places that the recipe adds and that parts may be attached to."""
 
-    def make(self, kind: str, name: str) -> bool:
-        """Add a place now. Return False if the recipe does not add it, or not yet."""
+    def make(self, kind: str, name: str) -> Iterable[tuple[str, str]]:
+        """Add a place now. Return what now exists: nothing if the recipe does not add it, or not yet."""
+        ...
+
+    def waits_for(self, kind: str, name: str) -> tuple[str, str] | None:
+        """Return what has to be in the model before a place can be added, or None if the recipe does not add it."""
         ...
 
     def names(self) -> list[tuple[str, str]]:
@@ -121,22 +125,10 @@ class Linking:
 
     def flat(self) -> Unit:
         """Return the current model with its files, without the parts that are not joined yet."""
-        base = self.base
         contents = {
             use.path: use.content if use.content is not None else _path(use.source) for use in self.files
         }
-        return Unit(
-            base.root,
-            base.file,
-            base.directory,
-            base.label,
-            contents or base.contents,
-            base.origins,
-            base.part_keys,
-            base.header,
-            base.adopted,
-            base.door,
-        )
+        return replace(self.base, contents=contents or self.base.contents)
 
     def span(self, unit: Unit, element: Node, attribute: str | None = None) -> Span:
         """Return where an element of a unit, or the value of its attribute, is written."""

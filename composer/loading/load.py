@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import field
 from functools import partial
+from hashlib import sha256
 from os import PathLike
 from pathlib import Path
+from threading import Lock
 from typing import Any, NamedTuple, TypeAlias
 
 from composer.bundle.admitted import outside
@@ -22,8 +26,12 @@ from composer.bundle.read import ReadError, ReadLimits, named_model, read
 from composer.bundle.staging import write_files
 from composer.compiled import index as compiled_index
 from composer.compiled.kinds import names
+from composer.dataclass import dataclass
+from composer.diagnostics.call_site import call_site
+from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.secret import hide
 from composer.diagnostics.sink import Sink
+from composer.limits import in_force
 from composer.loading.errors import BundleWarning, LoadError
 from composer.loading.index import Index
 from composer.scratch import scratch
@@ -78,36 +86,60 @@ def _downloaded(address: str, folder: Path) -> Path:
 def _load(path: Path, shown: str, *, allow_changes: bool) -> Loaded:
     import mujoco
 
-    sink = Sink()
     is_binary = path.suffix.lower() == ".mjb" and not os.path.isdir(path)
-    read_bundle = _read_binary(path) if is_binary else _read(path)
-    manifest = manifest_of(read_bundle.files.get(MANIFEST), shown, sink)
-    if manifest is None:
-        raise LoadError(sink.errors)
-    check_files(read_bundle, manifest, shown, sink)
-    _raise_or_warn(sink, allow_changes)
-    _check_version(manifest, mujoco.__version__, shown, is_binary)
-    with _on_disk(read_bundle) as file:
-        if found := outside(file.parent, file.name, shown):
-            raise LoadError(found)
+    checked = _read_binary(path, shown) if is_binary else _checked(path, shown)
+    manifest = checked.manifest
+    with _on_disk(checked, shown, allow_changes) as file:
+        _check_version(manifest, mujoco.__version__, shown, is_binary)
         model = _compiled(mujoco, file, shown)
     listed = _listed(mujoco, model)
     if manifest.index is not None:
         check_index(manifest.index, listed, shown, sink := Sink())
-        _raise_or_warn(sink, allow_changes)
+        _raise_or_warn(sink.errors, allow_changes)
         listed = _with_places(listed, manifest)
     return Loaded(model, manifest, Index(listed, partial(names, model), manifest.separator))
 
 
-def _read(path: Path) -> Bundle:
+class _Checked(NamedTuple):
+    """What was read of a bundle, and how it differs from its manifest.
+
+    `key` says which bytes they are. The same bytes may have been checked before and are still on disk as `kept`.
+    """
+
+    key: Hashable
+    manifest: Manifest
+    bundle: Bundle | None
+    faults: Sequence[Diagnostic] = ()
+    kept: _Kept | None = None
+
+
+def _checked(path: Path, shown: str) -> _Checked:
     try:
-        return read(path)
+        content = None
+        if path.is_file() and path.stat().st_size <= ReadLimits().bytes:
+            content = path.read_bytes()
+            key = (sha256(content).hexdigest(), in_force())
+            if (kept := _taken(key)) is not None:
+                return _Checked(key, kept.manifest, None, kept=kept)
+        return _compare(read(path, content=content), shown, content)
+    except OSError as error:
+        raise _failure("file-unreadable", f"cannot read `{path}`: {error.strerror or error}") from error
     except ReadError as error:
         raise _failure(error.code, error.message, error.help) from error
 
 
-def _read_binary(path: Path) -> Bundle:
-    """Read the two files under their current names: the manifest has the original name of the model."""
+def _compare(bundle: Bundle, shown: str, content: bytes | None = None) -> _Checked:
+    """Compare the files of a bundle with its manifest; `content` are the bytes of its archive."""
+    manifest = manifest_of(bundle.files.get(MANIFEST), shown, sink := Sink())
+    if manifest is None:
+        raise LoadError(sink.errors)
+    check_files(bundle, manifest, shown, sink)
+    key = (bundle.sha256 if content is None else sha256(content).hexdigest()), in_force()
+    return _Checked(key, manifest, bundle, sink.errors, _taken(key))
+
+
+def _read_binary(path: Path, shown: str) -> _Checked:
+    """Read and compare the two files under their current names: the manifest has the original name of the model."""
     beside = manifest_beside(path)
     try:
         content = path.read_bytes()
@@ -122,15 +154,98 @@ def _read_binary(path: Path) -> Bundle:
         raise _failure("file-unreadable", f"cannot read `{shown}`: {error.strerror or error}") from error
     named = named_model(manifest)
     model = named if named.endswith(".mjb") and Path(named).name == named else path.name
-    return Bundle({model: content, MANIFEST: manifest}, model)
+    return _compare(Bundle({model: content, MANIFEST: manifest}, model), shown)
+
+
+@dataclass(frozen=True, slots=True)
+class _Kept:
+    """A checked bundle in a folder of its own. MuJoCo's cache knows meshes and textures by their paths.
+
+    `stamps` has the size and the time of each file when it was written.
+    """
+
+    manifest: Manifest
+    file: Path
+    stamps: Mapping[Path, tuple[int, int]]
+    folder: ExitStack
+    owner: int = field(default_factory=os.getpid)
+
+    @property
+    def size(self) -> int:
+        return sum(size for size, _ in self.stamps.values())
+
+    @property
+    def is_intact(self) -> bool:
+        """Whether nothing was removed or changed, and the process was not forked since."""
+        try:
+            return self.owner == os.getpid() and all(_stamp(path) == at for path, at in self.stamps.items())
+        except OSError:
+            return False
+
+
+# As much as MuJoCo's cache holds; the oldest go first. They are removed when the process ends.
+_KEPT_BYTES = 500 * 2**20
+_kept: dict[Hashable, _Kept] = {}
+_lock = Lock()
+
+
+def _stamp(path: Path) -> tuple[int, int]:
+    status = path.lstat()
+    return status.st_size, status.st_mtime_ns
 
 
 @contextmanager
-def _on_disk(bundle: Bundle) -> Iterator[Path]:
-    """Write the files that were checked to a folder, and yield the path of the model."""
-    with scratch("bundle") as folder:
-        write_files(bundle, Path(folder))
-        yield Path(folder) / bundle.model
+def _on_disk(checked: _Checked, shown: str, allow_changes: bool) -> Iterator[Path]:
+    """Yield the path of the model in a folder with the files that were checked. Nobody else has it in the block."""
+    _raise_or_warn(checked.faults, allow_changes)
+    kept = checked.kept or _written(checked, shown)
+    try:
+        yield kept.file
+    finally:
+        if checked.faults:
+            kept.folder.close()  # the next load reports them again
+        else:
+            _keep(checked.key, kept)
+
+
+def _written(checked: _Checked, shown: str) -> _Kept:
+    bundle = checked.bundle
+    assert bundle is not None
+    with ExitStack() as stack:
+        folder = stack.enter_context(scratch("bundle"))
+        write_files(bundle, folder)
+        file = folder / bundle.model
+        if found := outside(file.parent, file.name, shown):
+            raise LoadError(found)
+        stamps = {path: _stamp(path) for path in (folder / name for name in bundle.files)}
+        return _Kept(checked.manifest, file, stamps, stack.pop_all())
+
+
+def _taken(key: Hashable) -> _Kept | None:
+    """Take what is kept under a key, if it is still as it was written."""
+    with _lock:
+        kept = _kept.pop(key, None)
+    if kept is None or kept.is_intact:
+        return kept
+    kept.folder.close()
+    return None
+
+
+def _keep(key: Hashable, kept: _Kept) -> None:
+    with _lock:
+        gone = [_kept.pop(key)] if key in _kept else []
+        _kept[key] = kept
+        while sum(each.size for each in _kept.values()) > _KEPT_BYTES:
+            gone.append(_kept.pop(next(iter(_kept))))
+    for each in gone:
+        each.folder.close()
+
+
+@atexit.register
+def _forget() -> None:
+    for each in [*_kept.values()]:
+        each.folder.close()
+    _kept.clear()
 
 
 def _compiled(mujoco: Any, file: Path, shown: str) -> Model:
@@ -157,7 +272,7 @@ def _check_version(manifest: Manifest, running: str, shown: str, is_binary: bool
         )
     said = "was verified by no MuJoCo" if made_with is None else f"was verified by MuJoCo {made_with}"
     message = f"`{shown}` {said}, and this is {running}"
-    warnings.warn(message, BundleWarning, stacklevel=4)
+    _warn(message)
 
 
 def _listed(mujoco: Any, model: Model) -> Any:
@@ -177,13 +292,17 @@ def _with_places(listed: Any, manifest: Manifest) -> Any:
     return listed.model_copy(update=kept)
 
 
-def _raise_or_warn(sink: Sink, allowed: bool) -> None:
-    if not sink.has_errors:
-        return
-    if not allowed:
-        raise LoadError(sink.errors)
-    for each in sink.errors:
-        warnings.warn(each.message, BundleWarning, stacklevel=4)
+def _raise_or_warn(faults: Sequence[Diagnostic], allowed: bool) -> None:
+    if faults and not allowed:
+        raise LoadError(faults)
+    for each in faults:
+        _warn(each.message)
+
+
+def _warn(message: str) -> None:
+    """Warn at the line outside of this package that loads the bundle, however it came here."""
+    place = call_site("composer")
+    warnings.warn_explicit(message, BundleWarning, place.file, place.line)
 
 
 def _failure(code: str, message: str, help: str | None = None) -> LoadError:

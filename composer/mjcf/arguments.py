@@ -8,7 +8,7 @@ import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from composer.mjcf.call_site import call_site
+from composer.diagnostics.call_site import call_site
 from composer.mjcf.errors import MjcfError, failure
 
 

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from lxml import etree
 
+from composer.diagnostics.call_site import call_site
 from composer.mjcf.arguments import as_path, expects
-from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
 from composer.mjcf.flat import bundle_paths
 from composer.mjcf.model import Model

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from lxml import etree
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.call_site import call_site
 from composer.diagnostics.diagnostic import Note
 from composer.mjcf import edit
 from composer.mjcf.bones import for_prefix, take
-from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
 from composer.mjcf.model import Attachment, Model, Target
 from composer.mjcf.reference import describe

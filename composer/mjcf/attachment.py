@@ -8,10 +8,10 @@ from typing import cast
 
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.call_site import call_site
 from composer.diagnostics.diagnostic import Note
 from composer.mjcf import edit
 from composer.mjcf.attributed import targets
-from composer.mjcf.call_site import call_site
 from composer.mjcf.element import Element, RootElement
 from composer.mjcf.errors import failure
 from composer.mjcf.model import Attachment

@@ -8,13 +8,13 @@ from typing import Any, Self
 import numpy as np
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.call_site import call_site
 from composer.diagnostics.span import Span
 from composer.grammar import ElementType
 from composer.grammar.attribute import Attribute
 from composer.mjcf import edit
 from composer.mjcf.arguments import as_name
 from composer.mjcf.asset import asset_of
-from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfAttributeError, MjcfError, failure
 from composer.mjcf.live_array import LiveArray
 from composer.mjcf.members import always_there

@@ -6,8 +6,8 @@ from collections.abc import Callable, Container
 from pathlib import Path
 
 from composer.dataclass import dataclass
+from composer.diagnostics.call_site import call_site
 from composer.mjcf.asset import Files
-from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
 from composer.mjcf.model import Model
 from composer.tree.skin_file import BadBone, renamed_skin, skins

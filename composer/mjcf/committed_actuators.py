@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping
 
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.call_site import call_site
 from composer.grammar import GRAMMAR
-from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfWarning
 from composer.mjcf.model import Model
 from composer.mjcf.physics.actuators import settings

@@ -6,12 +6,12 @@ from collections.abc import Collection, Iterator, Mapping
 
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.call_site import call_site
 from composer.diagnostics.suggest import did_you_mean
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
 from composer.mjcf import committed_textures
 from composer.mjcf.arguments import as_name, expects
-from composer.mjcf.call_site import call_site
 from composer.mjcf.committed_actuators import ACTUATORS, OF_ALL, is_plain
 from composer.mjcf.committed_actuators import commit as commit_actuator
 from composer.mjcf.element import Element

@@ -13,13 +13,13 @@ from typing import cast
 from lxml.etree import _Element as Node
 
 from composer.dataclass import dataclass
+from composer.diagnostics.call_site import call_site
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import did_you_mean
 from composer.grammar import ElementType
 from composer.grammar.attribute import Attribute
 from composer.mjcf.asset import Asset, Files, place
 from composer.mjcf.bones import Skins, for_body, take
-from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfError, failure
 from composer.mjcf.misspelled import no_attribute
 from composer.mjcf.model import Attachment, Model, Target

@@ -8,6 +8,7 @@ from typing import Any, cast
 
 from lxml import etree
 
+from composer.diagnostics.call_site import call_site
 from composer.diagnostics.diagnostic import Note
 from composer.grammar import ElementType
 from composer.link.request import Policy
@@ -16,7 +17,6 @@ from composer.mjcf.arguments import as_index, as_name
 from composer.mjcf.asset import Files
 from composer.mjcf.attaching import attach, set_model_name
 from composer.mjcf.attributed import targets
-from composer.mjcf.call_site import call_site
 from composer.mjcf.duplicate import duplicate
 from composer.mjcf.errors import failure
 from composer.mjcf.including import include_copy

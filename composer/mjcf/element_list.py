@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import SupportsIndex, overload
 
+from composer.diagnostics.call_site import call_site
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.unknown import unknown_name
-from composer.mjcf.call_site import call_site
 from composer.mjcf.element import Element
 from composer.mjcf.errors import MjcfKeyError, failed, failure
 

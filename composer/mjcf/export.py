@@ -11,10 +11,10 @@ from composer.bundle.bundle import Bundle, BundleError, check_paths
 from composer.bundle.collect import collect
 from composer.bundle.output_error import OutputError, unwritable
 from composer.bundle.staging import parents, real, stage_beside
+from composer.diagnostics.call_site import call_site
 from composer.diagnostics.sink import Sink
 from composer.link.request import Policy
 from composer.mjcf.arguments import as_path
-from composer.mjcf.call_site import call_site
 from composer.mjcf.element import Element, RootElement
 from composer.mjcf.errors import MjcfError, failure, raise_errors
 from composer.mjcf.flat import flatten, issue_warnings

@@ -13,6 +13,7 @@ from typing import get_args
 from composer.bundle.collect import collect, read
 from composer.context import Context
 from composer.dataclass import dataclass
+from composer.diagnostics.call_site import call_site
 from composer.diagnostics.diagnostic import Cause, Diagnostic
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.text import render
@@ -23,7 +24,6 @@ from composer.link.link import finish, link, link_alone
 from composer.link.linking import FileUse, Linking, Measure
 from composer.link.measure import measure_with
 from composer.link.request import Policy, Request
-from composer.mjcf.call_site import call_site
 from composer.mjcf.detach_external import without_outward
 from composer.mjcf.errors import MjcfError, MjcfWarning, failure, raise_errors
 from composer.mjcf.loose_ends import check_references

@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.call_site import call_site
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.grammar.number import items, parse_real
 from composer.mjcf.asset import Asset, Files, asset_of, place
-from composer.mjcf.call_site import call_site
 from composer.mjcf.duplicate import duplicate
 from composer.mjcf.errors import MjcfWarning, raise_errors
 from composer.mjcf.included_model import take_model

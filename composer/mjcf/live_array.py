@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from composer.mjcf.call_site import call_site
+from composer.diagnostics.call_site import call_site
 from composer.mjcf.errors import failure
 
 

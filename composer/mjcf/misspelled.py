@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
+from composer.diagnostics.call_site import call_site
 from composer.diagnostics.suggest import closest, exists_note
 from composer.diagnostics.unknown import unknown_attribute
 from composer.grammar import ElementType
 from composer.mjcf import dm_control_hints as elsewhere
-from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfAttributeError, MjcfError, failed, failure
 from composer.tree.kinds import spoken
 

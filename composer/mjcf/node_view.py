@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any, Self, cast
 
+from composer.diagnostics.call_site import call_site
 from composer.diagnostics.span import Span
 from composer.mjcf.attaching import HOSTS
 from composer.mjcf.attributed import Attributed
-from composer.mjcf.call_site import call_site
 from composer.mjcf.duplicate import copied
 from composer.mjcf.errors import failure
 from composer.mjcf.html import page

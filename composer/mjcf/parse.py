@@ -10,10 +10,10 @@ from typing import IO, cast
 
 from composer.bundle.bundle import MODEL
 from composer.bundle.read import ReadError, read
+from composer.diagnostics.call_site import call_site
 from composer.diagnostics.sink import Sink
 from composer.mjcf.arguments import Folders, as_files, as_folders, as_path
 from composer.mjcf.asset import Files
-from composer.mjcf.call_site import call_site
 from composer.mjcf.element import RootElement
 from composer.mjcf.errors import failure, raise_errors
 from composer.mjcf.intake import check_tree, one_of_each_section

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lxml.etree import _Element as Node
 
-from composer.mjcf.call_site import call_site
+from composer.diagnostics.call_site import call_site
 from composer.mjcf.errors import failure
 from composer.mjcf.model import Model
 from composer.tree.removal import Removal, is_section

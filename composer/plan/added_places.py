@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 
 from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
@@ -34,16 +34,20 @@ def added_places(steps: Sequence[Step], document: Located) -> dict[tuple[str, st
     return found
 
 
-def makers(places: Mapping[tuple[str, str], AddedPlace], kind: str, name: str) -> tuple[AddElement, ...]:
+def makers(
+    places: Mapping[tuple[str, str], AddedPlace], kind: str, name: str, done: Container[int] = ()
+) -> list[AddElement]:
     """Return the steps that create a place, in the order in which they must run; none if no step does.
 
-    A place on an added element needs the step that adds this element first.
+    A place on an added element needs the step that adds this element first. `done` has the ids of steps that have run.
     """
-    found: list[AddElement] = []
-    while (place := places.get((kind, name))) is not None and place.step not in found:
-        found.insert(0, place.step)
+    found: dict[int, AddElement] = {}
+    while (place := places.get((kind, name))) is not None and id(place.step) not in found:
+        if id(place.step) in done:
+            break
+        found[id(place.step)] = place.step
         kind, name = place.step.to_kind, place.step.to
-    return tuple(found)
+    return [*reversed(found.values())]
 
 
 def _places(element: Element, document: Located) -> Iterator[tuple[str, str, Span]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import product
 
 from composer.diagnostics.diagnostic import Note
@@ -119,7 +119,8 @@ def _contradiction(key: str, before: str, after: str, document: Located, sink: S
 
 def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> tuple[AttachPart, ...]:
     """Report parts that are attached to one another in a ring; return the others."""
-    hangs_on = {part.prefix: _mount_of(part, parts) for part in parts}
+    prefixes = {part.prefix for part in parts}
+    hangs_on = {part.prefix: _mount_of(part, prefixes) for part in parts}
     reported: set[str] = set()
     for part in parts:
         ring = [part.prefix]
@@ -143,14 +144,11 @@ def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> 
     return tuple(part for part in parts if part.prefix not in reported)
 
 
-def _mount_of(part: AttachPart, parts: tuple[AttachPart, ...]) -> str | None:
+def _mount_of(part: AttachPart, prefixes: Collection[str]) -> str | None:
     """Return the prefix of the part that this one is attached to, the longest match; None for base and world."""
     attachment = part.attachment
     place = attachment.site or attachment.body or attachment.frame or ""
-    if not place:
-        return None
-    fitting = [other.prefix for other in parts if other.prefix and place.startswith(other.prefix)]
-    return max(fitting, key=len, default=None)
+    return next((place[:end] for end in range(len(place), 0, -1) if place[:end] in prefixes), None)
 
 
 def check_part_names(plan: Plan, sink: Sink) -> None:

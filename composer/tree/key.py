@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from collections.abc import Mapping
+from dataclasses import field, replace
 from typing import Any, NamedTuple
 
 from lxml.etree import _Element as Node
@@ -41,6 +42,27 @@ class PartKeys(NamedTuple):
 
     def named(self, name: str) -> Key | None:
         return next((key for key in self.keys if key.name == name), None)
+
+    def carried(self, copies: Mapping[Node, Node]) -> PartKeys:
+        """Return the same numbers for a copy of the model; `copies` has its elements."""
+
+        def holder(old: Any) -> Any:
+            if isinstance(old, tuple):  # a copy of an element that MuJoCo multiplies
+                return old._replace(element=holder(old.element))  # type: ignore[attr-defined]
+            return copies.get(old, old)
+
+        return self._replace(
+            keys=tuple(
+                replace(
+                    key,
+                    values={
+                        vector: {holder(old): list(numbers) for old, numbers in by_holder.items()}
+                        for vector, by_holder in key.values.items()
+                    },
+                )
+                for key in self.keys
+            )
+        )
 
     @property
     def names(self) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -76,18 +76,11 @@ class Unit:
         root = copy.deepcopy(self.root)
         origins = self.origins.carried(self.root, root)
         header = tuple(root[self.root.index(comment)] for comment in self.header)
-        return Unit(
-            root,
-            self.file,
-            self.directory,
-            self.label,
-            self.contents,
-            origins,
-            header=header,
-            adopted=self.adopted,
-            door=self.door,
-            table=self.table,
-        )
+        unit = replace(self, root=root, origins=origins, header=header)
+        if self.part_keys:
+            copies = dict(zip(self.root.iter(), root.iter(), strict=True))
+            unit.part_keys = {path: keys.carried(copies) for path, keys in self.part_keys.items()}
+        return unit
 
     def source_of(self, path: str) -> bytes | Path:
         """Return the bytes of a file by its written path, or its path on disk."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from pathlib import Path
 
 import mujoco
@@ -9,6 +10,9 @@ import numpy as np
 import pytest
 
 from composer.context import Context
+from composer.link import bodies
+from composer.link.linking import Linking
+from composer.link.part import Part
 from composer.stages import Request, build
 
 PART = """
@@ -200,3 +204,51 @@ def test_siblings_stand_in_the_order_of_the_file(tmp_path: Path) -> None:
     assert [ours.body(at).name for at in range(1, ours.nbody)] == [
         "arm", "tool", "first/b", "third/b", "one/", "one/b", "three/b", "late/b", "two/b", "four/b", "added",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_parts_may_be_written_in_any_order(tmp_path: Path, seed: int) -> None:
+    """Each waits for a frame, which an entry adds to the part before it, or for the body of a joint."""
+    count = 12
+    parts = [
+        f"  p{n}: {{model: ./p.xml, {f'body: p{n - 1}/' if n % 3 == 0 and n else f'frame: f{n}'}, joint: {{type: hinge}}}}"
+        for n in range(count)
+    ]
+    entries = [
+        f"  - {{to: {f'p{n - 1}/b' if n else 'world'}, frame: {{name: f{n}, pos: [{n}, 0, 1]}}}}"
+        for n in range(count)
+        if n % 3 or not n
+    ]
+    order = random.Random(seed)
+    order.shuffle(parts)
+    order.shuffle(entries)
+    part = '<mujoco><worldbody><body name="b" pos="0 1 0"><geom size=".1"/></body></worldbody></mujoco>'
+    model = composed(tmp_path, "\n".join(["attach:", *parts, "add:", *entries]), **{"p.xml": part})
+    assert model.nbody == 1 + 2 * count
+    assert [model.body(f"p{n}/b").pos.tolist() for n in range(count)] == [[0, 1, 0]] * count
+    for n in range(1, count):
+        parent = model.body(f"p{n - 1}/" if n % 3 == 0 else f"p{n - 1}/b").id
+        assert model.body(f"p{n}/").parentid[0] == parent
+
+
+def test_each_part_is_looked_at_as_often_as_what_it_waits_for_comes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looked = 0
+
+    def mount(linking: Linking, part: Part) -> bool:
+        nonlocal looked
+        looked += 1
+        return found(linking, part)
+
+    found = bodies._mount
+    monkeypatch.setattr(bodies, "_mount", mount)
+    count = 60
+    parts = [f"  p{n}: {{model: ./p.xml, frame: f{n}}}" for n in reversed(range(count))]
+    entries = [
+        f"  - {{to: {f'p{n - 1}/b' if n % 2 else 'world'}, frame: {{name: f{n}}}}}" for n in range(count)
+    ]
+    part = '<mujoco><worldbody><body name="b"><geom size=".1"/></body></worldbody></mujoco>'
+    model = composed(tmp_path, "\n".join(["attach:", *parts, "add:", *entries]), **{"p.xml": part})
+    assert model.nbody == 1 + count
+    assert looked < 4 * count

@@ -154,6 +154,9 @@ def test_parts_that_are_too_large_together(tmp_path: Path) -> None:
         (error,) = errors(tmp_path, "r.yaml")
     assert error.code == "limit-exceeded" and "bytes of XML; 1000 are allowed" in error.message
     assert error.span is not None and error.span.line == 4
+    with allow(xml_size=1000, elements=1000):  # the same number is not the same limit
+        (error,) = errors(tmp_path, "r.yaml")
+    assert error.help is not None and "xml-size" in error.help
 
 
 @pytest.mark.parametrize(

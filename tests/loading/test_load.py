@@ -1,9 +1,11 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +17,8 @@ import composer
 from composer.bundle.mjb import manifest_beside, with_version
 from composer.bundle.write import write
 from composer.context import Context
-from composer.loading.load import Loaded
+from composer.loading import load as module
+from composer.loading.load import Loaded, _compiled
 from composer.stages import Request, build
 
 MODEL = """<mujoco model="{name}">
@@ -117,6 +120,70 @@ def test_a_file_that_was_changed_is_an_error(cell: Path) -> None:
     with pytest.warns(composer.BundleWarning, match="is not the file"):
         loaded = composer.load(cell, allow_changes=True)
     assert loaded.model.actuator("left/turn").gainprm[0] == 6
+
+
+@pytest.mark.parametrize("name", ["cell", "cell.zip", "cell.mjb"])
+def test_the_same_bytes_are_written_once(written: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    """MuJoCo's cache knows meshes and textures by their paths: from another folder each of them is read again."""
+    paths: list[Path] = []
+
+    def compiled(given: Any, file: Path, shown: str) -> Any:
+        paths.append(file)
+        return _compiled(given, file, shown)
+
+    monkeypatch.setattr(module, "_compiled", compiled)
+    first, second = (composer.load(written / name) for _ in range(2))
+    assert paths[0] == paths[1]
+    assert first.model is not second.model and first.manifest == second.manifest
+    paths[0].write_text("<mujoco/>")  # in the folder of another process of this user
+    assert composer.load(written / name).model.nq == 9
+    assert paths[2] != paths[0] and not paths[0].exists()
+    paths[2].unlink()
+    assert composer.load(written / name).model.nq == 9
+
+
+@pytest.mark.parametrize("form", ["cell", "cell.zip"])
+def test_what_was_loaded_with_changes_is_an_error_the_next_time(
+    cell: Path, tmp_path: Path, form: str
+) -> None:
+    change(cell, "files", lambda files: files[1:])
+    with zipfile.ZipFile(tmp_path / "cell.zip", "w") as archive:
+        for file in cell.iterdir():
+            archive.write(file, file.name)
+    for _ in range(2):
+        with pytest.warns(composer.BundleWarning, match="does not list it"):
+            composer.load(tmp_path / form, allow_changes=True)
+    with pytest.raises(composer.LoadError, match="does not list it"):
+        composer.load(tmp_path / form)
+
+
+def test_bundles_are_kept_only_so_far(written: Path, cell: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "_KEPT_BYTES", 0)
+    composer.load(written / "cell")
+    assert not module._kept
+
+
+def test_threads_and_children_load_the_same_bundle(written: Path) -> None:
+    with ThreadPoolExecutor(4) as pool:
+        assert [each.model.nq for each in pool.map(composer.load, [written / "cell"] * 12)] == [9] * 12
+    if hasattr(os, "fork"):
+        program = (
+            f"import composer, os, sys\ncomposer.load({str(written / 'cell')!r})\n"
+            "child = os.fork()\n"
+            f"assert composer.load({str(written / 'cell')!r}).model.nq == 9\n"
+            "if child: sys.exit(os.waitpid(child, 0)[1] != 0)\n"
+        )
+        subprocess.run([sys.executable, "-W", "ignore", "-c", program], check=True)
+
+
+def test_warnings_are_at_the_line_that_loads(cell: Path, tmp_path: Path) -> None:
+    change(cell, "mujoco", "3.1.0")
+    (tmp_path / "models.csv").write_text("model,path\ncell,cell\n")
+    (listed,) = composer.load_many(tmp_path)
+    for load in (lambda: composer.load(cell), listed.load):
+        with pytest.warns(composer.BundleWarning) as caught:
+            load()
+        assert [each.filename for each in caught] == [__file__]
 
 
 def test_an_index_of_another_model_is_an_error(cell: Path) -> None:

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from composer.compiled.addresses import RUNS, Run
 from composer.compiled.kinds import Model
+from composer.diagnostics.call_site import call_site
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.suggest import did_you_mean
 from composer.grammar.check import shorten
-from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfAttributeError, MjcfError, failure
 from composer.mjcf.physics import columns
 from composer.mjcf.physics.fields import Field, fields

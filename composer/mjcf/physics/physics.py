@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from composer.compiled.kinds import KINDS, NameTable
 from composer.compiled.order import compiled_kind
+from composer.diagnostics.call_site import call_site
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import exists_note
 from composer.diagnostics.unknown import unknown_name
 from composer.link.request import Policy
 from composer.mjcf.arguments import Folders, as_files, as_folders, as_index, as_path
-from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import MjcfError, failed, failure, raise_errors
 from composer.mjcf.node_view import NodeView, model_of
 from composer.mjcf.physics.binding import Binding, EmptyBinding, as_slice, binding_of

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from composer.compiled.kinds import Model
+from composer.diagnostics.call_site import call_site
 from composer.diagnostics.diagnostic import Note
-from composer.mjcf.call_site import call_site
 from composer.mjcf.errors import failure
 from composer.mjcf.physics.scattered import IN_PLACE, places
 

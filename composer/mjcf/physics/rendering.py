@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from composer.mjcf.call_site import call_site
+from composer.diagnostics.call_site import call_site
 from composer.mjcf.errors import failure
 from composer.mjcf.physics.compile import engine
 from composer.mujoco_errors.sentence import Topic, read_sentence

@@ -9,7 +9,7 @@ from typing import Any
 
 from composer.compiled.kinds import KINDS
 from composer.compiled.rows import arrays
-from composer.mjcf.call_site import call_site
+from composer.diagnostics.call_site import call_site
 from composer.mjcf.element import RootElement
 from composer.mjcf.errors import MjcfWarning, failure
 from composer.mjcf.parse import from_xml_string
