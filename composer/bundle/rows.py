@@ -11,11 +11,11 @@ def write_rows(file: TextIO, columns: Sequence[str], rows: Iterable[Sequence[Any
     """Write a header and rows; numbers as the shortest text that reads back the same, nothing for None."""
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(columns)
-    for row in rows:
-        writer.writerow([_text(each) for each in row])
+    writer.writerows(map(_written, rows))
 
 
-def _text(value: Any) -> Any:
-    if isinstance(value, bool):
-        return str(value).lower()
-    return "" if value is None else value
+def _written(row: Sequence[Any]) -> Sequence[Any]:
+    """Return a row with words for truth values; `csv` writes numbers and None as they should be."""
+    if bool in set(map(type, row)):
+        return [str(each).lower() if isinstance(each, bool) else each for each in row]
+    return row

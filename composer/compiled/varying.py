@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ctypes
+import operator
 from collections.abc import Iterator
 from typing import Any
 
@@ -17,33 +19,28 @@ _LARGE = 1 << 16
 first worlds.
 """
 _FIRST = 4
+_WORD = 8
+_BLOCK = 2048
+_PADDED = 64
+"""MuJoCo allocates whole multiples of so many bytes."""
 
 
 class Differences:
     """The differences from the nominal model in this many worlds: by array, the numbers that differ in any of them."""
 
     def __init__(self, model: Model, worlds: int) -> None:
-        self.model, self.worlds = model, worlds
+        self.worlds = worlds
         self.nominal = {name: flat(model, name).copy() for name in arrays(model)}
         self.index: dict[str, Numbers] = {}
         self.values: dict[str, Numbers] = {}
-        self.changed: set[str] = set()
 
-    def take(self, world: int, model: Model | None = None, count: int = 1) -> None:
-        """Record the model's state for this world, or for `count` worlds from it.
-
-        `model`, if given, is recorded instead; its arrays must have the same sizes.
-        """
+    def take(self, world: int, model: Model, count: int = 1) -> None:
+        """Record a model with arrays of the same sizes for `count` worlds from this one."""
         for name, nominal in self.nominal.items():
-            if model is None and nominal.size > _LARGE and world >= _FIRST and name not in self.values:
-                continue
-            now = flat(self.model if model is None else model, name)
-            other = now != nominal
-            if other.any() and nominal.dtype.kind == "f":
-                other &= ~(np.isnan(now) & np.isnan(nominal))
+            now = flat(model, name)
+            other = _different(now, nominal)
             if not other.any():
                 continue
-            self.changed.add(name)
             self._grow(name, np.flatnonzero(other))
             self.values[name][:, world : world + count] = now[self.index[name], None]
 
@@ -71,17 +68,142 @@ class Differences:
             rows = np.repeat(self.nominal[name][self.index[name]][:, None], more, axis=1)
             self.values[name] = np.concatenate((values, rows), axis=1)
 
-    def restore(self) -> None:
-        """Restore the nominal model."""
-        for name in self.changed:
-            put(self.model, name, self.nominal[name])
-        self.changed.clear()
-
     def found(self) -> Iterator[tuple[str, Numbers, Numbers]]:
         """Yield for each differing array the flat indices, `(numbers,)`, and the numbers, `(worlds, numbers)`."""
         for name in sorted(self.values):
             order = np.argsort(self.index[name])
             yield name, self.index[name][order], np.ascontiguousarray(self.values[name][order].T)
+
+
+class Recorder:
+    """Records one model's state world by world, and makes it the nominal one again after each.
+
+    MuJoCo keeps all arrays of a model in one buffer, from which they are compared in one step. The options and
+    `stat.meaninertia` are elsewhere.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self.worlds = 0
+        self._model = model
+        places = {name: _span(model, name) for name in arrays(model) if "." not in name}
+        used = {name: span for name, span in places.items() if span[0] < span[1]}
+        start = min(first for first, _ in used.values())
+        size = -(-(max(end for _, end in used.values()) - start) // _WORD) * _WORD
+        if size >= model.nbuffer + _PADDED or any((first - start) % _WORD for first, _ in used.values()):
+            raise RuntimeError("this version of MuJoCo arranges the arrays of a model in another way")
+        self._spans = {name: (first - start, end - start) for name, (first, end) in used.items()}
+        self._bytes = np.ctypeslib.as_array((ctypes.c_uint8 * size).from_address(start))
+        self._now = self.view(np.dtype(np.uint64))
+        self._nominal = self._now.copy()
+        self._ranges = [(0, len(self._now))]
+        self._words = np.empty(0, np.int64)
+        self._blocks: list[Numbers] = []
+        self._inertia: list[float] = []
+        self._nominal_inertia = float(model.stat.meaninertia)
+        names = [name for name in arrays(model) if name.startswith("opt.")]
+        views = {name: value for name in names if isinstance(value := value_of(model, name), np.ndarray)}
+        self._options = list(views.values())
+        self._numbers = operator.attrgetter(*(name[4:] for name in names if name not in views))
+        self._nominal_options = self._options_now()
+
+    def view(self, dtype: np.dtype[Any]) -> Numbers:
+        """Return the memory of all arrays as numbers of one type."""
+        return self._bytes.view(dtype)
+
+    def first_of(self, name: str) -> int:
+        """Return the index of an array's first number in the view of its type."""
+        first: int = self._spans[name][0] // getattr(self._model, name).itemsize
+        return first
+
+    def take(self) -> None:
+        """Record the model's state as that of the next world, and restore the nominal model."""
+        row = self.worlds % _BLOCK
+        if row == 0:
+            self._blocks.append(np.empty((_BLOCK, len(self._words)), np.uint64))
+        if self.worlds == _FIRST:
+            self._leave_out_assets()
+        now, block = self._now, self._blocks[-1]
+        block[row] = now[self._words]
+        now[self._words] = self._nominal[self._words]
+        new = [
+            first + np.flatnonzero(now[first:end] != self._nominal[first:end])
+            for first, end in self._ranges
+            if not (now[first:end] == self._nominal[first:end]).all()
+        ]
+        if new:
+            words = np.concatenate(new)
+            more = np.repeat(self._nominal[words][None, :], _BLOCK, axis=0)
+            more[row] = now[words]
+            self._blocks[-1] = np.concatenate((block, more), axis=1)
+            self._words = np.concatenate((self._words, words))
+            now[words] = self._nominal[words]
+        if self._options_now() != self._nominal_options:
+            raise RuntimeError("a draw changes an option of the model")
+        self._inertia.append(self._model.stat.meaninertia)
+        self._model.stat.meaninertia = self._nominal_inertia
+        self.worlds += 1
+
+    def found(self) -> Iterator[tuple[str, Numbers, Numbers]]:
+        """Yield for each differing array the flat indices, `(numbers,)`, and the numbers, `(worlds, numbers)`."""
+        order = np.argsort(self._words)
+        words = self._words[order]
+        for name in sorted((*self._spans, MEAN_INERTIA)):
+            if name == MEAN_INERTIA:
+                inertia = np.array(self._inertia)[:, None]
+                if _different(inertia, np.array([self._nominal_inertia])).any():
+                    yield name, np.zeros(1, np.int64), inertia
+                continue
+            first, end = self._spans[name]
+            ours = slice(*np.searchsorted(words, (first // _WORD, -(-end // _WORD))))
+            if ours.start == ours.stop:
+                continue
+            nominal = flat(self._model, name)
+            each = _WORD // nominal.itemsize
+            index = ((words[ours] * _WORD - first) // nominal.itemsize)[:, None] + np.arange(each)
+            index = index.reshape(-1)
+            rows = np.empty((self.worlds, len(index)), nominal.dtype)
+            for number, block in enumerate(self._blocks):
+                part = rows[number * _BLOCK : (number + 1) * _BLOCK]
+                part[:] = self._columns(block, order[ours], words[ours])[: len(part)].view(nominal.dtype)
+            inside = index < nominal.size
+            inside[inside] = _different(rows[:, inside], nominal[index[inside]]).any(axis=0)
+            if inside.any():
+                yield name, index[inside], np.ascontiguousarray(rows[:, inside])
+
+    def _columns(self, block: Numbers, places: Numbers, words: Numbers) -> Numbers:
+        """Return columns of a block; words that were not known when it ended are nominal."""
+        known = places < block.shape[1]
+        rows = np.repeat(self._nominal[words][None, :], len(block), axis=0)
+        rows[:, known] = block[:, places[known]]
+        return rows
+
+    def _leave_out_assets(self) -> None:
+        """Compare no more large arrays in which nothing has differed."""
+        self._ranges, at = [], 0
+        for name, (first, end) in sorted(self._spans.items(), key=lambda each: each[1]):
+            is_known = ((self._words * _WORD < end) & (self._words * _WORD + _WORD > first)).any()
+            if getattr(self._model, name).size > _LARGE and not is_known:
+                self._ranges.append((at, first // _WORD))
+                at = -(-end // _WORD)
+        self._ranges.append((at, len(self._now)))
+
+    def _options_now(self) -> tuple[object, ...]:
+        return self._numbers(self._model.opt), *(each.tobytes() for each in self._options)
+
+
+def _different(now: Numbers, nominal: Numbers) -> Numbers:
+    """Return which numbers differ; NaN is equal to NaN."""
+    other: Numbers = now != nominal
+    if nominal.dtype.kind == "f":
+        other &= ~(np.isnan(now) & np.isnan(nominal))
+    return other
+
+
+def _span(model: Model, name: str) -> tuple[int, int]:
+    """Return the first address of an array, and the one after its last."""
+    array = getattr(model, name)
+    first = array.__array_interface__["data"][0]
+    return first, first + array.nbytes
 
 
 def arrays(model: Model) -> Iterator[str]:

@@ -23,7 +23,7 @@ _CHARACTERS = 100
 """How many characters of a condition are evaluated in that time."""
 _PROCESS = 500
 """How many values could be written while a pattern is tried in a process of its own."""
-_DRAWS, _DRAWS_OF_A_TABLE = 100, 15
+_DRAWS, _DRAWS_OF_A_TABLE = 100, 30
 """How many draws are made in the time in which a value is written."""
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from decimal import Context, Decimal
 
 # Results are rounded correctly to 40 digits, and then to a double.
@@ -14,6 +15,8 @@ def exp(x: float) -> float:
     >>> exp(1.0)
     2.718281828459045
     """
+    if x > 1000:  # far beyond what a double or this context can hold
+        return math.inf
     return float(Decimal(x).exp(_DIGITS))
 
 

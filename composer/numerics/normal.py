@@ -51,13 +51,23 @@ def quantile(p: float) -> float:
     if not 0.0 < p < 1.0:
         return math.copysign(math.inf, q)
     r = math.sqrt(-log(p if q < 0 else 1.0 - p))
-    found = _quotient(_NEAR, r - 1.6) if r <= 5.0 else _quotient(_FAR, r - 5.0)
+    found = near(r) if r <= 5.0 else far(r)
     return -found if q < 0 else found
 
 
 def middle(q: float) -> float:
     """Return `quantile` of a half plus `q`, for q up to `MIDDLE`; also for a numpy array."""
     return q * _quotient(_MIDDLE, 0.180625 - q * q)
+
+
+def near(r: float) -> float:
+    """Return the distance of a quantile from the middle, for `r` up to 5; also for a numpy array."""
+    return _quotient(_NEAR, r - 1.6)
+
+
+def far(r: float) -> float:
+    """Return the same for `r` above 5."""
+    return _quotient(_FAR, r - 5.0)
 
 
 def _quotient(table: tuple[tuple[float, ...], tuple[float, ...]], x: float) -> float:

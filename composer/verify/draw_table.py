@@ -104,10 +104,12 @@ class DrawTable:
             "columns": [{"column": name, **column} for name, column in self.columns.items()],
             "not_recomputed": self.left,
         }
-        text = io.StringIO()
-        write_rows(text, ["sample", *self.columns], self._rows(wanted.samples))
+        table = io.BytesIO()
+        with io.TextIOWrapper(table, "utf-8", newline="", write_through=True) as text:
+            write_rows(text, ["sample", *self.columns], self._rows(wanted.samples))
+            samples = table.getvalue()
         described = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-        return bundle.with_files({DRAWS: described.encode(), SAMPLES: text.getvalue().encode()})
+        return bundle.with_files({DRAWS: described.encode(), SAMPLES: samples})
 
     def _rows(self, samples: int) -> Iterator[Sequence[Any]]:
         yield [0, *[None] * len(self.columns)]

@@ -10,8 +10,12 @@ import numpy as np
 
 from composer.compiled.kinds import Model
 from composer.compiled.stored import stored
-from composer.compiled.varying import Differences, Numbers, flat, put
-from composer.verify.run_time import apply, are_close
+from composer.compiled.varying import Numbers, Recorder, arrays, flat, put
+from composer.verify.run_time import are_close
+
+Place = tuple[str, int]
+"""A number of mjModel: its array and its index in the flattened array."""
+_BLOCK = 1024
 
 
 def compute(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[str]:
@@ -20,21 +24,55 @@ def compute(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[str]:
     Runs under `composer.engine.call`. `draws` is a file with a row for each world, `(worlds, columns)`;
     `columns` says where the numbers go; `stored` says what is written. The model is restored afterwards.
     """
-    draws = np.load(asked["draws"], allow_pickle=False)
-    columns, data = asked["columns"], mujoco.MjData(model)
-    found = Differences(model, len(draws))
-    following, computed = list(_following(model, columns)), Computed(mujoco, model, data)
-    for world, row in enumerate(draws):
-        apply(model, columns, [None if np.isnan(each) else each for each in row.tolist()])
-        for source, targets in following:
-            for target in targets:
-                flat(model, target[0])[target[1]] = flat(model, source[0])[source[1]]
-        computed.settle()
-        found.take(world)
-        found.restore()
+    draws, columns = np.load(asked["draws"], allow_pickle=False), asked["columns"]
+    found, computed = Recorder(model), Computed(mujoco, model, mujoco.MjData(model))
+    following = list(_following(model, columns))
+    for first in range(0, len(draws), _BLOCK):
+        drawn = list(_drawn(model, columns, following, draws[first : first + _BLOCK], found))
+        for world in range(len(draws[first : first + _BLOCK])):
+            for memory, places, values in drawn:
+                memory[places] = values[world]
+            computed.settle()
+            found.take()
+    entries = stored(model, found.found())
     with open(asked["out"], "wb") as file:
-        np.savez(file, allow_pickle=False, **stored(model, found.found()))
-    return sorted(found.values)
+        np.savez(file, allow_pickle=False, **entries)
+    return sorted({name.partition("/")[0] for name in entries})
+
+
+def _drawn(
+    model: Model, columns: list[dict[str, Any]], following: list[tuple[Place, list[Place]]], rows: Numbers,
+    found: Recorder,
+) -> Iterator[tuple[Numbers, Numbers, Numbers]]:  # fmt: skip
+    """Yield where in the model's memory drawn numbers go, and the numbers, `(worlds, numbers)`: as `apply` does."""
+    values: dict[Place, Numbers] = {}
+    with np.errstate(all="ignore"):  # as with single numbers
+        for column, drawn in zip(columns, rows.T, strict=True):
+            is_drawn, ratio = ~np.isnan(drawn), np.ones(len(rows))
+            for target in column["targets"]:
+                array = getattr(model, target["array"])
+                place = target["array"], int(np.ravel_multi_index(target["index"], array.shape))
+                before = (
+                    values[place]
+                    if place in values
+                    else np.repeat(flat(model, place[0])[place[1]], len(rows))
+                )
+                before = before.astype(float)
+                signed = drawn * target.get("sign", 1)
+                follows = target.get("follows")
+                now = before * ratio if follows else {
+                    "set": signed, "scale": before * drawn, "offset": before + signed,
+                }[column["operation"]]  # fmt: skip
+                values[place] = np.where(is_drawn, now, before).astype(array.dtype)
+                if not follows:
+                    ratio = np.where(before != 0, values[place].astype(float) / before, 1.0)
+        for source, targets in following:
+            for name, index in targets:
+                values[name, index] = values[source].astype(getattr(model, name).dtype)
+    for dtype in {value.dtype for value in values.values()}:
+        places = [place for place, value in values.items() if value.dtype == dtype]
+        memory = np.array([found.first_of(name) + index for name, index in places])
+        yield found.view(dtype), memory, np.stack([values[place] for place in places], axis=1)
 
 
 def compare(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -> list[str]:
@@ -42,15 +80,15 @@ def compare(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -
 
     Runs under `composer.engine.call`. The nominal model is restored afterwards.
     """
-    found = Differences(nominal, 0)
+    before = {name: flat(nominal, name).copy() for name in arrays(nominal)}
     with np.load(asked["out"], allow_pickle=False) as stored:
         for name in {each.partition("/")[0] for each in stored.files}:
             numbers = flat(nominal, name).copy()
             numbers[stored[f"{name}/index"]] = stored[f"{name}/values"][asked["world"]]
             put(nominal, name, numbers)
-    different = [name for name in found.nominal if not are_close(flat(nominal, name), flat(sample, name))]
-    found.changed = set(found.nominal)
-    found.restore()
+    different = [name for name in before if not are_close(flat(nominal, name), flat(sample, name))]
+    for name, numbers in before.items():
+        put(nominal, name, numbers)
     return sorted(different)
 
 
@@ -95,7 +133,6 @@ def _mean_inertia(model: Model) -> float:
 _FREE = 0
 _OF_INERTIA = {"body_pos": "body_ipos", "body_quat": "body_iquat"}
 _OF_KEYS = {"body_pos": "key_mpos", "body_quat": "key_mquat"}
-Place = tuple[str, int]
 
 
 def _following(model: Model, columns: list[dict[str, Any]]) -> Iterator[tuple[Place, list[Place]]]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from composer.numerics import many, stream
+from composer.numerics import many, one, stream
 from composer.numerics.distribution import (
     Distribution,
     Integers,
@@ -16,6 +17,7 @@ from composer.numerics.distribution import (
     TruncNormal,
     Uniform,
 )
+from composer.numerics.exact import log
 
 # The ends, and both sides of where the quantile has its tails.
 EDGES = [0, 1, 2**12, 2**63 - 1, 2**63, 2**64 - 1, *(int(p * 2**64) for p in (1e-12, 0.0749, 0.0751, 0.925))]
@@ -64,3 +66,28 @@ def test_below(bits: list[int], count: int) -> None:
     assert many.below(np.array(bits, np.uint64), count).tolist() == [
         stream.below(each, count) for each in bits
     ]
+
+
+@given(st.lists(st.floats(allow_nan=False), min_size=1, max_size=20))
+def test_exponentials_and_logarithms_are_rounded_as_those_of_one_number(numbers: list[float]) -> None:
+    powers = [
+        *(each % 1000 - 500 for each in numbers if abs(each) < 1e15),
+        *numbers,
+        0.0,
+        -0.0,
+        709.7,
+        -745.0,
+    ]
+    assert exact(many.exp(np.array(powers)).tolist()) == exact([one.exp(each) for each in powers])
+    positive = [each for each in map(abs, numbers) if 0 < each < float("inf")]
+    positive += [*(each % 1 for each in numbers if each % 1 > 0), 0.5, 0.0749, 5e-324, 1e-300, 1 - 2**-53]
+    assert exact(many.log(np.array(positive)).tolist()) == exact([log(each) for each in positive])
+
+
+def test_what_is_in_doubt_is_computed_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(many, "_DOUBT", 2.0**-54)  # about half of all numbers
+    assert many.exp(np.array([0.1, 0.2, 0.3, 2.5])).tolist() == [
+        one.exp(each) for each in (0.1, 0.2, 0.3, 2.5)
+    ]
+    monkeypatch.setattr(many.exact, "exp", lambda x: 7.0)
+    assert 7.0 in many.exp(np.linspace(0, 1, 50)).tolist()
