@@ -301,7 +301,7 @@ class Maker:
             made.mujoco, made.licences, tuple(context.sink.diagnostics), tuple(outcomes), made.draws,
             tuple(KeptRecipe(each.path, name(Path(each.path)), each.state) for each in recipes),
             places(built.plan), False,
-            built.plan.cells, built.plan.cells_at, made.adopted, made.allowed,
+            built.plan.cells, built.plan.cells_at, made.adopted, made.allowed, made.excluded,
         )  # fmt: skip
         record = replace(record, names_places=names_places(built.plan, record, built.bundle.files[MANIFEST]))
         packages = list(names.packages(built.plan))

@@ -67,6 +67,7 @@ class Record:
     cells_at: Span | None
     adopted: tuple[Adopted, ...] = ()
     allowed: tuple[str, ...] = ()
+    excluded: int = 0
 
 
 def to_json(record: Record) -> bytes:

@@ -34,7 +34,8 @@ class Made:
     cache did not have it. `replaced` is what the previous output was made from, as far as that differs. `allowed`
     are the codes of warnings that the recipe allows at its top. `draws` are the numbers drawn for a sample, by
     table column; None if it is not a sample. `cells` and `cells_at` are as in a plan, `adopted` are the settings
-    that the model takes from its parts.
+    that the model takes from its parts. `excluded` is how many pairs of bodies the recipe's `exclude: auto` or
+    `touching` keeps from colliding.
     """
 
     name: str
@@ -58,6 +59,7 @@ class Made:
     replaced: Mapping[str, Any] = field(default_factory=dict)
     adopted: tuple[Adopted, ...] = ()
     allowed: tuple[str, ...] = ()
+    excluded: int = 0
     is_new: bool = False
 
     def summary(self) -> Made:
@@ -76,7 +78,7 @@ def fresh(built: Built, licences: Iterable[Row], why: tuple[str, ...], key: Cach
         built.plan.name, built.bundle.sha256, sizes, built.merged, built, bundle=built.bundle, why=why,
         mujoco=mujoco, licences=tuple(licences), key=key, draws=_draws(built),
         cells=built.plan.cells, cells_at=built.plan.cells_at, adopted=adopted,
-        allowed=allowed_everywhere(built.plan), is_new=True,
+        allowed=allowed_everywhere(built.plan), excluded=len(built.composed.excluded), is_new=True,
     )  # fmt: skip
 
 
@@ -92,7 +94,7 @@ def recalled(record: Record, inputs: tuple[str, ...]) -> Made:
     return Made(record.name, record.sha256, record.sizes, record.merged, record=record, inputs=inputs,
                 mujoco=record.mujoco, licences=record.licences, draws=record.draws,
                 cells=record.cells, cells_at=record.cells_at, adopted=record.adopted,
-                allowed=record.allowed)  # fmt: skip
+                allowed=record.allowed, excluded=record.excluded)  # fmt: skip
 
 
 def files_of(made: Made | None, context: Context) -> set[str]:

@@ -40,6 +40,8 @@ def _data(made: Made, wanted: Wanted, out: str) -> dict[str, object]:
         answer["adopted"] = [
             {"setting": each.setting, "value": each.value, "parts": each.parts} for each in adopted
         ]
+    if made.excluded:
+        answer["excluded"] = made.excluded
     if made.replaced:
         answer["replaced"] = dict(made.replaced)
     if wanted.licenses:
@@ -81,6 +83,9 @@ def _lines(made: Made, wanted: Wanted, out: str) -> Iterator[str]:
 def remarks(made: Made, wanted: Wanted) -> Iterator[str]:
     """Yield one line each for adopted settings, the replaced output, merged assets, and why it was built or not."""
     yield from (f"  adopted {words}" for words in in_words(made.adopted))
+    if made.excluded:
+        pairs = "pair" if made.excluded == 1 else "pairs"
+        yield f"  excluded {made.excluded} {pairs} of bodies from colliding: `mjcompose plan` names them"
     if made.replaced:
         yield _replacing(made.replaced)
     if made.merged:

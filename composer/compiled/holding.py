@@ -11,8 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from composer.compiled.servos import is_by_plugin
+
 _CLOSE, _NOISE, _DIGITS = 1e-6, 1e-9, 12
 _POSITION = 1  # the first bit of `actuator_ctrlspec`
+_SETPOINTS = 7  # its bits of position, velocity and force; a higher bit is a voltage, or a form of rotation
 
 
 def hold(mujoco: Any, model: Any, question: dict[str, Any]) -> dict[str, Any]:
@@ -20,7 +23,8 @@ def hold(mujoco: Any, model: Any, question: dict[str, Any]) -> dict[str, Any]:
 
     With `forces`, the actuators balance the forces on the model there. The answer has `ctrl` and `act`, each None
     where nothing holds; `unlike`, the kind of the actuators without such a control, by the address of their
-    control; and `left`, the force or torque in N or N m that they cannot balance.
+    control; `unknown`, the controls of actuators whose law only a plugin or a program knows; and `left`, the force or
+    torque in N or N m that they cannot balance.
     """
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, question["key"])
@@ -39,7 +43,8 @@ def hold(mujoco: Any, model: Any, question: dict[str, Any]) -> dict[str, Any]:
     unlike = {
         str(law.control): law.kind for law in laws if law.kind and not (question["forces"] and law.gain)
     }
-    return {"ctrl": ctrl, "act": act, "unlike": unlike, "left": left}
+    unknown = [law.control for law in laws if law.is_unknown and law.count]
+    return {"ctrl": ctrl, "act": act, "unlike": unlike, "unknown": unknown, "left": left}
 
 
 def _count(model: Any) -> int:
@@ -62,10 +67,13 @@ class _Law:
             int(getattr(model, f"actuator_{name}type")[index]) for name in ("gain", "bias", "dyn")
         )
         gainprm, biasprm = model.actuator_gainprm[index], model.actuator_biasprm[index]
-        self.is_pid = gain == int(getattr(gains, "mjGAIN_PID", -1))
+        by_plugin = is_by_plugin(model, index)
+        self.spec = 0
+        if hasattr(model, "actuator_ctrlspec") and gain in (int(gains.mjGAIN_PID), int(gains.mjGAIN_DCMOTOR)):
+            self.spec = int(model.actuator_ctrlspec[index]) & _SETPOINTS
         self.integrates = dynamic == int(dynamics.mjDYN_INTEGRATOR)
         self.filters = dynamic in (int(dynamics.mjDYN_FILTER), int(dynamics.mjDYN_FILTEREXACT))
-        is_affine = gain in (int(gains.mjGAIN_FIXED), int(gains.mjGAIN_AFFINE)) and bias in (
+        is_affine = not by_plugin and gain in (int(gains.mjGAIN_FIXED), int(gains.mjGAIN_AFFINE)) and bias in (
             int(biases.mjBIAS_NONE), int(biases.mjBIAS_AFFINE),
         )  # fmt: skip
         plain = dynamic == int(dynamics.mjDYN_NONE) or self.integrates or self.filters
@@ -77,13 +85,16 @@ class _Law:
             if bias == int(biases.mjBIAS_AFFINE):
                 self.bias = float(biasprm[0] + biasprm[1] * self.length)
         spring = bias == int(biases.mjBIAS_AFFINE) and biasprm[1] != 0
-        self.spec = int(model.actuator_ctrlspec[index]) if self.is_pid else 0
         self.kind = ""
-        if not self.is_pid and not (self.gain and spring):
+        if not self.spec and not (self.gain and spring):
             self.kind = "a motor" if self.gain and not np.any(biasprm[:3]) else "no servo for positions"
+        user = (int(gains.mjGAIN_USER), int(biases.mjBIAS_USER), int(dynamics.mjDYN_USER))
+        self.is_unknown = by_plugin or any(map(int.__eq__, (gain, bias, dynamic), user))
+        if self.is_unknown:
+            self.kind = "a plugin" if by_plugin else "an actuator of a user's own type"
 
     def write(self, force: float, ctrl: list[float | None], act: list[float | None]) -> None:
-        if self.is_pid:
+        if self.spec:
             at = self.control
             for bit in range(3):
                 if self.spec >> bit & 1:

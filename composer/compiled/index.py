@@ -6,10 +6,12 @@ from collections.abc import Mapping
 from typing import Any, TypeAlias
 
 from composer.compiled import units
-from composer.compiled.addresses import span
+from composer.compiled.addresses import rows_of, span
 from composer.compiled.enums import words
-from composer.compiled.joints import JOINT_TYPES, LENGTH
+from composer.compiled.joints import HINGE, JOINT_TYPES, LENGTH
 from composer.compiled.kinds import Model, holder, names
+from composer.compiled.links import ON_JOINTS
+from composer.compiled.servos import AFFINE, is_by_plugin
 from composer.dataclass import dataclass
 
 Range: TypeAlias = tuple[float, float]
@@ -46,6 +48,8 @@ class Actuator:
     ctrl_ranges: tuple[Range | None, ...] = ()
     act_range: Range | None = None
     force_range: Range | None = None
+    stiffness: float = 0.0
+    """The stiffness of a servo at its hinge, in N·m/rad; 0 for any other actuator."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,6 +126,7 @@ class Index:
                     ctrl_ranges=tuple(map(_range, entry["ctrl_ranges"])),
                     act_range=_range(entry["act_range"]),
                     force_range=_range(entry["force_range"]),
+                    stiffness=entry["stiffness"],
                 )
                 for entry in data["actuators"]
             ),
@@ -196,9 +201,10 @@ def _actuators(model: Model, mujoco: Any) -> list[dict[str, Any]]:
             {
                 "name": name,
                 "ctrl": _span(controls),
-                "act": _span(span(model, "act", row)),
+                "act": _span(span(model, "act", row), -1),
                 "unit": units.of_control(model, mujoco, row) if len(controls) == 1 else None,
                 "ctrl_ranges": [_bounds(bounds[each]) if limited[each] else None for each in controls],
+                "stiffness": _stiffness(model, row),
                 "act_range": _bounds(model.actuator_actrange[row])
                 if model.actuator_actlimited[row]
                 else None,
@@ -210,9 +216,20 @@ def _actuators(model: Model, mujoco: Any) -> list[dict[str, Any]]:
     return rows
 
 
-def _span(rows: range) -> list[int]:
-    """Return the first address and the count; [-1, 0] for none."""
-    return [rows.start, len(rows)] if rows else [-1, 0]
+def _stiffness(model: Model, row: int) -> float:
+    """Return the stiffness that a servo gives a hinge through its gear, in N·m/rad; 0 for any other actuator."""
+    target = int(model.actuator_trnid[row, 0])
+    if int(model.actuator_trntype[row]) not in ON_JOINTS or int(model.jnt_type[target]) != HINGE:
+        return 0.0
+    if is_by_plugin(model, row) or int(model.actuator_biastype[row]) != AFFINE:
+        return 0.0
+    gear = float(model.actuator_gear[rows_of(model, "actuator", "actuator_gear", row).start, 0])
+    return -float(model.actuator_biasprm[row, 1]) * gear**2
+
+
+def _span(rows: range, nowhere: int = 0) -> list[int]:
+    """Return the first address and the count, which is 0 for `<dcmotor input="none">` and `<user dim="0">`."""
+    return [rows.start if rows else nowhere, len(rows)]
 
 
 def _bounds(pair: Any) -> list[float]:

@@ -21,11 +21,18 @@ GAINS: Mapping[tuple[str, str], tuple[tuple[str, int, int], ...]] = {
 """By tag and attribute: the arrays that store it, with column and sign."""
 
 
+def is_by_plugin(model: Model, actuator: int) -> bool:
+    """Return whether a plugin computes the force. MuJoCo 4.0 then stores the gain 1 and no bias, which mean nothing."""
+    return len(model.actuator_plugin) > 0 and int(model.actuator_plugin[actuator]) >= 0
+
+
 def servo(model: Model, actuator: int) -> dict[str, float] | None:
     """Return the gains by name: `gain` of a motor, `kp` and `kv` of a position servo, `kv` of a velocity servo.
 
     Return None for any other actuator. `kp` is in N/m or N·m/rad, `kv` in N·s/m or N·m·s/rad if the gear is 1.
     """
+    if is_by_plugin(model, actuator):
+        return None
     gain, bias = float(model.actuator_gainprm[actuator, 0]), model.actuator_biasprm[actuator, :3].tolist()
     kinds = int(model.actuator_gaintype[actuator]), int(model.actuator_biastype[actuator])
     if kinds == (FIXED, NO_BIAS):

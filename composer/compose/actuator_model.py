@@ -11,14 +11,20 @@ from composer.dataclass import dataclass
 from composer.diagnostics.sink import Sink
 from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
-from composer.link.linking import Linking
+from composer.link.linking import Linking, Measure
+from composer.tree.unit import Unit
 
 _ARRAYS = (
     "actuator_user", "actuator_gaintype", "actuator_biastype", "actuator_dyntype",
     "actuator_gainprm", "actuator_biasprm", "actuator_dynprm",
     "actuator_ctrllimited", "actuator_ctrlrange", "actuator_actlimited", "actuator_actrange", "actuator_actearly",
-    "actuator_ctrladr", "actuator_ctrlspec",
+    "actuator_ctrladr", "actuator_ctrlnum", "actuator_ctrlspec", "actuator_plugin", "actuator_trntype",
+    "actuator_trnid", "actuator_outadr", "actuator_gear", "jnt_type",
 )  # fmt: skip
+PLUGIN = "plugin"
+"""The gain and the bias of an actuator whose force a plugin computes."""
+_JOINTS, _TENDON = (0, 1), 3  # mjTRN_JOINT, mjTRN_JOINTINPARENT, mjTRN_TENDON
+_FORCES = {2: "N", 3: "N·m"}  # mjJNT_SLIDE, mjJNT_HINGE
 INPUTS = {"pos": "position", "vel": "velocity", "ff": "force"}
 """The inputs of a `pid`, in their order in MuJoCo's `actuator_ctrlspec`, and what each is."""
 
@@ -41,6 +47,10 @@ class ActuatorModel:
     act_early: bool = False
     limited: tuple[str, ...] = ()
     """The inputs of a pid whose controls are limited; "" for those that are not."""
+    gear: float = 0.0
+    """How far its length goes where its joint or tendon moves by 1; 0 if it moves none along one axis."""
+    unit: str = ""
+    """The unit of the force on its joint, N or N·m; "" for anything else than a hinge or a slide."""
 
     @property
     def is_affine(self) -> bool:
@@ -87,7 +97,11 @@ def actuator_models(linking: Linking, sink: Sink, found: list[Node]) -> dict[Nod
     if linking.measure is None:
         sink.error("mujoco-missing", "only MuJoCo knows what these actuators do")
         return None
-    unit = linking.flat()
+    return models_in(linking.flat(), linking.measure, found)
+
+
+def models_in(unit: Unit, measure: Measure, found: list[Node]) -> dict[Node, ActuatorModel] | None:
+    """Return the model of each of the actuators of a unit, or None if MuJoCo cannot compile it."""
     # `user` finds an actuator again: where a `<replicate>` multiplies some, MuJoCo puts their copies behind the others.
     marks = {node: (node.get("user"), str(number)) for number, node in enumerate(found, 1)}
     everything = unit.root.findall("actuator/*")
@@ -98,7 +112,7 @@ def actuator_models(linking: Linking, sink: Sink, found: list[Node]) -> dict[Nod
         for node in everything:
             node.set("user", marks[node][1] if node in marks else "0")
         with without_keys(unit.root):
-            arrays = linking.measure(unit, _ARRAYS)
+            arrays = measure(unit, _ARRAYS)
     finally:
         for node, user in users.items():
             node.attrib.pop("user", "")
@@ -133,14 +147,28 @@ def _model(
         return general[name].keywords[int(arrays[f"actuator_{name}"][row])]
 
     first = int(arrays.get("actuator_ctrladr", range(count))[row])  # each of its controls has a row
+    has_control = int(arrays.get("actuator_ctrlnum", [1] * count)[row]) > 0
     ctrlrange, actrange = arrays["actuator_ctrlrange"][2 * first :], numbers_of("actrange")
     spec = int(arrays["actuator_ctrlspec"][row]) if word("gaintype") == "pid" else 0
+    # A plugin's force is its own: MuJoCo 4.0 leaves a gain of 1 and no bias beside it, as those of a motor.
+    by_plugin = int(arrays["actuator_plugin"][row]) >= 0
+    gain, bias = (PLUGIN, PLUGIN) if by_plugin else (word("gaintype"), word("biastype"))
     inputs = tuple(name for bit, name in enumerate(INPUTS) if spec >> bit & 1)
     return ActuatorModel(
-        word("gaintype"), word("biastype"), word("dyntype"),
+        gain, bias, word("dyntype"),
         numbers_of("gainprm")[:10], numbers_of("biasprm")[:10], numbers_of("dynprm")[:10],
-        bool(arrays["actuator_ctrllimited"][first]), (ctrlrange[0], ctrlrange[1]),
+        has_control and bool(arrays["actuator_ctrllimited"][first]),
+        (ctrlrange[0], ctrlrange[1]) if has_control else (0.0, 0.0),
         bool(arrays["actuator_actlimited"][row]), (actrange[0], actrange[1]),
         inputs, bool(arrays["actuator_actearly"][row]),
         tuple(name if arrays["actuator_ctrllimited"][first + at] else "" for at, name in enumerate(inputs)),
+        *_transmission(arrays, row),
     )  # fmt: skip
+
+
+def _transmission(arrays: Mapping[str, list[float]], row: int) -> tuple[float, str]:
+    """Return the gear of an actuator, and the unit of its force on a joint."""
+    kind, target = int(arrays["actuator_trntype"][row]), int(arrays["actuator_trnid"][2 * row])
+    unit = _FORCES.get(int(arrays["jnt_type"][target]), "") if kind in _JOINTS else ""
+    output = int(arrays["actuator_outadr"][row]) if "actuator_outadr" in arrays else row
+    return arrays["actuator_gear"][6 * output] if unit or kind == _TENDON else 0.0, unit

@@ -10,7 +10,6 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer import engine
-from composer.compiled.needless import ADJACENT, NEVER, TOUCHING, needless
 from composer.compiled.touching import touching
 from composer.compose.elements import ElementBuilder
 from composer.compose.finished_model import FINISHED, keep_finished
@@ -38,7 +37,7 @@ def set_collisions(
 ) -> list[tuple[Node, str]]:
     """Write the excludes and pairs that the recipe describes by its parts, in the order of the file.
 
-    Return the excludes that were found, each with the reason.
+    Return the excludes that were found, each with the reason; "" for bodies that touch.
     """
     found: list[tuple[Node, str]] = []
     steps = [step for step in plan.steps if isinstance(step, SetCollisions)]
@@ -48,7 +47,7 @@ def set_collisions(
                 found += _exclude_needless(step, linking, making, context, session)
             continue
         if not step.collisions.sides:
-            _exclude_touching(step, plan, linking, making, context, session)
+            found += _exclude_touching(step, plan, linking, making, context, session)
             continue
         sides = [_bodies(step, index, plan, linking, making) for index in range(2)]
         if step.collisions.what == "exclude":
@@ -64,6 +63,8 @@ def _exclude_needless(
     step: SetCollisions, linking: Linking, making: ElementBuilder, context: Context,
     session: engine.Session | None,
 ) -> list[tuple[Node, str]]:  # fmt: skip
+    from composer.compiled.needless import ADJACENT, NEVER, TOUCHING, needless  # numpy comes along
+
     samples, seed = step.collisions.samples, step.collisions.seed
     with ExitStack() as stack:
         session = session or stack.enter_context(engine.Session())
@@ -107,19 +108,19 @@ def _refuse_nameless(
 def _exclude_touching(
     step: SetCollisions, plan: Plan, linking: Linking, making: ElementBuilder, context: Context,
     session: engine.Session | None,
-) -> None:  # fmt: skip
+) -> list[tuple[Node, str]]:  # fmt: skip
     with ExitStack() as stack:
         session = session or stack.enter_context(engine.Session())
         if not keep_finished(linking, context, session):
-            return
+            return []
         prefixes = sorted({part.prefix for part in plan.parts if part.prefix})
         answer = engine.call(session, touching, [FINISHED], prefixes)
     if not answer.ok:
         making.sink.error("mujoco-crash", f"MuJoCo stumbles over the contacts: {answer.error}", step.span)
-        return
+        return []
     _refuse_nameless(answer.value, "touch", step, making)
     named = [tuple(pair["bodies"]) for pair in answer.value if all(pair["bodies"])]
-    _append(linking, making, step, "exclude", ("body1", "body2"), named)
+    return [(each, "") for each in _append(linking, making, step, "exclude", ("body1", "body2"), named)]
 
 
 def _bodies(

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from composer import engine
+from composer.compose.actuator_model import models_in
 from composer.compose.adopted import adopted_settings
 from composer.compose.compose import Composed, Composer
 from composer.compose.load import Library
 from composer.context import Context
 from composer.diagnostics.sink import Sink
+from composer.grammar import GRAMMAR
+from composer.link.linking import Measure
 from composer.link.measure import measure_with
 from composer.plan.allowed import acknowledge
-from composer.plan.foreseen import Foreseen
+from composer.plan.foreseen import EditOutcome, Foreseen, Gains
 from composer.plan.plan import Plan
-from composer.plan.steps.set_collisions import SetCollisions
 from composer.tree.adopted import Adopted
 
 
@@ -24,7 +27,8 @@ def foresee(plan: Plan, context: Context) -> Foreseen:
     The model is composed once, if edits or contacts need it. Otherwise only the sources that matter are read.
     """
     library: Library = {}
-    composer = Composer(context, measure_with(context), library=library)
+    measure = measure_with(context)
+    composer = Composer(context, measure, library=library)
     composed: Composed | None = None
     if plan.edits_elements:
         composed = composer.compose(plan)
@@ -36,7 +40,8 @@ def foresee(plan: Plan, context: Context) -> Foreseen:
             composed = _composed_aside(plan, context, library)
     adopted = _adopted(plan, composed, context, library)
     excluded = () if composed is None else composed.excluded
-    return Foreseen(composer.subtrees, composer.edits, adopted, _touching(plan, composed), excluded)
+    gains = tuple(_gains(composed, composer.edits.values(), measure))
+    return Foreseen(composer.subtrees, composer.edits, adopted, excluded, gains)
 
 
 def _composed_aside(plan: Plan, context: Context, library: Library) -> Composed | None:
@@ -59,19 +64,15 @@ def _excludes_touching(plan: Plan) -> bool:
     return any(each.excludes_touching for each in plan.plans())
 
 
-def _touching(plan: Plan, composed: Composed | None) -> tuple[tuple[str, str], ...]:
-    """Return the body names of each pair that the plan excludes from collision because the bodies touch."""
-    if composed is None or not _excludes_touching(plan):
-        return ()
-    spans = {
-        step.span
-        for each in plan.plans()
-        for step in each.steps
-        if isinstance(step, SetCollisions) and not step.collisions.sides and step.collisions.samples is None
-    }
-    origins, file = composed.model.origins, composed.model.file
-    return tuple(
-        (str(pair.get("body1")), str(pair.get("body2")))
-        for pair in composed.model.root.iterfind("contact/exclude")
-        if origins.owner(pair, file) in spans
-    )
+def _gains(composed: Composed | None, edits: Iterable[EditOutcome], measure: Measure) -> Iterator[Gains]:
+    """Yield what the servos do to their joints, if an edit is about actuators."""
+    actuators = GRAMMAR.section("actuator").children
+    if composed is None or not any(
+        kind in ("actuator", *actuators) for each in edits for kind in each.selected
+    ):
+        return
+    found = composed.model.root.findall("actuator/*")
+    for node, model in (models_in(composed.model, measure, found) or {}).items():
+        if model.gear and (model.kp or model.kv):
+            name = node.get("name") or f"the {node.tag} of {node.get('joint') or node.get('tendon')}"
+            yield Gains(str(name), model.kp * model.gear**2, model.kv * model.gear**2, model.gear, model.unit)

@@ -62,11 +62,11 @@ def _hold(
             locate(making.document, path),
         )
     for vector, rows in (("ctrl", found["ctrl"]), ("act", found["act"])):
-        _write(vector, rows, found["unlike"], step, keys[index], layout, linking, making)
+        _write(vector, rows, found, step, keys[index], layout, linking, making)
 
 
 def _write(
-    vector: str, values: list[float | None], unlike: dict[str, str], step: WriteKeyframe, key: Node,
+    vector: str, values: list[float | None], found: dict[str, Any], step: WriteKeyframe, key: Node,
     layout: Layout, linking: Linking, making: ElementBuilder,
 ) -> None:  # fmt: skip
     """Write the values of the holding actuators into the row of a key."""
@@ -77,17 +77,19 @@ def _write(
     singles = {locate(making.document, (*step.key.at, CTRL, *path)): path for path in step.key.controls.held}
     given = set(step.key.values.get(vector, {}))
     controls = dict(enumerate(numbers_of(record, key, "ctrl")))
-    changed = False
+    changed, unknown = False, []
     for actuator, at, width, control in _addresses(layout, vector):
         source = controls[control].source if control in controls else None
         span = None if source is None else source.span
         whole = span == locate(making.document, (*step.key.at, CTRL, "hold"))
         if source is None or source.kind != "entry" or not (whole or span in singles):
             continue
-        kind = unlike.get(str(control))
+        kind = found["unlike"].get(str(control))
         if kind and not whole and vector == "ctrl":
             _no_control(step, singles[span], kind, making)  # type: ignore[index]
         name = "" if isinstance(actuator, str) else str(getattr(actuator, "get", lambda _: "")("name") or "")
+        if kind and whole and vector == "ctrl" and control in found["unknown"]:
+            unknown.append(f"`{name}` ({kind})" if name else f"{kind} without a name")
         for place in range(at, at + width):
             value = values[place]
             # What the recipe says of an activation itself stands.
@@ -99,6 +101,13 @@ def _write(
         key.set(vector, " ".join(texts(row)))
         if record is not None:
             record.numbers[vector] = row
+    if unknown:
+        making.sink.warning(
+            "not-held",
+            f"nothing says which control of {', '.join(unknown)} holds the key `{step.key.name}`: it is 0 there",
+            locate(making.document, (*step.key.at, CTRL)),
+            help="write the control beside `hold`: `ctrl: {hold: positions, ACTUATOR: 0.3}`",
+        )
 
 
 def _addresses(layout: Layout, vector: str) -> Iterator[tuple[Any, int, int, int]]:

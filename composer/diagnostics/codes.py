@@ -83,6 +83,7 @@ CODES: dict[str, str] = {
     "source-offline": "a source is not in the store and nothing may be fetched",
     "source-outside": "a model, recipe or bundle names a file that it may not read",
     "source-revision": "a repository has no such branch, tag or commit",
+    "stiff-actuator": "a servo is stiffer at its joint than any drive",
     "still-referred-to": "other elements refer to something that an edit removes",
     "store-unusable": "the folder of fetched and built models cannot be used",
     "subtree-cut": "something refers to a subtree and to the rest, and is left out",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from composer.document.node import Mapping, Node, Scalar
 from composer.plan.added_places import makers
-from composer.plan.foreseen import EditOutcome, Foreseen
+from composer.plan.foreseen import EditOutcome, Foreseen, Gains
 from composer.plan.plan import AttachPart, LoadBase, Plan
 from composer.plan.steps.edit_elements import EditElements
 from composer.plan.steps.step import Step
@@ -29,9 +29,25 @@ def describe(plan: Plan, foreseen: Foreseen | None = None) -> str:
     """Return one line for each step, in their order, with nested recipes indented."""
     found = foreseen or Foreseen()
     adopted = [f"  adopt {words}" for words in in_words(found.adopted)]
-    touching = [f"  {one} and {other} touch, and will not collide" for one, other in found.touching]
-    excluded = [f"  {each.one} and {each.other} will not collide: {each.why}" for each in found.excluded]
-    return "\n".join([*_lines(plan, found), *adopted, *touching, *excluded])
+    excluded = [
+        f"  {each.one} and {each.other} "
+        + (f"will not collide: {each.why}" if each.why else "touch, and will not collide")
+        for each in found.excluded
+    ]
+    return "\n".join([*_lines(plan, found), *_gains(found.gains), *adopted, *excluded])
+
+
+def _gains(found: Iterable[Gains]) -> Iterator[str]:
+    """Yield a line for all servos whose joints feel the same."""
+    alike: dict[str, list[str]] = {}
+    for each in found:
+        per = {"N": "N/m", "N·m": "N·m/rad"}.get(each.unit, "")
+        kp = f"kp {each.kp:.6g} {per}".rstrip()
+        kv = f"kv {each.kv:.6g} {per.replace('/', '·s/')}".rstrip()
+        gear = "" if abs(each.gear) == 1 else f" through a gear of {each.gear:g}"
+        alike.setdefault(f"{', '.join([kp] * bool(each.kp) + [kv])}{gear}", []).append(each.actuator)
+    for words, names in alike.items():
+        yield f"  {', '.join(names)}: {words}"
 
 
 def _lines(plan: Plan, foreseen: Foreseen, indent: str = "") -> Iterator[str]:
@@ -187,8 +203,17 @@ def as_data(plan: Plan, foreseen: Foreseen | None = None) -> dict[str, Any]:
         "checks": list(checks_of(plan)),
         **_draws_data(plan),
         **_adopted_data(found.adopted),
-        **({"touching": [list(pair) for pair in found.touching]} if found.touching else {}),
-        **({"excluded": [asdict(each) for each in found.excluded]} if found.excluded else {}),
+        **(
+            {"touching": touching}
+            if (touching := [[each.one, each.other] for each in found.excluded if not each.why])
+            else {}
+        ),
+        **(
+            {"excluded": excluded}
+            if (excluded := [asdict(each) for each in found.excluded if each.why])
+            else {}
+        ),
+        **({"gains": [asdict(each) for each in found.gains]} if found.gains else {}),
     }
 
 

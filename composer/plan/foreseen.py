@@ -32,7 +32,7 @@ class EditOutcome:
 
 @dataclass(frozen=True, slots=True)
 class Excluded:
-    """Two bodies that need not collide, and why, in words."""
+    """Two bodies that need not collide, and why, in words; "" for bodies that touch."""
 
     one: str
     other: str
@@ -40,15 +40,29 @@ class Excluded:
 
 
 @dataclass(frozen=True, slots=True)
+class Gains:
+    """The stiffness and the damping that a servo gives a joint or a tendon through its `gear`.
+
+    `unit` is that of its force: N or N·m, or "" along a tendon.
+    """
+
+    actuator: str
+    kp: float
+    kv: float
+    gear: float
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
 class Foreseen:
     """What composing finds out about a plan.
 
-    `adopted` are the settings that the model takes from its parts, `touching` the bodies
-    of which contacts are taken out because they touch, `excluded` those that need not collide.
+    `adopted` are the settings that the model takes from its parts, `excluded` the bodies that need not collide, `gains`
+    has the gains of the servos of a model whose actuators are edited, as their joints feel them.
     """
 
     subtrees: Mapping[Place, Subtree] = field(default_factory=dict)
     edits: Mapping[Place, EditOutcome] = field(default_factory=dict)
     adopted: tuple[Adopted, ...] = ()
-    touching: tuple[tuple[str, str], ...] = ()
     excluded: tuple[Excluded, ...] = ()
+    gains: tuple[Gains, ...] = ()

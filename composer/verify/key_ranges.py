@@ -1,4 +1,4 @@
-"""Warn of values in the recipe's keys that are outside the ranges of the compiled model."""
+"""Warn of numbers that no model means: keys outside the ranges of the compiled model, servos stiffer than anything."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from composer.compiled.index import Actuator, Index, Joint, Range
 from composer.compiled.joints import BY_WORD
 from composer.diagnostics.diagnostic import Note
 from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
 from composer.document.node import locate
 from composer.expr.angle import Angle
 from composer.plan.plan import Plan
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
 
 _ROUNDING = 1e-6
 """How far a value may be out of range, relative to the larger of 1 and the bound: ranges are often rounded."""
+_STIFFEST = 1e6
+"""In N·m/rad. A stiff industrial drive has some 1e5; no model of MuJoCo Menagerie has more than that."""
+_SHOWN = 8
 _KINDS = {"qpos": "joint", "ctrl": "actuator", "act": "actuator"}
 
 
@@ -52,6 +56,33 @@ def check_key_ranges(plan: Plan, model: Unit, index: Index, sink: Sink) -> None:
             for name in _written_names(step.key, vector, index):
                 for bound in _bounds(index, vector, name, row):
                     _check(plan, model, step.key, (vector, name), kind, bound, sink)
+
+
+def check_stiffness(model: Unit, index: Index, at: Span, sink: Sink) -> None:
+    """Warn of servos whose joints feel more than any drive is stiff: mostly a `kp` that a gear multiplies twice."""
+    stiff = [(number, each) for number, each in enumerate(index.actuators) if each.stiffness > _STIFFEST]
+    if not stiff:
+        return
+    named = {str(each.get("name")): each for each in model.root.iterfind("actuator/*") if each.get("name")}
+    # MuJoCo puts copies in a `<replicate>` behind the others; these and nameless ones have no place of their own.
+    nodes = [named.get(each.name) for _, each in stiff]
+    spans = [None if node is None else model.origins.span(node, model.file) for node in nodes]
+    listed = ", ".join(
+        f"`{each.name}`" if each.name else f"number {number}" for number, each in stiff[:_SHOWN]
+    )
+    more = f" and {len(stiff) - _SHOWN} more" if len(stiff) > _SHOWN else ""
+    most = max(each.stiffness for _, each in stiff)
+    what = (
+        f"the actuator {listed} gives its joint"
+        if len(stiff) == 1
+        else f"the actuators {listed}{more} give their joints"
+    )
+    sink.warning(
+        "stiff-actuator",
+        f"{what} {'' if len(stiff) == 1 else 'up to '}{most:.3g} N·m/rad, gear included",
+        next((span for span in spans if span is not None), at),
+        help="MuJoCo multiplies `kp` by the square of `gear`: divide it by that, or set `gear` to 1",
+    )
 
 
 def _written_names(key: Keyframe, vector: str, index: Index) -> list[str]:

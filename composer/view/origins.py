@@ -63,7 +63,7 @@ class Origins:
 
     def _of_excludes(self, pairs: Sequence[tuple[str, str]]) -> list[Any]:
         """Return for each pair its place, words, and why it is excluded, or null: `exclude: auto` has a reason."""
-        why = {frozenset((each.one, each.other)): each.why for each in self.side.excluded}
+        why = {frozenset((each.one, each.other)): each.why for each in self.side.excluded if each.why}
         traced = self.side.traced
         nodes = () if traced is None else traced.model.root.iterfind("contact/exclude")
         found = {frozenset((str(node.get("body1")), str(node.get("body2")))): node for node in nodes}

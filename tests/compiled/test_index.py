@@ -4,6 +4,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import mujoco
+import numpy as np
 
 from composer.compiled.index import Actuator, Camera, Index, Joint, Keyframe, Sensor, _actuators, index
 
@@ -34,6 +35,7 @@ def test_it_is_made_from_what_the_child_sends() -> None:
                 "ctrl_ranges": [None, [0, 1], None],
                 "act_range": None,
                 "force_range": [-1, 1],
+                "stiffness": 8.0,
             }
         ],
         "sensors": [{"name": "s", "type": "gyro", "data": [8, 3], "unit": "rad/s", "cutoff": None}],
@@ -43,7 +45,7 @@ def test_it_is_made_from_what_the_child_sends() -> None:
     }
     assert Index.from_data(data) == Index(
         joints=(Joint("j", "ball", 7, 4, 6, 3, True, (0, 1), "b"),),
-        actuators=(Actuator("a", 2, 3, 4, 5, "rad", (None, (0, 1), None), None, (-1, 1)),),
+        actuators=(Actuator("a", 2, 3, 4, 5, "rad", (None, (0, 1), None), None, (-1, 1), 8.0),),
         sensors=(Sensor("s", "gyro", 8, 3, "rad/s"),),
         keyframes=(Keyframe("k", 0.5),),
         cameras=(Camera("c", "b", 45, "deg", (4, 3)),),
@@ -56,8 +58,9 @@ def test_a_version_in_which_an_actuator_has_one_control() -> None:
     old.actuator_actnum = [0, 1]
     old.actuator_dyntype = [int(mujoco.mjtDyn.mjDYN_MUSCLE)] * 2
     old.actuator_ctrllimited, old.actuator_ctrlrange = [1, 0], [[0, 2], [0, 0]]
+    old.actuator_trntype, old.actuator_trnid = [3, 3], np.array([[0, -1], [0, -1]])
     old.actuator_actlimited = old.actuator_forcelimited = [0, 0]
-    free = {"unit": "1", "act_range": None, "force_range": None}
+    free = {"unit": "1", "act_range": None, "force_range": None, "stiffness": 0.0}
     assert _actuators(old, mujoco) == [
         {"name": "a", "ctrl": [0, 1], "act": [-1, 0], "ctrl_ranges": [[0, 2]], **free},
         {"name": "b", "ctrl": [1, 1], "act": [0, 1], "ctrl_ranges": [None], **free},

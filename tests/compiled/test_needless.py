@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import mujoco
+import pytest
 
 from composer.compiled.needless import needless
 
@@ -56,8 +57,66 @@ def test_what_touches_in_some_pose_stays() -> None:
     assert ("fore", "wall") not in pairs and ("hand", "wall") not in pairs
 
 
-def test_few_samples_claim_more() -> None:
-    assert set(found(1)) > set(found(200))
+def test_a_search_finds_what_few_samples_miss() -> None:
+    assert found(1) == found(200)
+
+
+JAW = '<body name="{}" pos="0 {} 0.1"><joint name="{}" type="slide" axis="0 {} 0" range="0 {}"/>{}</body>'
+JAWS = """<mujoco>
+  <worldbody><body name="palm"><joint name="roll" axis="0 0 1" range="-3 3"/><geom type="box" size=".02 .1 .02"/>{}{}</body>
+  </worldbody>
+  <tendon><fixed name="t"><joint joint="l" coef="1"/></fixed></tendon>
+  <equality>{}</equality>
+  <actuator>{}</actuator>
+  <keyframe><key name="closed" qpos="0 0 0"/><key name="open" qpos="0 .04 .04"/></keyframe>
+</mujoco>"""
+PAD = '<geom type="box" size="0.01 0.005 0.02"/>'
+
+
+@pytest.mark.parametrize(
+    ("gap", "equality", "actuator"),
+    [
+        (0.0, '<joint joint1="l" joint2="r"/>', '<position tendon="t"/>'),  # they touch where both are at 0
+        (0.001, "", '<position joint="l"/><motor joint="r"/>'),  # samples miss the last millimetre
+        (
+            0.05,
+            "",
+            '<position joint="l"/><position joint="r"/>',
+        ),  # a hard grasp of something thin bends the limits
+    ],
+)
+def test_jaws_that_an_actuator_closes_collide(gap: float, equality: str, actuator: str) -> None:
+    at = 0.005 + gap / 2
+    jaws = (JAW.format("left", at, "l", 1, 0.04, PAD), JAW.format("right", -at, "r", -1, 0.04, PAD))
+    assert ("left", "right") not in found(50, text=JAWS.format(*jaws, equality, actuator))
+    if gap > 0.01:  # nothing closes them
+        assert ("left", "right") in found(50, text=JAWS.format(*jaws, equality, ""))
+
+
+def test_jaws_that_overlap_everywhere_do_not() -> None:
+    jaws = [
+        JAW.format(name, 0, joint, y, 0.004, PAD) for name, joint, y in (("left", "l", 1), ("right", "r", -1))
+    ]
+    text = JAWS.format(*jaws, "", '<motor joint="l"/><motor joint="r"/>').replace(".04 .04", ".004 .004")
+    assert found(50, text=text)["left", "right"] == ("touching", "the reference configuration")
+
+
+def test_fingers_coupled_by_a_loop_are_jaws() -> None:
+    """The pads of a linkage have no actuator of their own: a `connect` moves them."""
+    finger = (
+        '<body name="{0}_crank" pos="0 {1} 0"><joint name="{0}" axis="1 0 0" range="0 .8"/>'
+        '<geom size=".004" pos="0 0 .05"/></body><body name="{0}_pad" pos="0 {2} 0">'
+        '<joint axis="1 0 0" range="0 .8"/><geom size=".004" pos="0 0 .1"/></body>'
+    )
+    text = (
+        f'<mujoco><worldbody><body name="palm"><geom size=".01"/>{finger.format("l", 0.05, 0.06)}'
+        f"{finger.format('r', -0.05, -0.06)}</body></worldbody>"
+        '<equality><connect body1="l_crank" body2="l_pad" anchor="0 0 .05"/>'
+        '<connect body1="r_crank" body2="r_pad" anchor="0 0 .05"/></equality>'
+        '<actuator><motor joint="l"/><motor joint="r"/></actuator></mujoco>'
+    )
+    pairs = found(50, text=text)
+    assert ("l_pad", "r_pad") not in pairs
 
 
 def test_what_can_go_away_is_no_claim() -> None:

@@ -9,7 +9,7 @@ import pytest
 from composer.compose import load
 from composer.compose.foresee import foresee
 from composer.context import Context
-from composer.plan.foreseen import Foreseen
+from composer.plan.foreseen import Excluded, Foreseen
 from composer.plan.planner import make_plan
 
 TESTS = Path(__file__).parents[1]
@@ -34,9 +34,9 @@ def test_each_file_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(load, "parse_file", counting)
     found = foreseen("golden/contacts_of_parts", tmp_path)
     assert sorted(read) == ["arm.xml", "cube.xml", "tool.xml"]
-    assert ("upper", "stand/palm") in found.touching
+    assert Excluded("upper", "stand/palm", "") in found.excluded
 
 
 def test_of_a_source_that_is_not_mjcf_nothing_is_foreseen(tmp_path: Path) -> None:
     found = foreseen("errors/source_not_mjcf", tmp_path)
-    assert (found.adopted, found.touching) == ((), ())
+    assert (found.adopted, found.excluded) == ((), ())

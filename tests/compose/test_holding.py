@@ -79,3 +79,47 @@ def test_a_joint_means_its_only_servo(tmp_path: Path) -> None:
     two = SERVOS[0] + '<motor name="x" joint="shoulder"/>'
     _, data = built(tmp_path, two, "{joint: {shoulder: 10deg}}")
     assert data.ctrl.tolist() == [pytest.approx(np.deg2rad(10)), 0]
+
+
+PID = """<mujoco>
+  <extension><plugin plugin="mujoco.pid"><instance name="i"><config key="kp" value="90"/></instance></plugin></extension>"""
+UNKNOWN = [
+    (PID, '<plugin name="x" joint="shoulder" plugin="mujoco.pid" instance="i"/>', "a plugin"),
+    ("<mujoco>", '<general name="x" joint="shoulder" gaintype="user"/>', "own type"),
+    ("<mujoco>", '<general name="x" joint="shoulder" biastype="user" gainprm="9"/>', "own type"),
+]
+
+
+@pytest.mark.parametrize("ctrl", ["hold", "{hold: forces}"])
+@pytest.mark.parametrize(("head", "actuator", "words"), UNKNOWN)
+def test_whose_law_is_not_known_holds_nothing(
+    tmp_path: Path, head: str, actuator: str, words: str, ctrl: str
+) -> None:
+    (tmp_path / "arm.xml").write_text(ARM.replace("<mujoco>", head).format(actuator + MOTOR))
+    key = f"up: {{qpos: {{shoulder: -40deg}}, ctrl: {ctrl}}}"
+    (tmp_path / "r.yaml").write_text(f"recipe: 1\nbase: ./arm.xml\nkeyframe: {{{key}}}\n")
+    context = Context(environment={}, folder=tmp_path)
+    made = build(Request(tmp_path / "r.yaml"), context)
+    assert made is not None
+    found = [each.message for each in context.sink.diagnostics if each.code == "not-held"]
+    assert len(found) == 1 and words in found[0]
+    model = mujoco.MjModel.from_xml_string(made.bundle.files["model.xml"].decode())
+    assert model.key_ctrl[0, 0] == 0
+
+
+@pytest.mark.mujoco4("its dcmotor has other inputs")
+def test_the_controller_of_a_motor_is_a_servo(tmp_path: Path) -> None:
+    dcmotor = '<dcmotor name="s" joint="shoulder" motorconst="0.05" resistance="2" {} input="{}"/>'
+    _, data = built(tmp_path, dcmotor.format('controller="3 1 1"', "pos") + MOTOR, "hold")
+    assert data.ctrl.tolist() == [pytest.approx(np.deg2rad(-40)), 0]
+    _, data = built(tmp_path, dcmotor.format("", "voltage") + MOTOR, "hold")
+    assert data.ctrl.tolist() == [0, 0]
+
+
+@pytest.mark.mujoco4("its dcmotor has other inputs")
+@pytest.mark.parametrize("order", [1, -1])
+def test_what_has_no_control_has_a_place_in_the_manifest(tmp_path: Path, order: int) -> None:
+    passive = '<dcmotor name="s" joint="shoulder" motorconst="0.05" resistance="2" input="none"/>'
+    model, data = built(tmp_path, "".join([passive, SERVOS[0].replace('"s"', '"e"')][::order]), "hold")
+    assert model.nu == 1 and data.ctrl.tolist() == [pytest.approx(np.deg2rad(-40))]
+    assert built(tmp_path, passive, "hold")[0].nu == 0

@@ -73,6 +73,8 @@ BUILT = {
     "conflict_merge",
     "check_warns",
     "collision_millimetres",
+    "not_held_plugin",
+    "stiff_actuator",
     "conflict_warning",
     "copies_warning",
     "edit_convert_keys",

@@ -11,7 +11,7 @@ from typing import Any
 
 from lxml.etree import _Element as Node
 
-from composer.compose.actuator_model import INPUTS, ActuatorModel, actuator_models
+from composer.compose.actuator_model import INPUTS, PLUGIN, ActuatorModel, actuator_models
 from composer.compose.edit_values import Unusable, Values
 from composer.compose.editing import Editing
 from composer.compose.refuse import refuse
@@ -56,7 +56,7 @@ def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
         if model is None:
             message = f"{editing.called(node)} cannot be converted: MuJoCo does not say what it does"
             refuse(editing, node, Fault("not-supported", message, at), it="it")
-        given = _given(editing, node, index, to, written, at)
+        given = _given(editing, node, index, to, model, written, at)
         was = editing.called(node)
         for loss in _converted(editing, node, to, model, given, at):
             lost.setdefault(loss, []).append(was)
@@ -65,11 +65,18 @@ def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
 
 
 def _given(
-    editing: Editing, node: Node, index: int, to: str, written: Mapping[str, Any], at: Path
+    editing: Editing,
+    node: Node,
+    index: int,
+    to: str,
+    model: ActuatorModel,
+    written: Mapping[str, Any],
+    at: Path,
 ) -> dict[str, str]:
-    """Return the attributes of the entry as text."""
+    """Return the attributes of the entry as text, those that a recipe gives for the joint as the gear turns them."""
     kind = GRAMMAR.element(f"actuator/{to}")
     values = Values(editing, node, index, at)
+    gear = _new_gear(values, written, model, at)
     found: dict[str, str] = {}
     for name, item in written.items():
         path = (*at, name)
@@ -84,21 +91,68 @@ def _given(
                                             help=f"write `{name}: …` with its values"))  # fmt: skip
             found[name] = str(text)
             continue
+        if name == "inheritrange" and abs(gear) != 1 and item:
+            # MuJoCo 4.0 gives the range of the joint to the control, which the gear multiplies.
+            message = f"the control of {editing.called(node)} is {gear:g} times the position that `inheritrange` limits"
+            refuse(
+                editing,
+                node,
+                Fault("not-supported", message, path, help="write `ctrlrange`, with that of the joint"),
+            )
+        power = (
+            0 if to == "general" else _POWERS.get(name, 0) or (_OF_CONTROL[to] if name == "ctrlrange" else 0)
+        )
         old = GRAMMAR.element(f"actuator/{node.tag}").attributes.get(name)
         now = values.now(old) if old is not None else None
+        if now is not None and power and not isinstance(now, str):
+            now = _geared(now, model.gear or 1.0, -power)
         faults: list[Fault] = []
         read = read_value(attribute, values.of(item, path, now), path, editing.called(node), faults)
         for fault in faults[:1]:
             refuse(editing, node, fault)
-        found[name] = _text(attribute, read)
+        found[name] = _text(attribute, read, gear, power)
     return found
 
 
-def _text(attribute: Attribute, value: Any) -> str:
+# The numbers of an entry are those of the joint, as with `motor`. The force of an actuator moves the joint `gear` times
+# as strong, and its length is `gear` times the position of the joint: the power of the gear by which to multiply.
+_POWERS = {
+    "kp": -2,
+    "kv": -2,
+    "ki": -2,
+    "forcerange": -1,
+    "ffrange": -1,
+    "posrange": 1,
+    "velrange": 1,
+    "slewmax": 1,
+    "imax": 1,
+}
+_OF_CONTROL = {"position": 1, "velocity": 1, "pid": 1, "motor": -1}
+
+
+def _new_gear(values: Values, written: Mapping[str, Any], model: ActuatorModel, at: Path) -> float:
+    """Return the gear of the new actuator, which the entry may give; 1 where none moves a joint along one axis."""
+    given = written.get("gear")
+    if given is None or not model.gear:
+        return model.gear or 1.0
+    first = values.of(given, (*at, "gear"))
+    first = first[0] if isinstance(first, list | tuple) else first
+    return float(first) if isinstance(first, int | float) and first else 1.0
+
+
+def _geared(value: Any, gear: float, power: int) -> Any:
+    """Return a number, or the ends of a range in their order, times a power of the gear."""
+    if isinstance(value, tuple):
+        return tuple(sorted(_geared(each, gear, power) for each in value))
+    return value * gear**power if power > 0 else value / gear**-power
+
+
+def _text(attribute: Attribute, value: Any, gear: float, power: int) -> str:
     from composer.compose.elements import plain
 
     if attribute.is_number:
-        return numbers.text(plain(each) for each in (value if isinstance(value, tuple) else (value,)))
+        found = [plain(each) for each in (value if isinstance(value, tuple) else (value,))]
+        return numbers.text(_geared(tuple(found), gear, power) if power and gear != 1 else found)
     return to_text(attribute, value)
 
 
@@ -113,6 +167,9 @@ def _converted(
         after = _control_of(to, model, {**made, **given})
     if before != after:
         is_now, was = _in_words(after, "another thing"), _in_words(before, "what it was")
+        gear = abs(numbers.read(given["gear"])[0]) if "gear" in given else abs(model.gear)
+        if model.gear and gear != 1 and after not in ("force", "other"):
+            is_now += f" ({gear:g} times that of what it moves)"
         lost.append(f"the control is {is_now} now, not {was}")
     limits: dict[str, str] | None = {}
     if old != to or "ctrlrange" in given:
@@ -159,12 +216,25 @@ def _lost_attributes(to: str, model: ActuatorModel, wrong: list[str]) -> Iterato
 def _rewrite(editing: Editing, node: Node, to: str, written: Mapping[str, str], wrong: list[str]) -> None:
     """Make the actuator one of the new kind with these attributes, without those that it cannot have."""
     editing.forget(node)
+    instance = node.get("instance")
     for name in {*wrong, *_replaced(written)}:
         node.attrib.pop(name, "")
+    if node.tag == PLUGIN:
+        del node[:]  # its `<config>`
+        _drop_instance(editing.root, str(instance or ""))
     node.tag = to
     for name, text in written.items():
         node.set(name, text)
     editing.note(node)
+
+
+def _drop_instance(root: Node, name: str) -> None:
+    """Drop an instance of a plugin that nothing uses any more."""
+    # MuJoCo 4.0 refuses the `mujoco.pid` of no actuator: "actuator not found for plugin instance 0".
+    if all(each.get("instance") != name for each in root.iter("*")):
+        for instance in root.findall("extension/plugin/instance"):
+            if instance.get("name") == name:
+                instance.getparent().remove(instance)  # type: ignore[union-attr]
 
 
 def _lost_in_keys(editing: Editing, node: Node) -> Iterator[str]:
@@ -217,7 +287,7 @@ def _written_for(
 ) -> tuple[dict[str, str], list[str]]:
     """Return the attributes that give the new kind the same model, and in words what it cannot express."""
     if to == "general":
-        return _general(editing, model), []
+        return _general(editing, model), [_gain_and_bias(model)] if model.gain == PLUGIN else []
     lost = _lost_with(to, model)
     if to == "motor":
         return {}, [*lost, *_lost_by_motor(model)]
@@ -307,7 +377,8 @@ def _in_classes(editing: Editing) -> bool:
 def _general(editing: Editing, model: ActuatorModel) -> dict[str, str]:
     """Return all attributes of the model, with all numbers if classes may set some, else without trailing zeros."""
     whole = _in_classes(editing)
-    made = {"gaintype": model.gain, "biastype": model.bias, "dyntype": model.dynamics}
+    laws = ("fixed", "none") if model.gain == PLUGIN else (model.gain, model.bias)
+    made = {"gaintype": laws[0], "biastype": laws[1], "dyntype": model.dynamics}
     for name in _PARAMETERS:
         values = list(getattr(model, name))
         while not whole and len(values) > 1 and values[-1] == 0:
@@ -387,6 +458,8 @@ def _in_words(control: str, otherwise: str) -> str:
 
 def _gain_and_bias(model: ActuatorModel) -> str:
     """Return the gains in words."""
+    if model.gain == PLUGIN:
+        return "its plugin, which computes the force"
     if model.form == "position" or model.gain == "pid":
         return f"its gains, kp {model.kp:g} and kv {model.kv:g}"
     if model.form == "velocity":

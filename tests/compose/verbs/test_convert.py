@@ -203,3 +203,99 @@ def test_what_turns_about_three_axes_does_not_as_a_motor(tmp_path: Path) -> None
       <actuator><orientation name="x" joint="j" kp="3"/></actuator></mujoco>"""
     _, (loss,) = converted(tmp_path, xml, ["x"], "motor")
     assert any("all three axes" in note.message for note in loss.notes)
+
+
+GEARED = """
+<mujoco><compiler angle="radian"/>
+  <worldbody>
+    <body><joint name="h" axis="0 1 0" range="-1 2"/><geom size=".1" pos=".2 0 0"/></body>
+    <body pos="1 0 0"><joint name="s" type="slide" axis="0 1 0" range="-1 2"/><geom size=".1"/></body>
+  </worldbody>
+  <tendon><fixed name="t"><joint joint="s" coef="2"/></fixed></tendon>
+  <actuator>
+    <motor name="a" joint="h" gear="80" ctrlrange="-2 2"/>
+    <velocity name="b" joint="s" gear="-12" kv=".5" ctrlrange="-9 9"/>
+    <motor name="c" tendon="t" gear="3" forcerange="-4 4"/>
+    <position name="d" joint="h" gear="7" kp="2" kv="1"/>
+  </actuator>
+</mujoco>"""
+
+
+def felt(model: mujoco.MjModel, joint: str, actuator: str) -> tuple[float, float]:
+    """The stiffness and the damping of an actuator at a joint or tendon, by small differences."""
+    forces = []
+    data = mujoco.MjData(model)
+    dof = int(model.joint(joint).dofadr[0])
+    for name in ("qpos", "qvel"):
+        forces.append([])
+        for step in (-1e-4, 1e-4):
+            mujoco.mj_resetData(model, data)
+            getattr(data, name)[dof] = step
+            mujoco.mj_forward(model, data)
+            moment = np.zeros((len(data.moment_rownnz), model.nv))
+            mujoco.mju_sparse2dense(
+                moment, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind
+            )
+            row = model.actuator(actuator).id
+            forces[-1].append(moment[row, dof] * data.actuator_force[row])
+    return tuple(-(after - before) / 2e-4 for before, after in forces)  # type: ignore[return-value]
+
+
+@pytest.mark.parametrize("to", ["position", "pid"])
+@pytest.mark.parametrize(
+    ("name", "joint", "coefficient"), [("a", "h", 1), ("b", "s", 1), ("c", "s", 2), ("d", "h", 1)]
+)
+def test_a_joint_feels_the_gains_of_the_recipe_through_a_gear(
+    tmp_path: Path, name: str, joint: str, coefficient: int, to: str
+) -> None:
+    spans = "" if to == "pid" else ", ctrlrange: [-0.5rad, 1rad]"
+    model, _ = converted(tmp_path, GEARED, [name], f"{to}, kp: 150, kv: 6, forcerange: [-30, 60]{spans}")
+    assert model is not None
+    assert felt(model, joint, name) == pytest.approx((150 * coefficient**2, 6 * coefficient**2))
+    gear = model.actuator(name).gear[0]
+    assert sorted(gear * model.actuator(name).forcerange) == pytest.approx([-30, 60])
+    if spans:
+        assert sorted(model.actuator(name).ctrlrange / gear) == pytest.approx([-0.5, 1])
+
+
+def test_values_now_are_those_of_the_joint(tmp_path: Path) -> None:
+    model, told = converted(tmp_path, GEARED, ["d"], 'position, kp: "${value * 3}"')
+    assert model is not None and not told
+    assert felt(model, "h", "d") == pytest.approx((3 * 2 * 49, 49))
+
+
+def test_taken_over_or_general_numbers_are_those_of_the_actuator(tmp_path: Path) -> None:
+    model, _ = converted(tmp_path, GEARED, ["a"], "position, kp: 150, forcerange: from-ctrlrange")
+    assert model is not None and model.actuator("a").forcerange.tolist() == [-2, 2]
+    model, _ = converted(tmp_path, GEARED, ["d"], "general, forcerange: [-1, 2]")
+    assert model is not None and model.actuator("d").forcerange.tolist() == [-1, 2]
+
+
+def test_the_range_of_a_joint_is_not_that_of_a_geared_control(tmp_path: Path) -> None:
+    """MuJoCo 4.0 ignores the gear: `inheritrange` would stop the joint at an eightieth of its range."""
+    model, (fault,) = converted(tmp_path, GEARED, ["a"], "position, kp: 150, inheritrange: 1")
+    assert model is None and fault.code == "not-supported" and "80 times" in fault.message
+
+
+PLUGIN = """
+<mujoco><extension><plugin plugin="mujoco.pid"><instance name="i"><config key="kp" value="40"/></instance></plugin></extension>
+  <worldbody><body><joint name="j"/><geom size=".1" pos=".2 0 0"/></body></worldbody>
+  <actuator>
+    <plugin name="p" joint="j" plugin="mujoco.pid" instance="i" ctrlrange="-1 1"/>
+    <plugin name="q" joint="j" plugin="mujoco.pid"><config key="kp" value="3"/></plugin>
+  </actuator></mujoco>"""
+
+
+@pytest.mark.parametrize("name", ["p", "q"])
+@pytest.mark.parametrize("to", ["general", "motor", "position, kp: 40", "velocity, kv: 2", "pid, kp: 2"])
+def test_a_plugin_is_no_motor(tmp_path: Path, name: str, to: str) -> None:
+    model, (loss,) = converted(tmp_path, PLUGIN, [name], to)
+    assert model is not None and model.actuator_plugin.tolist().count(-1) == 1
+    assert loss.code == "convert-loss" and any("plugin" in note.message for note in loss.notes)
+
+
+def test_a_type_of_a_user_is_no_motor(tmp_path: Path) -> None:
+    xml = PLUGIN[: PLUGIN.index("<actuator>")].replace("<extension>", "<!--").replace("</extension>", "-->")
+    xml += '<actuator><general name="u" joint="j" gaintype="user" biastype="user"/></actuator></mujoco>'
+    _, (loss,) = converted(tmp_path, xml, ["u"], "motor")
+    assert any("`user`, `user`" in note.message for note in loss.notes)
