@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import field, replace
 from functools import partial
 from typing import Any
@@ -25,6 +25,7 @@ from composer.link.layout import BLOCK, Layout, Slot
 from composer.link.linking import Linking
 from composer.link.multiplied import Copy
 from composer.link.part_keys import part_keys
+from composer.link.reference_rows import emptied
 from composer.plan.plan import Plan
 from composer.plan.steps.write_keyframe import WriteKeyframe
 from composer.recipe.controls import JOINT
@@ -96,12 +97,13 @@ def _joints(layout: Layout) -> dict[str, _Holder]:
     return found
 
 
-def _taken(key: Key, span: Span) -> Key:
-    """Return the key with each number marked as passed on by the `from` entry at `span`."""
+def _taken(key: Key, span: Span, void: Collection[Node]) -> Key:
+    """Return the key with each number marked as passed on by the `from` entry at `span`, if it is not `void`."""
     values = {
         vector: {holder: taken(row, span) for holder, row in columns.items()}
         for vector, columns in key.values.items()
     }
+    emptied(values, void)
     time = None if key.time is None else taken([key.time], span)[0]
     return replace(key, values=values, time=time)
 
@@ -225,7 +227,7 @@ class _Writing:
             there = known.get(part)
             key = there.named(name) if there is not None else None
             if there is not None and key is not None:
-                found.append((there.depth, _taken(key, self._at(FROM, part))))
+                found.append((there.depth, _taken(key, self._at(FROM, part), self.linking.keys.void_keys)))
                 continue
             if part not in self.parts:
                 continue  # the plan reports it

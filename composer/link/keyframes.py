@@ -75,6 +75,8 @@ def _element(linking: Linking, key: Key, final: Layout, reference: Reference) ->
     if key.name:
         element.set("name", key.name)
     record = KeyRecord((key.element, *key.others))
+    # What the recipe writes is newer than its edits. What it takes over with `from` is not: `keyframe.py` sees to that.
+    void = () if any(key is each for each in linking.keys.written) else linking.keys.void_keys
     if key.time is not None:
         element.set("time", key.time.text)
         record.numbers["time"] = [key.time]
@@ -82,7 +84,7 @@ def _element(linking: Linking, key: Key, final: Layout, reference: Reference) ->
     # 7 and the 2 degrees of the second, and a short `ctrl` ends in 0.
     for vector in VECTORS:
         if vector in key.values:
-            row = reference.row(vector, final, key.values[vector])
+            row = reference.row(vector, final, key.values[vector], void)
             if row:
                 element.set(vector, " ".join(texts(row)))
                 record.numbers[vector] = row

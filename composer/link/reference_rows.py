@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cached_property
 
 from lxml.etree import _Element as Node
@@ -35,8 +35,10 @@ class Reference:
     def class_refs(self) -> bool:
         return self.linking.base.classes.give("joint", "ref")
 
-    def row(self, vector: str, layout: Layout, values: Mapping[Holder, list[Number]]) -> list[Number]:
-        """Return all numbers of a vector. `values` are those that a key sets."""
+    def row(
+        self, vector: str, layout: Layout, values: Mapping[Holder, list[Number]], void: Collection[Node]
+    ) -> list[Number]:
+        """Return all numbers of a vector. `values` are those that a key sets; those of `void` mean nothing now."""
         row: list[Number] = []
         if vector in ("mpos", "mquat"):
             for body in layout.mocaps:
@@ -46,11 +48,11 @@ class Reference:
                 row += [*said, *_by_nobody(vector, numbers.text(text).split())[len(said) :]]
             return row
         # Numbers still mean something if neither their holder's meaning nor its width has been edited.
-        emptied, second = self.linking.keys.void_keys, vector in ("qvel", "act")
+        second = vector in ("qvel", "act")
         if vector in ("qpos", "qvel"):
             for joint, slot in layout.joints.items():
                 given = values.get(joint)
-                if given is None or len(given) != slot.widths[second] or joint in emptied:
+                if given is None or len(given) != slot.widths[second] or element_of(joint) in void:
                     default = ["0"] * slot.widths[1] if second else self._qpos(joint, slot)
                     given = _by_nobody(vector, default, given)
                 row += given
@@ -58,7 +60,7 @@ class Reference:
         for actuator, slot in layout.actuators.items():
             width = slot.widths[second]
             given = values.get(actuator)
-            if given is None or len(given) != width or element_of(actuator) in emptied:
+            if given is None or len(given) != width or element_of(actuator) in void:
                 given = _by_nobody(vector, ["0"] * width, given)
             row += given
         return row
@@ -95,11 +97,20 @@ class Reference:
         return inner if outer is None else pose_in_world(outer, self.degrees, self.sequence) @ inner
 
 
+def emptied(values: Mapping[str, dict[Holder, list[Number]]], void: Collection[Node]) -> None:
+    """Empty the numbers of a key that an edit has made meaningless, and note what they were."""
+    for vector, columns in values.items():
+        for holder, row in columns.items():
+            if element_of(holder) in void:
+                columns[holder] = _by_nobody(vector, ["0"] * len(row), row)
+
+
 def _by_nobody(vector: str, default: list[str], lost: list[Number] | None = None) -> list[Number]:
     """Return the numbers that no key sets, or that have `lost` their meaning by an edit."""
+    first = lost[0] if lost else None
     source = KeySource(
         "reference" if vector in ("qpos", "mpos", "mquat") else "zero",
         vector,
-        lost=lost[0] if lost else None,
+        lost=first and (first.source.lost or first),
     )
     return [Number(text, source, at) for at, text in enumerate(default)]
