@@ -119,6 +119,9 @@ class Editing:
             self.linking.base.forget_classes()
         if node.tag in _LAID_OUT or section_of(node) in ("default", "actuator"):
             self.reshaped(node)
+        for flex in (node, *node.iterancestors("flexcomp")):  # its grid, pins, degrees of freedom
+            if flex.tag == "flexcomp":
+                self.reshaped(flex)
 
     def reshaped(self, node: Node) -> None:
         """Record that a node may have another number of values in a key than before. A class may affect any node."""

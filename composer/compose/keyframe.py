@@ -23,7 +23,7 @@ from composer.link import numbers
 from composer.link.key_layouts import final_layout
 from composer.link.layout import BLOCK, Layout, Slot
 from composer.link.linking import Linking
-from composer.link.multiplied import Copy
+from composer.link.multiplied import Copy, element_of
 from composer.link.part_keys import part_keys
 from composer.link.reference_rows import emptied
 from composer.plan.plan import Plan
@@ -63,7 +63,9 @@ def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> Non
             if not isinstance(node, Copy) and node.tag != "attach" and _name(node)
         },
         "mocap body": {
-            _name(node): (node, None) for node in layout.mocaps if node.tag == "body" and _name(node)
+            _name(node): (node, None)
+            for node in layout.mocaps
+            if not isinstance(node, Copy) and node.tag == "body" and _name(node)
         },
     }
     unnamed = [
@@ -82,10 +84,10 @@ def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> Non
 
 def _joints(layout: Layout) -> dict[str, _Holder]:
     """Return the joints by name. A joint without a name that is its body's only one has the name of the body."""
-    named = {_name(joint) for joint in layout.joints}
+    named = {_name(element_of(joint)) for joint in layout.joints}
     found: dict[str, _Holder] = {}
     for joint, slot in layout.joints.items():
-        if slot.kind == BLOCK:
+        if slot.kind == BLOCK or isinstance(joint, Copy):
             continue
         name = _name(joint)
         if not name:

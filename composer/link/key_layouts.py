@@ -15,7 +15,7 @@ from composer.link import numbers
 from composer.link.layout import BLOCK, Holder, Layout, Slot, Unknown, lay_out
 from composer.link.linking import Linking
 from composer.link.measured import attached, is_measured, widths
-from composer.link.multiplied import element_of
+from composer.link.multiplied import Copy, element_of
 from composer.tree.key_number import KeyRecord, KeySource, Number, numbers_of, texts
 from composer.tree.unit import Unit
 
@@ -131,7 +131,7 @@ def _layout_of(linking: Linking, unit: Unit) -> Layout | None:
         return _measured_layout(linking, unit)
     if layout.actuators and next(unit.root.iter("replicate"), None) is not None:
         return _measured_layout(linking, unit)  # which actuators are multiplied is for MuJoCo to say
-    if any(element.tag != "body" for element in layout.mocaps):
+    if any(isinstance(holder, Copy) or holder.tag != "body" for holder in layout.mocaps):
         return _measured_layout(linking, unit)
     return layout
 
@@ -169,9 +169,9 @@ def refer_anew(linking: Linking, layout: Layout) -> None:
         if is_measured(linking.base, joint, slot)
     )
     mocaps = (
-        linking.keys.edited or element not in linking.keys.mocap_references
-        for element in layout.mocaps
-        if element.tag != "body"
+        linking.keys.edited or holder not in linking.keys.mocap_references
+        for holder in layout.mocaps
+        if isinstance(holder, Copy) or holder.tag != "body"
     )
     if any(joints) or any(mocaps):
         _measured_anew(linking, {}, None)
@@ -202,7 +202,11 @@ def _slots(linking: Linking) -> dict[Node, Slot]:
     for layout in found:
         if layout is not None:
             known |= {element_of(holder): slot for holder, slot in layout.actuators.items()}
-            known |= layout.joints
+            known |= {
+                element_of(holder): slot
+                for holder, slot in layout.joints.items()
+                if not (isinstance(holder, Copy) and holder.twists)
+            }
     return known
 
 

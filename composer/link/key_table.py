@@ -7,7 +7,7 @@ from dataclasses import field
 from lxml.etree import _Element as Node
 
 from composer.dataclass import dataclass
-from composer.link.layout import Layout, Slot
+from composer.link.layout import Holder, Layout, Slot
 from composer.link.part import Part
 from composer.numerics.pose import Pose
 from composer.tree.key import Key, PartKeys
@@ -40,8 +40,8 @@ class KeyTable:
     base_layout: Layout | None = None
     final_layout: Layout | None = None
     measured: dict[Node, Slot] = field(default_factory=dict)
-    references: dict[Node, list[str]] = field(default_factory=dict)
-    mocap_references: dict[Node, list[Pose]] = field(default_factory=dict)
+    references: dict[Holder, list[str]] = field(default_factory=dict)
+    mocap_references: dict[Holder, list[Pose]] = field(default_factory=dict)
     edited: bool = False
     reshaped: set[Node] = field(default_factory=set)
     void_keys: set[Node] = field(default_factory=set)

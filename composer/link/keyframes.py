@@ -88,10 +88,26 @@ def _element(linking: Linking, key: Key, final: Layout, reference: Reference) ->
             if row:
                 element.set(vector, " ".join(texts(row)))
                 record.numbers[vector] = row
+    _check_copies(linking, key, reference)
     linking.base.origins.keys[element] = record
     linking.base.origins.own(element, key.origins.owner(key.element, key.file))
     set_line(element, line_of(key.element))
     return element
+
+
+def _check_copies(linking: Linking, key: Key, reference: Reference) -> None:
+    """Report copies whose numbers differ in a key, and that are one element since an edit."""
+    for vector, element in reference.disagreeing[:1]:
+        name = element.get("name")
+        linking.sink.error(
+            "keyframe-conflict",
+            f"`{vector}` of {called(key.element)} has different numbers for the copies of "
+            f"{f'`{name}`' if name else f'a `<{element.tag}>`'}, which an edit takes out of its `<replicate>`",
+            key.span(vector),
+            notes=(Note("it is written here", linking.span(linking.base, element)),),
+            help="leave the keys out, `keyframes: none`, and write the key in the recipe",
+        )
+    reference.disagreeing.clear()
 
 
 def _merged(linking: Linking) -> dict[str, Key]:

@@ -1,8 +1,9 @@
 """The layout of the numbers of a keyframe: joints depth first, actuators and mocap bodies in order.
 
 MuJoCo lays out `qpos` body by body, depth first in document order, a body's joints before its children; frames do
-not count. An element that MuJoCo expands (`replicate`, `flexcomp`) is one block here: no part is attached inside
-it, so its inner order cannot change.
+not count. A `<replicate>` is laid out copy by copy. What only MuJoCo expands (`flexcomp`, `attach`) is one block, as
+nothing can stand in it; the joints in which a rod is twisted are a block of their own. `test_layout.py` compares all
+of this with MuJoCo.
 """
 
 from __future__ import annotations
@@ -16,12 +17,13 @@ from lxml.etree import _Element as Node
 
 from composer.compiled.joints import JOINT_TYPES
 from composer.dataclass import dataclass
-from composer.link.multiplied import Copy, actuators_in_order, element_of
+from composer.link.multiplied import Copy, Within, actuators_in_order, element_of
 from composer.tree.classes import Classes, DefaultClass, childclass_of, through_frames
 from composer.tree.unit import Unit
 
 JOINTS = ("joint", "freejoint")
-_BLOCKS = ("replicate", "flexcomp", "composite", "attach")
+_BLOCKS = ("flexcomp", "composite", "attach")
+_INNER = ("body", "replicate", *_BLOCKS)
 # Actuators with one control and, by tag, this many activations; the others only MuJoCo knows.
 _ACTIVATIONS = {
     "motor": 0,
@@ -35,7 +37,7 @@ _ACTIVATIONS = {
 
 
 Holder = Node | Copy
-"""What holds numbers of a key: an element, or one copy of an actuator that MuJoCo multiplies."""
+"""What holds numbers of a key: an element, or one of the copies that MuJoCo makes of it."""
 
 
 class Unknown(Exception):
@@ -49,7 +51,8 @@ class Unknown(Exception):
 class Slot(NamedTuple):
     """The widths of a joint, an actuator or a block: how many numbers it has in each vector of a key.
 
-    `free` has the offsets in `qpos` and `qvel` of each free joint. `controls` and the fields after it are for a
+    `free` has the offsets in `qpos` and `qvel` of each free joint. `twists` is the number of joints in which a rod is
+    twisted; `widths` does not count them. `controls` and the fields after it are for a
     model that MuJoCo attaches: the total widths of its actuators, and its numbers of actuators, mocap bodies and
     keys.
     """
@@ -57,6 +60,7 @@ class Slot(NamedTuple):
     kind: str
     widths: tuple[int, int]
     free: tuple[tuple[int, int], ...] = ()
+    twists: int = 0
     controls: tuple[int, int] = (0, 0)
     actuators: int = 0
     mocaps: int = 0
@@ -83,12 +87,12 @@ class Layout:
     """The elements of a model in the order of their numbers in a key.
 
     The widths of `joints` are (nq, nv), those of `actuators` (nctrl, nact). `mocaps` has the number of mocap bodies
-    of each element: one for a body, any number for an element that MuJoCo expands.
+    of each element: one for a body, any number for a model that MuJoCo attaches.
     """
 
-    joints: dict[Node, Slot] = field(default_factory=dict)
+    joints: dict[Holder, Slot] = field(default_factory=dict)
     actuators: dict[Holder, Slot] = field(default_factory=dict)
-    mocaps: dict[Node, int] = field(default_factory=dict)
+    mocaps: dict[Holder, int] = field(default_factory=dict)
 
     @property
     def in_world_coordinates(self) -> bool:
@@ -125,20 +129,21 @@ def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> Layout:
     for worldbody in unit.root.iterchildren("worldbody"):
         joints = _plain_joints(worldbody)
         if joints is None:
-            reader.visit(worldbody, layout)
+            reader.visit_world(worldbody, layout)
         else:
             layout.joints.update([(joint, known.get(joint) or reader.joint(joint)) for joint in joints])
         # Only a child of the world is a mocap body, and a frame or a replicate may stand between: of a deeper one
         # MuJoCo 4.0 says "not a fixed child of world".
-        layout.mocaps |= {
-            child: count for child in through_frames(worldbody) if (count := reader.mocaps(child))
-        }
+        layout.mocaps.update(reader.mocaps(worldbody, ()))
     layout.actuators = {
         holder: known.get(each := element_of(holder)) or reader.actuator(each)
         for holder in actuators_in_order(unit.root)
     }
     # MuJoCo attaches models when everything is read.
     attached = [(block, slot) for block, slot in layout.joints.items() if slot.controls != (0, 0)]
+    for block, _ in attached:
+        if isinstance(block, Copy):  # in which order MuJoCo multiplies its actuators is not known
+            raise Unknown(block.element)
     layout.actuators |= {block: Slot("actuator", slot.controls) for block, slot in attached}
     return layout
 
@@ -149,13 +154,13 @@ def _plain_joints(worldbody: Node) -> list[Node] | None:
     # `<body><body><joint name="in"/>…</body><joint name="out"/></body>` has `out` first.
     joints: list[Node] = []
     body = worldbody
-    for element in worldbody.iter("body", *JOINTS, *_BLOCKS):
+    for element in worldbody.iter("body", *JOINTS, "replicate", *_BLOCKS):
         tag = element.tag
         if tag == "body":
             body = element
         elif tag in JOINTS and element.getparent() is body:
             joints.append(element)
-        else:  # a block, or a joint in a frame or after a child of its body
+        else:  # a replicate, a block, or a joint in a frame or after a child of its body
             return None
     return joints
 
@@ -185,46 +190,61 @@ class _Reader:
                     )
         return typed, stateful
 
-    def visit(self, body: Node, layout: Layout) -> None:
+    def visit_world(self, worldbody: Node, layout: Layout) -> None:
+        """Lay out the bodies of the world, each followed by the twists of the rods in it."""
+        # MuJoCo 4.0 puts the bodies that a rod is twisted in last into the world, as it reads the rod: `<body
+        # name="a"><flexcomp name="rod" …/><body name="b"/></body><body name="c"/>` becomes a, rod_0, …, b,
+        # rod_twist_0, …, rod_twist, c. What it reads in a `<replicate>` of the world is in the world only when all of
+        # it is read, so that they come first there. Either way there is one set of them, not one for each copy.
+        for child in through_frames(worldbody):
+            inside, twists = Layout(), Layout()
+            self._inner(child, (), inside, twists)
+            first, second = (twists, inside) if child.tag == "replicate" else (inside, twists)
+            layout.joints |= first.joints
+            layout.joints |= second.joints
+
+    def visit(self, body: Node, within: Within, layout: Layout, twists: Layout) -> None:
         """Lay out a body's joints, then the elements inside it."""
         inner: list[Node] = []
         for child in through_frames(body):
             if child.tag in JOINTS:
-                layout.joints[child] = self.known.get(child) or self.joint(child)
-            elif child.tag == "body" or child.tag in _BLOCKS:
+                layout.joints[_copy(child, within)] = self.known.get(child) or self.joint(child)
+            elif child.tag in _INNER:
                 inner.append(child)
         # A body's own joints come before those of its children, also if they are written later: in MuJoCo 4.0
         # `<body><body><joint name="inner"/></body><joint name="outer"/></body>` has `outer` at qpos 0.
         for child in inner:
-            if child.tag == "body":
-                self.visit(child, layout)
-            else:
-                layout.joints[child] = self.known.get(child) or self.block(child)
+            self._inner(child, within, layout, twists)
+
+    def _inner(self, child: Node, within: Within, layout: Layout, twists: Layout) -> None:
+        if child.tag == "body":
+            self.visit(child, within, layout, twists)
+        elif child.tag == "replicate":
+            for number in range(_count(child)):
+                self.visit(child, ((child, number), *within), layout, twists)
+        elif child.tag in _BLOCKS:
+            slot = self.known.get(child)
+            if slot is None:
+                raise Unknown(child)
+            layout.joints[_copy(child, within)] = slot
+            if slot.twists:
+                twists.joints[Copy(child, twists=True)] = Slot(BLOCK, (slot.twists, slot.twists))
 
     def joint(self, joint: Node) -> Slot:
         if self.influence[0]:
             return _JOINTS[joint_type(joint, self.unit.classes)]
         return _JOINTS["free" if joint.tag == "freejoint" else joint.get("type") or "hinge"]
 
-    def block(self, block: Node) -> Slot:
-        if block.tag != "replicate":
-            raise Unknown(block)
-        inside = Layout()
-        self.visit(block, inside)
-        if any(slot.controls != (0, 0) for slot in inside.joints.values()):
-            raise Unknown(block)
-        count = _count(block)
-        nq, nv = inside.total("qpos"), inside.total("qvel")
-        free = tuple((copy * nq + q, copy * nv + v) for copy in range(count) for q, v in inside.free())
-        return Slot(BLOCK, (count * nq, count * nv), free)
-
-    def mocaps(self, element: Node) -> int:
-        """Return the number of mocap bodies that an element directly in the world, or in a replicate there, makes."""
-        if element.tag == "replicate":
-            return _count(element) * sum(map(self.mocaps, through_frames(element)))
-        if element.tag == "attach":
-            return self.known[element].mocaps
-        return int(element.tag == "body" and element.get("mocap") == "true")
+    def mocaps(self, holder: Node, within: Within) -> Iterator[tuple[Holder, int]]:
+        """Yield the mocap bodies directly in the world, or in a replicate there, and what brings some."""
+        for child in through_frames(holder):
+            if child.tag == "replicate":
+                for number in range(_count(child)):
+                    yield from self.mocaps(child, ((child, number), *within))
+            elif child.tag == "attach" and (count := self.known[child].mocaps):
+                yield _copy(child, within), count
+            elif child.tag == "body" and child.get("mocap") == "true":
+                yield _copy(child, within), 1
 
     def actuator(self, actuator: Node) -> Slot:
         tag = actuator.tag
@@ -282,6 +302,10 @@ class _Reader:
 
     def _class(self, actuator: Node) -> DefaultClass:
         return self.unit.classes.get(str(actuator.get("class") or "") or None)
+
+
+def _copy(element: Node, within: Within) -> Holder:
+    return Copy(element, within) if within else element
 
 
 def _count(replicate: Node) -> int:

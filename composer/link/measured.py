@@ -5,14 +5,15 @@ from __future__ import annotations
 import copy
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from itertools import islice
 
 from lxml.etree import _Element as Node
 
-from composer.compiled.joints import FREE
+from composer.compiled.joints import FREE, HINGE
 from composer.link import numbers
-from composer.link.layout import BLOCK, Layout, Slot, Unknown, actuator_slot, lay_out
+from composer.link.layout import BLOCK, Holder, Layout, Slot, Unknown, actuator_slot, lay_out
 from composer.link.linking import Linking
-from composer.link.multiplied import actuators_in_order, element_of
+from composer.link.multiplied import Copy, actuators_in_order, element_of
 from composer.numerics.pose import Pose
 from composer.tree.names import declaration
 from composer.tree.unit import Unit
@@ -31,14 +32,14 @@ _ARRAYS = (
     "actuator_actnum",
     "actuator_ctrlnum",
 )
-_SIZES = ("nq", "nv")
+_OF_FLEX = ("nq", "nv", "jnt_type")
 
 
 def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     """Measure what the tree does not tell about a unit's keys, by element. Return None if MuJoCo refuses the unit.
 
     That is all of what MuJoCo attaches, (nctrl, nact) of every actuator, (nq, nv) of every flex and of one more
-    block of unknown size.
+    block of unknown size. Raises `Unknown` if the layout is not as wide as MuJoCo's.
     """
     arrays = linking.measure(unit, _ARRAYS) if linking.measure else None
     if not arrays:
@@ -56,24 +57,25 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
         raise Unknown(
             replicate
         )  # it multiplies actuators that refer to nothing in it: see `replicate_capture.py`
-    unknown: list[Node] = []
-    while True:
-        try:
-            layout = lay_out(unit, found)
-            break
-        except Unknown as reason:
-            if unknown:
-                return found
-            unknown.append(reason.element)
-            found[reason.element] = Slot(BLOCK, (0, 0))
-    if unknown:
+    unknown: Node | None = None
+    try:
+        layout = lay_out(unit, found)
+    except Unknown as reason:
+        unknown = reason.element
+        found[unknown] = Slot(BLOCK, (0, 0))
+        layout = lay_out(unit, found)
+    if unknown is not None:
         nq = int(arrays["nq"][0]) - layout.total("qpos")
         nv = int(arrays["nv"][0]) - layout.total("qvel")
-        found[unknown[0]] = Slot(BLOCK, (nq, nv), _free_inside(layout, unknown[0], (nq, nv), arrays))
+        found[unknown] = Slot(BLOCK, (nq, nv), _free_inside(layout, unknown, (nq, nv), arrays))
         layout = lay_out(unit, found)
-    if layout.total("qpos") == int(arrays["nq"][0]):
-        _note_references(linking, unit, layout, arrays["qpos0"])
-    _note_mocaps(linking, layout, arrays)
+    is_mocap = [number >= 0 for number in arrays["body_mocapid"]]
+    if (layout.total("qpos"), layout.total("qvel"), sum(layout.mocaps.values())) != (
+        int(arrays["nq"][0]), int(arrays["nv"][0]), sum(is_mocap)
+    ):  # fmt: skip
+        raise Unknown(next(unit.root.iter("replicate", "flexcomp", "attach", "composite", "worldbody")))
+    _note_references(linking, unit, layout, arrays["qpos0"])
+    _note_mocaps(linking, layout, arrays, is_mocap)
     return found
 
 
@@ -88,14 +90,16 @@ def attached(linking: Linking, unit: Unit) -> dict[Node, Slot]:
 
 
 def _flexes(linking: Linking, unit: Unit) -> Iterator[tuple[Node, Slot]]:
-    """Measure what each `<flexcomp>` adds, alone, when the whole model does not distinguish them."""
-    flexes = list(unit.root.iter("flexcomp"))
-    if len(flexes) == 1 and next(flexes[0].iterancestors("replicate"), None) is None:
-        return
-    for flex in flexes:
-        arrays = linking.measure(_alone(unit, flex), _SIZES, attempt=True) if linking.measure else None
+    """Measure what each `<flexcomp>` adds, alone. Those that MuJoCo refuses alone are left out."""
+    for flex in unit.root.iter("flexcomp"):
+        arrays = linking.measure(_alone(unit, flex), _OF_FLEX, attempt=True) if linking.measure else None
         if arrays:
-            yield flex, Slot(BLOCK, (int(arrays["nq"][0]), int(arrays["nv"][0])))
+            # The vertices and nodes of a flex slide; hinges are the twists of a rod (since MuJoCo 4.0).
+            twists = arrays["jnt_type"].count(HINGE)
+            yield (
+                flex,
+                Slot(BLOCK, (int(arrays["nq"][0]) - twists, int(arrays["nv"][0]) - twists), twists=twists),
+            )
 
 
 def _alone(unit: Unit, flex: Node) -> Unit:
@@ -127,6 +131,7 @@ def _measured(linking: Linking, unit: Unit, attach: Node) -> Slot | None:
         BLOCK,
         size,
         tuple(_free_joints(arrays)),
+        0,
         (sum(controls), sum(acts)),
         len(acts),
         sum(number >= 0 for number in arrays["body_mocapid"]),
@@ -169,11 +174,16 @@ def _free_inside(
     return tuple((q - nq, v - nv) for q, v in _free_joints(arrays) if nq <= q < nq + widths[0])
 
 
-def is_measured(unit: Unit, joint: Node, slot: Slot) -> bool:
-    """Return whether only MuJoCo knows the reference: of what it expands, and of bodies aligned with their inertia."""
+def is_measured(unit: Unit, joint: Holder, slot: Slot) -> bool:
+    """Return whether only MuJoCo knows the reference.
+
+    It does of what it expands, of bodies aligned with their inertia, and of the copies of floating bodies.
+    """
     if slot.kind == BLOCK:
         return slot.widths[0] > 0
-    return slot.kind == "free" and "true" in (joint.get("align"), unit.settings.alignfree)
+    if slot.kind != "free":
+        return False
+    return isinstance(joint, Copy) or "true" in (joint.get("align"), unit.settings.alignfree)
 
 
 def _note_references(linking: Linking, unit: Unit, layout: Layout, qpos0: list[float]) -> None:
@@ -185,15 +195,15 @@ def _note_references(linking: Linking, unit: Unit, layout: Layout, qpos0: list[f
         at += width
 
 
-def _note_mocaps(linking: Linking, layout: Layout, arrays: Mapping[str, list[float]]) -> None:
-    """Record the places of mocap bodies that are not in the tree."""
-    bodies = [body for body, number in enumerate(arrays["body_mocapid"]) if number >= 0]
-    if len(bodies) != sum(layout.mocaps.values()):
-        return
-    for element, count in layout.mocaps.items():
-        own, bodies = bodies[:count], bodies[count:]
-        if element.tag != "body":
-            linking.keys.mocap_references[element] = [_pose(arrays, body) for body in own]
+def _note_mocaps(
+    linking: Linking, layout: Layout, arrays: Mapping[str, list[float]], is_mocap: list[bool]
+) -> None:
+    """Record the places of mocap bodies that are not in the tree, or several times."""
+    bodies = iter([body for body, found in enumerate(is_mocap) if found])
+    for holder, count in layout.mocaps.items():
+        own = list(islice(bodies, count))
+        if isinstance(holder, Copy) or holder.tag != "body":
+            linking.keys.mocap_references[holder] = [_pose(arrays, body) for body in own]
 
 
 def _pose(arrays: Mapping[str, list[float]], body: int) -> Pose:

@@ -21,11 +21,20 @@ Name = tuple[str, str]
 """Namespace and name."""
 
 
+Within = tuple[tuple[Node, int], ...]
+"""The number of a copy in each `<replicate>` that makes it, innermost first."""
+
+
 class Copy(NamedTuple):
-    """One of the actuators that MuJoCo makes of an element, by its number in each replicate, innermost first."""
+    """One of the joints, actuators or mocap bodies that MuJoCo makes of an element.
+
+    `twists` stands for the joints in which a rod, a `<flexcomp>` of one dimension, is twisted: they are elsewhere
+    than its vertices.
+    """
 
     element: Node
-    numbers: tuple[int, ...]
+    within: Within = ()
+    twists: bool = False
 
 
 def element_of(holder: Node | Copy) -> Node:
@@ -38,17 +47,17 @@ class _Thing:
     """A tendon or an actuator after the replicates carried out so far."""
 
     element: Node
-    numbers: tuple[int, ...]
+    within: Within
     name: str
     refers: frozenset[Name]
 
-    def copied(self, number: int, suffix: str, lost: frozenset[Name]) -> _Thing:
+    def copied(self, replicate: Node, number: int, suffix: str, lost: frozenset[Name]) -> _Thing:
         """Return a copy that refers to the copies of what is `lost`."""
         refers = frozenset(
             (kind, name + suffix if (kind, name) in lost else name) for kind, name in self.refers
         )
         name = self.name + suffix if self.name else ""
-        return replace(self, numbers=(*self.numbers, number), name=name, refers=refers)
+        return replace(self, within=(*self.within, (replicate, number)), name=name, refers=refers)
 
 
 def actuators_in_order(root: Node) -> list[Node | Copy]:
@@ -62,12 +71,11 @@ def actuators_in_order(root: Node) -> list[Node | Copy]:
     made: dict[Node, list[Name]] = {}
     for replicate in replicates:
         inside = list(_declared(replicate, made))
-        ends = suffixes(replicate)
-        made[replicate] = [(kind, name + end) for end in ends for kind, name in inside]
+        made[replicate] = [(kind, name + end) for end in suffixes(replicate) for kind, name in inside]
         lost = frozenset(inside)
-        hanging, gone = _multiply(hanging, lost, ends)
-        driving, _ = _multiply(driving, lost | gone, ends)
-    return [Copy(each.element, each.numbers) if each.numbers else each.element for each in driving]
+        hanging, gone = _multiply(hanging, lost, replicate)
+        driving, _ = _multiply(driving, lost | gone, replicate)
+    return [Copy(each.element, each.within) if each.within else each.element for each in driving]
 
 
 def names_made(root: Node) -> set[Name]:
@@ -81,7 +89,7 @@ def names_made(root: Node) -> set[Name]:
 
 
 def _multiply(
-    things: list[_Thing], lost: frozenset[Name], ends: list[str]
+    things: list[_Thing], lost: frozenset[Name], replicate: Node
 ) -> tuple[list[_Thing], frozenset[Name]]:
     """Multiply the things that refer to `lost` names, as a replicate does. Return all things, and the old names."""
     # MuJoCo 4.0 multiplies what refers to something inside, too: `<motor joint="j"/>` on the joint of a body in
@@ -90,7 +98,10 @@ def _multiply(
     kept = [thing for thing in things if thing.refers.isdisjoint(lost)]
     taken = [thing for thing in things if not thing.refers.isdisjoint(lost)]
     whole = [thing for thing in taken if thing.refers <= lost]
-    copies = [thing.copied(number, end, lost) for number, end in enumerate(ends) for thing in whole]
+    ends = suffixes(replicate)
+    copies = [
+        thing.copied(replicate, number, end, lost) for number, end in enumerate(ends) for thing in whole
+    ]
     return kept + copies, frozenset(("tendon", thing.name) for thing in taken if thing.name)
 
 

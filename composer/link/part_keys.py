@@ -12,6 +12,7 @@ from composer.link import numbers
 from composer.link.key_layouts import VECTORS, holders, keys_of
 from composer.link.layout import BLOCK, Holder, Layout, Slot
 from composer.link.linking import Linking
+from composer.link.multiplied import Copy
 from composer.link.part import Part
 from composer.numerics.pose import Pose, normalise, rotate
 from composer.tree.classes import ORIENTATIONS
@@ -70,6 +71,7 @@ def _moved(linking: Linking, part: Part | None, layout: Layout, key: Key) -> Key
         return key
     values = {vector: dict(columns) for vector, columns in key.values.items()}
     for vector, columns in values.items():
+        _check_copies(linking, part, layout, key, vector, columns)
         if vector in ("qpos", "qvel"):
             _check_flexes(linking, part, layout, key, vector, columns)
         _carry(part, layout, vector, columns)
@@ -113,12 +115,37 @@ def cut_row(
     return taken
 
 
+def _check_copies(
+    linking: Linking, part: Part, layout: Layout, key: Key, vector: str, taken: Mapping[Holder, object]
+) -> None:
+    """Report poses in the world that a `<replicate>` around the part would take to several places."""
+    holder = part.content
+    replicate = None if holder is None else next(holder.iterancestors("replicate"), None)
+    floats = (
+        any(slot.free and joint in taken for joint, slot in layout.joints.items())
+        if vector in ("qpos", "qvel")
+        else vector in ("mpos", "mquat") and bool(taken)
+    )
+    if replicate is not None and floats:
+        linking.sink.error(
+            "not-supported",
+            f"`{vector}` of {called(key.element)} has poses in the world, and `{part.called}` is attached in a "
+            "`<replicate>`, which makes several of each",
+            key.span(vector),
+            notes=(Note("the `<replicate>`", linking.span(linking.base, replicate)),),
+            help="leave the keys out: `keyframes: none`",
+            subjects=(part.called,),
+        )
+
+
 def _check_flexes(
     linking: Linking, part: Part, layout: Layout, key: Key, vector: str, taken: Mapping[Holder, object]
 ) -> None:
     """Report key numbers of a flex whose bodies do not turn with the frames above it, so that directions change."""
     for block, slot in layout.joints.items():
-        if slot.kind == BLOCK and block in taken and block.tag == "flexcomp" and _is_turned(part, block):
+        if isinstance(block, Copy) or slot.kind != BLOCK or block not in taken:
+            continue  # a `<flexcomp>` in a replicate is in a body
+        if block.tag == "flexcomp" and _is_turned(part, block):
             linking.sink.error(
                 "not-supported",
                 f"`{vector}` of {called(key.element)} has the vertices of a flex, which `{part.called}` turns",

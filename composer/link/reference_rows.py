@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import cached_property
 
 from lxml.etree import _Element as Node
@@ -11,11 +11,11 @@ from composer.link import numbers
 from composer.link.angles import model_angle
 from composer.link.layout import BLOCK, Holder, Layout, Slot
 from composer.link.linking import Linking
-from composer.link.multiplied import element_of
+from composer.link.multiplied import Copy, Within, element_of
 from composer.link.placing import pose_in_world, read_pose
 from composer.numerics.pose import Pose
 from composer.tree.classes import childclass_of, written
-from composer.tree.key_number import KeySource, Number
+from composer.tree.key_number import KeySource, Number, texts
 
 _IDENTITY = "1 0 0 0".split()
 
@@ -25,6 +25,7 @@ class Reference:
 
     def __init__(self, linking: Linking) -> None:
         self.linking = linking
+        self.disagreeing: list[tuple[str, Node]] = []
         self.sequence = linking.base.settings.eulerseq
 
     @cached_property
@@ -40,35 +41,59 @@ class Reference:
     ) -> list[Number]:
         """Return all numbers of a vector. `values` are those that a key sets; those of `void` mean nothing now."""
         row: list[Number] = []
+        found = self._found(vector, values)
         if vector in ("mpos", "mquat"):
             for body in layout.mocaps:
-                poses = self.linking.keys.mocap_references.get(body) or [self._pose(body)]
+                poses = self.linking.keys.mocap_references.get(body) or [self._pose(element_of(body))]
                 text = [number for pose in poses for number in (pose.pos if vector == "mpos" else pose.quat)]
-                said = values.get(body, [])
+                said = found(body) or []
                 row += [*said, *_by_nobody(vector, numbers.text(text).split())[len(said) :]]
             return row
         # Numbers still mean something if neither their holder's meaning nor its width has been edited.
         second = vector in ("qvel", "act")
-        if vector in ("qpos", "qvel"):
-            for joint, slot in layout.joints.items():
-                given = values.get(joint)
-                if given is None or len(given) != slot.widths[second] or element_of(joint) in void:
-                    default = ["0"] * slot.widths[1] if second else self._qpos(joint, slot)
-                    given = _by_nobody(vector, default, given)
-                row += given
-            return row
-        for actuator, slot in layout.actuators.items():
-            width = slot.widths[second]
-            given = values.get(actuator)
-            if given is None or len(given) != width or element_of(actuator) in void:
-                given = _by_nobody(vector, ["0"] * width, given)
+        for holder, slot in (layout.joints if vector in ("qpos", "qvel") else layout.actuators).items():
+            width, given = slot.widths[second], found(holder)
+            if given is None or len(given) != width or element_of(holder) in void:
+                default = self._qpos(holder, slot) if vector == "qpos" else ["0"] * width
+                given = _by_nobody(vector, default, given)
             row += given
         return row
 
-    def _qpos(self, joint: Node, slot: Slot) -> list[str]:
-        measured = self.linking.keys.references.get(joint)
+    def _found(
+        self, vector: str, values: Mapping[Holder, list[Number]]
+    ) -> Callable[[Holder], list[Number] | None]:
+        """Return a function for the numbers that a key has for a holder, also if it has another number of copies now.
+
+        Every copy that a replicate makes of a part has the numbers of the part. Copies that are one element now must
+        agree: those that do not are noted in `disagreeing`.
+        """
+        others: dict[tuple[Node, bool], list[tuple[Within, list[Number]]]] = {}
+
+        def found(holder: Holder) -> list[Number] | None:
+            if holder in values:
+                return values[holder]
+            if not others:
+                for each, row in values.items():
+                    own = each if isinstance(each, Copy) else Copy(each)
+                    others.setdefault((own.element, own.twists), []).append((own.within, row))
+            now = holder if isinstance(holder, Copy) else Copy(holder)
+            inside = dict(now.within)
+            rows = [
+                row
+                for within, row in others.get((now.element, now.twists), ())
+                if all(inside.get(replicate, number) == number for replicate, number in within)
+            ]
+            if any(texts(row) != texts(rows[0]) for row in rows[1:]):
+                self.disagreeing.append((vector, now.element))
+            return rows[0] if rows else None
+
+        return found
+
+    def _qpos(self, holder: Holder, slot: Slot) -> list[str]:
+        measured = self.linking.keys.references.get(holder)
         if measured is not None:
             return measured
+        joint = element_of(holder)
         # A free joint starts where its body stands in the world: in `<frame pos="1 0 0">` at 1 0 0 1 0 0 0.
         if slot.kind == "free":
             body = joint.getparent()

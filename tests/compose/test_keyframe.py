@@ -427,3 +427,134 @@ def test_keys_that_mujoco_itself_brings_stay_where_it_leaves_them(built: Built, 
     assert build(Request(tmp_path / "recipe.yaml", verified=False), context) is None
     (fault,) = context.sink.errors
     assert fault.code == "not-supported" and "`p/` moves it" in fault.message
+
+
+MOTOR = """
+<mujoco model="m"><worldbody><body name="b" pos="0 0 1"><joint name="j" axis="0 1 0"/><geom size=".1" pos=".2 0 0"/></body></worldbody>
+  <actuator><motor name="m" joint="j"/></actuator><keyframe><key name="old" qpos=".1" ctrl="7"/></keyframe></mujoco>
+"""
+
+
+@pytest.mark.parametrize(
+    ("key", "expected"),
+    [
+        ("{qpos: {j: 0.3rad}, ctrl: {m: 0.2rad}}", 0.2),
+        ("{qpos: {j: 0.3rad}, ctrl: hold}", 0.3),
+        ("{qpos: {j: 0.3rad}, ctrl: {m: hold}}", 0.3),
+        ("{qpos: {j: 0.3rad}, ctrl: {joint: {j: 0.25rad}}}", 0.25),
+        ("{from: {base: old}}", 0),
+        ("{from: {base: old}, ctrl: {m: 0.2rad}}", 0.2),
+    ],
+)
+def test_an_edit_empties_only_the_keys_that_are_older(built: Built, key: str, expected: float) -> None:
+    convert = "edit: [{select: {actuator: m}, convert: {to: position, kp: 4}}]"
+    for name in ("new", "old"):  # of the same name as the key of the source, too
+        model = built(f"base: ./m.xml\n{convert}\nkeyframe: {{{name}: {key}}}", **{"m.xml": MOTOR})
+        assert model.key(name).ctrl == pytest.approx([expected])
+    nested = (
+        "attach: {x: {model: ./in.yaml}}\nedit: [{select: {actuator: x/m}, convert: {to: position, kp: 4}}]"
+    )
+    inner = "recipe: 1\nbase: ./m.xml\nkeyframe: {mine: {ctrl: {m: 3}}}"
+    model = built(nested + "\nkeyframe: {new: {ctrl: {x/m: 1rad}}}", **{"m.xml": MOTOR, "in.yaml": inner})
+    assert (model.key("mine").ctrl, model.key("old").ctrl, model.key("new").ctrl) == ([0], [0], [1])
+
+
+POSTS = """
+<mujoco model="posts"><worldbody><body name="first" pos="9 0 0"><joint name="fj"/><geom size=".1"/></body>
+  <replicate count="2" offset="0 1 0"><body name="post"><joint name="pj"/><geom size=".1"/><site name="hook" pos="0 0 .2"/>
+    <replicate count="2" offset="0 0 1" sep="_"><body name="leaf"><joint name="lj" type="slide"/><geom size=".1"/></body>
+    </replicate></body></replicate>
+  <body name="last" pos="3 0 0"><joint name="last" ref="20"/><geom size=".1"/></body></worldbody>
+  <actuator><motor name="pm" joint="pj"/><general name="lm" joint="last" dyntype="filter"/></actuator>
+  <keyframe><key name="k" qpos="1 2 3 4 5 6 7 8" qvel="10 20 30 40 50 60 70 80" act="5" ctrl="9 11 12"/></keyframe></mujoco>
+"""
+POSTED = {"fj": 1, "pj0": 2, "lj_00": 3, "lj_10": 4, "pj1": 5, "lj_01": 6, "lj_11": 7, "last": 8}
+ARMLET = """
+<mujoco model="armlet"><worldbody><body name="a"><joint name="j"/><geom size=".1"/>
+  <replicate count="2" offset="0 0 1"><body name="tip"><joint name="t"/><geom size=".1"/></body></replicate></body></worldbody>
+  <actuator><position name="m" joint="t" kp="3"/></actuator>
+  <keyframe><key name="k" qpos=".1 .2 .3" ctrl=".4 .5"/></keyframe></mujoco>
+"""
+
+
+@pytest.mark.parametrize(
+    ("recipe", "changed"),
+    [
+        (
+            "add: [{to: post, body: {name: flag, joint: {name: new}, geom: {size: 0.02}}}]",
+            {"new0": 0, "new1": 0},
+        ),
+        ("add: [{to: leaf, body: {name: flag, joint: {name: new}, geom: {size: 0.02}}}]", {"new_01": 0}),
+        ("edit: [{select: {body: first}, move: {to: leaf}}]", {"fj": None, "fj_00": 1, "fj_11": 1}),
+        (
+            "edit: [{select: {joint: lj}, set: {type: ball}}]",
+            {each: [1, 0, 0, 0] for each in POSTED if each[:2] == "lj"},
+        ),
+        ("edit: [{select: {joint: lj}, remove: true}]", {each: None for each in POSTED if each[:2] == "lj"}),
+        (
+            "edit: [{select: {body: leaf}, remove: true}]\nattach: {t: {model: ./armlet.xml, site: hook}}",
+            {each: None for each in POSTED if each[:2] == "lj"} | {"t/j0": 0.1, "t/t01": 0.2, "t/t10": 0.3},
+        ),
+        (
+            "attach: {t: {model: ./armlet.xml, site: hook}, u: {model: ./armlet.xml, pos: [7, 0, 0]}}",
+            {"t/j0": 0.1, "t/j1": 0.1, "t/t00": 0.2, "t/t10": 0.3, "t/t01": 0.2, "t/t11": 0.3, "u/t1": 0.3},
+        ),
+    ],
+)
+def test_keys_follow_what_is_inside_of_a_replicate(
+    built: Built, recipe: str, changed: dict[str, object]
+) -> None:
+    model = built(f"base: ./posts.xml\n{recipe}", **{"posts.xml": POSTS, "armlet.xml": ARMLET})
+    reset = Reset(model, "k")
+    names = {model.joint(at).name for at in range(model.njnt)}
+    for joint, value in (POSTED | changed).items():
+        if value is None:
+            assert joint not in names
+        else:
+            assert reset.qpos(joint) == pytest.approx(np.atleast_1d(value)), joint
+            if joint in POSTED and joint not in changed:
+                assert reset.qvel(joint) == [10 * POSTED[joint]]
+    key = model.key("k")
+    assert [float(key.ctrl[model.actuator(each).id]) for each in ("lm", "pm0", "pm1")] == [9, 11, 12]
+    if "t/m01" in {model.actuator(at).name for at in range(model.nu)}:
+        found = [float(key.ctrl[model.actuator(f"t/m{each}").id]) for each in ("00", "10", "01", "11")]
+        assert found == [0.4, 0.5, 0.4, 0.5]
+
+
+def test_copies_that_differ_cannot_leave_their_replicate(built: Built) -> None:
+    with pytest.raises(AssertionError, match="different numbers for the copies of `lj`"):
+        built(
+            "base: ./posts.xml\nedit: [{select: {body: leaf}, move: {to: world}}]",
+            **{"posts.xml": POSTS},
+        )
+
+
+ROD = """
+<mujoco model="rod"><worldbody><body name="holder" pos="0 0 1"><joint name="hj" axis="0 1 0"/><geom size=".05"/>
+  <flexcomp name="rod" type="grid" count="4 1 1" spacing=".1 .1 .1" dim="1" mass=".1" radius=".01" pos=".3 0 0">
+    <edge equality="true"/><elasticity young="1e5" poisson="0"/><pin id="0"/><contact selfcollide="none"/></flexcomp>
+  <body name="in"><joint name="ij"/><geom size=".05"/></body></body>
+  <body name="after" pos="0 1 1"><joint name="aj" axis="0 1 0"/><geom size=".05"/></body></worldbody>
+  <keyframe><key name="k" qpos="1 2 3 4 5 6 7 8 9 10 11 12 13 14 15"/></keyframe></mujoco>
+"""
+
+
+@pytest.mark.skipif(mujoco.mj_versionString().startswith("3."), reason="rods twist since MuJoCo 4.0")
+@pytest.mark.parametrize(
+    "recipe",
+    [
+        "base: ./rod.xml\nattach: {t: {model: {add: [{to: world, body: {name: b, joint: {name: tj}, geom: {size: 1}}}]}, body: holder}}",
+        "base: ./hand.xml\nattach: {t: {model: ./rod.xml, body: palm}}",
+        "attach: {t: {model: ./rod.xml}, u: {model: ./rod.xml, pos: [0, 0, 2], keyframes: none}}",
+        "base: ./rod.xml\nadd: [{to: in, body: {name: flag, joint: {name: new}, geom: {size: 0.02}}}]",
+    ],
+)
+def test_the_twists_of_a_rod_keep_their_numbers(built: Built, recipe: str) -> None:
+    model = built(recipe, **{"rod.xml": ROD})
+    prefix = "" if "base: ./rod.xml" in recipe else "t/"
+    reset = Reset(model, "k")
+    expected = {"hj": 1, "ij": 11, "rod_twist_0": 12, "rod_twist_1": 13, "rod_twist": 14, "aj": 15}
+    assert {each: reset.qpos(prefix + each) for each in expected} == {a: [b] for a, b in expected.items()}
+    for at in (1, 2, 3):
+        first = model.jnt_qposadr[model.body(f"{prefix}rod_{at}").jntadr[0]]
+        assert list(reset.data.qpos[first : first + 3]) == [3 * at - 1, 3 * at, 3 * at + 1]

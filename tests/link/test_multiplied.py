@@ -49,7 +49,12 @@ def test_order(world: str, tendons: bool) -> None:
     found = []
     for holder in actuators_in_order(etree.fromstring(text)):
         element = holder.element if isinstance(holder, Copy) else holder
-        found.append((str(element.get("name")), holder.numbers if isinstance(holder, Copy) else ()))
+        found.append(
+            (
+                str(element.get("name")),
+                tuple(number for _, number in holder.within) if isinstance(holder, Copy) else (),
+            )
+        )
     assert len(found) == len(names)
     for (name, numbers), compiled in zip(found, names, strict=True):
         assert compiled.startswith(name)
