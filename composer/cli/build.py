@@ -21,7 +21,7 @@ from composer.cli.reporting import USAGE, is_strict, report, reporting_options, 
 from composer.cli.shard import Shard
 from composer.cli.targeting import check_target, target_option
 from composer.cli.wanted import Wanted, for_shared_assets, kind_of_output
-from composer.cli.watching import watch_option
+from composer.cli.watching import session_of_run, watch_option
 from composer.cli.writing import build_one, finish
 
 
@@ -142,9 +142,7 @@ def command(
         if context.sink.has_errors:
             report(context, form)
             sys.exit(USAGE)
-        from composer.engine import Session
-
-        with Session(remembers=not one) as session:
+        with session_of_run(remembers=not one) as session:
             if table is not None:
                 from composer.cli.build_worlds import build_worlds
 

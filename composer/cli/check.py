@@ -32,7 +32,7 @@ from composer.cli.reporting import (
 )
 from composer.cli.shard import Shard
 from composer.cli.tally import Tally
-from composer.cli.watching import watch_option
+from composer.cli.watching import session_of_run, watch_option
 
 if TYPE_CHECKING:
     from composer.cache.builder import Maker
@@ -150,10 +150,8 @@ class _Check:
         key = maker.key()
         made, why = maker.recall(key, context, outcomes)
         if made is None:
-            from composer.engine import Session
-
             progress(f"checking {maker.recipe}")
-            with Session() as session:
+            with session_of_run(remembers=False) as session:
                 made = maker.make(context, session, given, key=key, why=why, outcomes=outcomes)
         self.suites.append(suite_of(maker.recipe, outcomes, context.sink.errors, context))
         self.counted = _counted(len(outcomes))
@@ -167,7 +165,6 @@ class _Check:
         """Check cells; return False if there are none, because the recipe is one model."""
         from composer.cache.cell_run import CellRun
         from composer.cache.making import CellMaker
-        from composer.engine import Session
 
         maker, context = self.maker, self.context
         chosen, self.code = chosen_cells(maker.recipe, picks, samples, given, context, "check")
@@ -181,7 +178,7 @@ class _Check:
         self.tally = Tally(maker.recipe, len(chosen))
         checks = 0
         with (
-            Session(remembers=True) as session,
+            session_of_run(remembers=True) as session,
             crew_of(self.cluster, self.jobs) as crew,
             CellRun(CellMaker(maker, given, session), self.jobs, crew) as running,
             stopped(context) as ended,

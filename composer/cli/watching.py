@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from functools import wraps
 from pathlib import Path
 from threading import Event
@@ -15,9 +15,11 @@ from composer.cli.noted import note_files, noted_files
 from composer.cli.reporting import USAGE, clear_progress, is_quiet
 
 if TYPE_CHECKING:
+    from composer.engine import Session
     from composer.view.watching import Mark
 
 _PATIENCE = 0.5
+_SESSIONS = "composer.sessions"
 
 
 def watch_option(command: Callable[..., None]) -> Callable[..., None]:
@@ -32,6 +34,22 @@ def watch_option(command: Callable[..., None]) -> Callable[..., None]:
 
     help = "Run again whenever a file that was read changes. Stop with Ctrl-C."
     return click.option("--watch", is_flag=True, help=help)(watched)
+
+
+@contextmanager
+def session_of_run(*, remembers: bool) -> Iterator[Session]:
+    """Yield a session for MuJoCo. With `--watch` all runs have the same one, which remembers assets."""
+    from composer.engine import Session
+
+    kept = click.get_current_context().meta.get(_SESSIONS)
+    if kept is None:
+        with Session(remembers=remembers) as session:
+            yield session
+        return
+    opened, sessions = kept
+    if not sessions:
+        sessions.append(opened.enter_context(Session(remembers=True)))
+    yield sessions[0]
 
 
 def _named(given: dict[str, Any]) -> list[Path]:
@@ -51,6 +69,8 @@ def _again_and_again(command: Callable[[], None], named: list[Path]) -> None:
     from composer.view.watching import marks
 
     before: dict[Path, Mark] = {}
+    opened = ExitStack()
+    click.get_current_context().meta[_SESSIONS] = opened, []
     try:
         while True:
             started = marks([*before, *named])
@@ -67,6 +87,8 @@ def _again_and_again(command: Callable[[], None], named: list[Path]) -> None:
             _wait(before)
     except KeyboardInterrupt:
         clear_progress()
+    finally:
+        opened.close()
 
 
 def _code(command: Callable[[], None]) -> int:

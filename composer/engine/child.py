@@ -70,9 +70,9 @@ def _end_with_parent() -> None:
 
 def _compile(request: dict[str, Any], mujoco: Any, kept: dict[str, Any]) -> dict[str, Any]:
     answer: dict[str, Any] = {"ok": False, "crash": None}
-    _remember_files(mujoco, request["stands"])
     try:
-        model = (_compiled_there if request["mjb"] else _compiled)(request, mujoco)
+        with _remembering(mujoco, request["stands"]):
+            model = (_compiled_there if request["mjb"] else _compiled)(request, mujoco)
         if request["keep"] is not None:
             kept[request["keep"]] = model
         return answer | _described(request, mujoco, model) | {"ok": True}
@@ -217,14 +217,26 @@ def _set_soft_limit(resource: Any, kind: int | None, value: int) -> None:
         resource.setrlimit(kind, (value, hard))
 
 
-def _remember_files(mujoco: Any, stands: bool) -> None:
-    """Let MuJoCo cache only files of a standing folder.
+@contextlib.contextmanager
+def _remembering(mujoco: Any, stands: bool) -> Iterator[None]:
+    """Let MuJoCo read and compile each asset once, and keep those of a standing folder for its next model.
 
-    It identifies files by path and time, which files of other folders may share. Without capacity the cache is
-    empty, so the first other folder clears it.
+    It identifies files by path and time, which files of other folders may share. So what it knows of another folder
+    is forgotten before and after: without capacity the cache is empty.
     """
+    if not stands:
+        _set_cache(mujoco, 0)
+    _set_cache(mujoco, _REMEMBERED)
+    try:
+        yield
+    finally:
+        if not stands:
+            _set_cache(mujoco, 0)
+
+
+def _set_cache(mujoco: Any, capacity: int) -> None:
     with contextlib.suppress(AttributeError, TypeError):  # a version without a cache, or without access to it
-        mujoco.mj_setCacheCapacity(mujoco.mj_getCache(), _REMEMBERED if stands else 0)
+        mujoco.mj_setCacheCapacity(mujoco.mj_getCache(), capacity)
 
 
 def _read_log(start: int) -> tuple[list[str], int]:

@@ -13,6 +13,7 @@ import pytest
 from cli.shell import RECIPE, WRONG, environment, run
 
 from composer.cli import watching
+from composer.engine import Session
 from composer.view.watching import Watch, marks
 
 pytestmark = [
@@ -103,6 +104,27 @@ def test_it_checks_again_from_a_recipe_that_fails_at_first(
     tool.write_text(tool.read_text().replace("box", "bocks"))
     assert "models/tool.xml:4" in command.until_it_watches()
     assert command.interrupt() == 0
+
+
+def test_all_runs_have_one_process_for_mujoco(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    started: list[Session] = []
+    spawn = Session._spawn
+    monkeypatch.setattr(Session, "_spawn", lambda self: (started.append(self), spawn(self)))
+    saves = iter(
+        (RECIPE + "option: {timestep: 0.001}\n", RECIPE + "option: {timestep: 0.002}\n", WRONG, RECIPE)
+    )
+
+    def save(before: object) -> None:
+        assert started[0]._process is not None
+        if (text := next(saves, None)) is None:
+            raise KeyboardInterrupt
+        (folder / "cell.yaml").write_text(text)
+
+    monkeypatch.setattr(watching, "_wait", save)
+    result = run("build", str(folder / "cell.yaml"), "--no-cache", "-o", str(folder / "out.xml"), "--watch")
+    assert result.stdout.count("wrote") == 4 and "error[attach-place]" in result.stderr
+    assert len(started) == 1 and started[0]._process is None
+    assert "timestep" not in (folder / "out.xml").read_text()
 
 
 def test_a_file_that_never_was_ends_it(folder: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -79,6 +80,19 @@ def test_files_are_remembered_only_where_they_stand(
         (tmp_path / path).write_bytes(content)
     assert engine.compile(tmp_path, session=session).ok
     assert engine.call(session, remembered, [], None).value == 0
+
+
+def test_another_folder_has_the_bytes_that_it_has_now(plain: engine.Session, tmp_path: Path) -> None:
+    """Also where path and time are those of a file that was there before."""
+    found = []
+    for x in (1, 2):
+        for path, content in bundle(x).files.items():
+            (tmp_path / path).write_bytes(content)
+            os.utime(tmp_path / path, (1e9, 1e9))
+        found.append(
+            engine.measure(tmp_path, arrays=["geom_rbound"], session=plain).arrays["geom_rbound"].tolist()
+        )
+    assert found[0] != found[1]
 
 
 def test_one_folder_stands(session: engine.Session) -> None:
