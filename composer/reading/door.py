@@ -6,9 +6,11 @@ real target: symbolic links are resolved first.
 
 from __future__ import annotations
 
+import fnmatch
 import os
+import re
 import stat
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import field, replace
 from typing import NewType
 
@@ -18,6 +20,8 @@ from composer.reading.refused import OUTSIDE, Refused
 from composer.reading.regular import is_irregular, read_regular
 
 _NO_NAMES = ("", os.curdir, os.pardir)
+_MAGIC = re.compile(r"[*?\[]")
+MOST_LOOKS = 20_000
 Passed = NewType("Passed", str)
 """A path that passed a door."""
 
@@ -92,6 +96,29 @@ class Door:
         """Return the bytes of a file. Raises Refused, and OSError as `read_regular` does."""
         return read_regular(self.admit(path), most)
 
+    def search(self, pattern: str, looks: Iterator[int] | None = None) -> list[str]:
+        """Return the paths that a pattern fits, sorted, where `*` is a part of one name. Raises Refused.
+
+        No folder is looked into that the reader may not see. Each name there takes one of the `looks`, of which
+        several searches may have a number together.
+        """
+        looks = iter(range(MOST_LOOKS)) if looks is None else looks
+        parts = pattern.split(os.sep)
+        first = next((i for i, part in enumerate(parts) if _MAGIC.search(part)), len(parts))
+        found = [os.sep.join(parts[:first]) or os.sep]
+        for part in parts[first:]:
+            folders, found = found, []
+            for folder in folders:
+                if not self.sees(folder):
+                    raise self.outside(folder)
+                for name in _names(folder) if _MAGIC.search(part) else [part]:
+                    if next(looks, None) is None:
+                        raise Refused(pattern, "fits too many files to look through")
+                    path = os.path.join(folder, name)
+                    if fnmatch.fnmatchcase(name, part) if _MAGIC.search(part) else os.path.lexists(path):
+                        found.append(path)
+        return sorted(found)
+
     def outside(self, path: str) -> Refused:
         """Return the refusal of a path that the reader may not see."""
         real = os.path.realpath(path)
@@ -119,6 +146,13 @@ class Door:
             real == root or real.startswith(root if root.endswith(os.sep) else root + os.sep)
             for root in self.roots
         )
+
+
+def _names(folder: str) -> list[str]:
+    try:
+        return [name for name in os.listdir(folder) if not name.startswith(".")]
+    except OSError:
+        return []
 
 
 def _mode(path: str) -> int:

@@ -1,64 +1,67 @@
-"""Runs in the child process: xacro makes the text of a URDF, reads through the door, and evaluates nothing unsafe.
+"""Runs in a confined process of its own: xacro makes the text of a URDF, reads through the door, and evaluates nothing.
 
 xacro evaluates what stands in `${…}` as Python without builtins, which is no sandbox: attributes lead from any value to
-all that Python has. So an expression is looked through before it is evaluated, and what is not arithmetic on values is
-refused. Nothing of the environment is read.
+all that Python has. So its evaluation is replaced by our own (`evaluating.py`), in each expansion anew, and each other
+way of it to evaluate something is closed. Nothing of the environment is read.
 """
 
 from __future__ import annotations
 
-import ast
-import fnmatch
 import io
+import keyword
 import os
+import sys
 import traceback
-from collections.abc import Callable, Iterator
+import unicodedata
+from collections.abc import Callable, Iterator, Mapping
 from types import SimpleNamespace, TracebackType
 from typing import Any
 from xml.dom import expatbuilder, minidom
 
 from composer.reading.door import Door
 from composer.reading.refused import Refused
+from composer.urdf.evaluating import Evaluator, Function, Space, Stopped, offered
 
+BEFORE = ("xacro", "xacro.substitution_args", "yaml")
+"""What the process imports before it is confined: libraries of the system may belong to it."""
 _PLACE = "mjcompose"
-_FRAMES = frozenset(
-    "gi_frame gi_code gi_yieldfrom cr_frame cr_code cr_await cr_origin ag_frame ag_code ag_await tb_frame tb_next "
-    "f_back f_builtins f_code f_globals f_locals f_trace co_consts co_code format format_map mro".split()
-)
-"""Attributes without underscores that lead out of a value; `format` follows attributes that a text names."""
-_LEAD_OUT = ("type", "vars")
-"""What xacro offers as `python.NAME` and leads from a value to its class."""
+_RECURSION = 3000
+_LONGEST = 200_000
+"""The characters of a text with values in it: xacro's way through it takes the square of them."""
 
 
-class Stopped(Exception):
-    """What xacro is not let do: `code` as the parent reports it, `subject` what it is about."""
-
-    def __init__(self, code: str, message: str, subject: str = "") -> None:
-        super().__init__(message)
-        self.code, self.subject = code, subject
-
-
-def expand(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
+def expand(argument: dict[str, Any]) -> dict[str, Any]:
     """The text that a template stands for with the place of each element, or what is wrong with it and where."""
+    _forget()
     try:
         import xacro
         from xacro import substitution_args
     except ImportError:
         return {"missing": True}
     work = _Work(xacro, Door(tuple(argument["roots"]), sees_all=argument["sees_all"]), argument)
-    before = {module: dict(vars(module)) for module in (xacro, substitution_args)}
-    python = dict(xacro._global_symbols.get("python", {}))
-    defaults = dict(substitution_args._eval_dict)
+    before = sys.getrecursionlimit()
+    sys.setrecursionlimit(_RECURSION)
     try:
-        work.take_over(substitution_args)
+        if lacks := work.take_over(substitution_args):
+            return {"other": lacks}
         return work.expanded()
     finally:
-        for module, names in before.items():
-            for name in vars(module).keys() - names.keys():
-                delattr(module, name)
-            vars(module).update(names)
-        xacro._global_symbols["python"].update(python)
-        substitution_args._eval_dict.update(defaults)
+        sys.setrecursionlimit(before)
+        _forget()
+
+
+def _forget() -> None:
+    """Let the next import of xacro be a new one: an expansion finds nothing of another one."""
+    for name in [each for each in sys.modules if each.partition(".")[0] == "xacro"]:
+        del sys.modules[name]
+
+
+_HOOKS = tuple(
+    "safe_eval eval_text eval_all eval_extension is_valid_name parse warning get_include_files load_yaml"
+    " abs_filename_spec YamlDictWrapper YamlListWrapper NameSpace".split()
+)
+_SUBSTITUTIONS = ("_eval", "_eval_find", "_eval_env", "_eval_optenv", "convert_value")
+"""What is used of xacro and replaced in it: a version without one of them may evaluate in another way."""
 
 
 class _Work:
@@ -72,28 +75,119 @@ class _Work:
         self.asked: set[str] = set()
         self.warnings: list[tuple[str, str]] = []
         self.count = 0
-        self.defaults: dict[str, str] = {}
 
-    def take_over(self, substitution: Any) -> None:
-        """Put this work's functions in the place of xacro's that reach outside."""
+    def take_over(self, substitution: Any) -> str | None:
+        """Put this work's functions in the place of xacro's that evaluate or reach outside; the one that it lacks."""
         xacro = self.xacro
-        python = xacro._global_symbols.get("python")
-        for name in _LEAD_OUT:
-            dict.pop(python, name, None)
+        for module, names in ((xacro, _HOOKS), (substitution, _SUBSTITUTIONS)):
+            for name in names:
+                if not hasattr(module, name):
+                    return name
+        for module in (xacro, substitution):
+            for name in ("eval", "exec", "compile", "open"):
+                setattr(module, name, _no_way)
+        self.evaluator = Evaluator(
+            (xacro.YamlDictWrapper,),
+            (xacro.YamlListWrapper,),
+            lambda value: type(value) is xacro.NameSpace,
+        )
+        self.substitution = substitution
+        xacro._global_symbols = self.symbols(xacro._global_symbols)
         xacro.open = self.opened
         xacro.glob = SimpleNamespace(glob=self.globbed)
         xacro.parse = self.parse
         xacro.warning = self.warned
-        xacro.safe_eval = self.guarded(xacro.safe_eval)
+        xacro.safe_eval = self.evaluated
+        xacro.eval_text = self.bounded(xacro.eval_text)
         xacro.eval_all = self.counted(xacro.eval_all)
         xacro.eval_extension = self.extension(xacro.eval_extension)
-        substitution.eval = self.guarded(eval)
+        xacro.is_valid_name = _is_name
+        substitution._eval = self.substituted
         substitution._eval_find = self.found
         substitution._eval_env = self.environment
         substitution._eval_optenv = lambda name, default="": default
-        substitution._eval_dict.update(
-            find=self.found, env=self.environment, optenv=lambda name, default="": default
-        )
+        return None
+
+    def symbols(self, own: Mapping[str, Any]) -> dict[str, Any]:
+        """What names stand for in expressions: all of xacro's names, each with what is offered for it."""
+        xacro, tools = self.xacro, self.evaluator
+        functions = tools.functions() | {"True": True, "False": False}
+        mathematics = tools.mathematics()
+        special: dict[str, Callable[..., Any]] = {
+            "load_yaml": lambda filename: xacro.load_yaml(filename),
+            "abs_filename": xacro.abs_filename_spec,
+            "dotify": xacro.YamlDictWrapper,
+            "arg": self.argument,
+            "tokenize": tools.tokenized,
+            "message": lambda *words, **_: "",
+            "print_location": lambda *words, **_: "",
+            "warning": self.told,
+            "error": self.told,
+            "fatal": self.fatal,
+        }
+        ours = {name: Function(name, apply) for name, apply in special.items()}
+        spaces = {"python": functions, "math": mathematics, "xacro": ours}
+        found = offered(own, functions | mathematics | ours)
+        for name, entries in spaces.items():
+            if name in own:
+                found[name] = Space(name, offered(dict.keys(own[name]), entries))
+        return found
+
+    def evaluated(self, expression: str, names: Any, _: Any = None) -> Any:
+        """In the place of `safe_eval`."""
+        return self.evaluator.value(expression, names.__getitem__)
+
+    def substituted(self, expression: str, context: Mapping[str, Any]) -> str:
+        """In the place of what evaluates `$(eval …)`, whose names are functions, and then the arguments."""
+        known = {
+            **self.evaluator.functions(),
+            **self.evaluator.mathematics(),
+            "true": True,
+            "false": False,
+            "find": Function("find", self.found),
+            "env": Function("env", self.environment),
+            "optenv": Function("optenv", lambda name, default="": default),
+            "arg": Function("arg", lambda name: self.substitution.convert_value(self.argument(name), "auto")),
+            "dirname": Function("dirname", lambda: self.folder()),
+        }
+        arguments = context.get("arg", {})
+
+        def named(name: str) -> Any:
+            if name in known:
+                return known[name]
+            value = arguments[name]
+            self.asked.add(name)
+            return self.substitution.convert_value(value, "auto")
+
+        return str(self.evaluator.value(expression, named))
+
+    def argument(self, name: str) -> Any:
+        self.asked.add(name)
+        known = self.xacro.substitution_args_context["arg"]
+        if name not in known:
+            raise Stopped("argument", f"the argument `{name}` of the template has no value", name)
+        return known[name]
+
+    def folder(self) -> str:
+        return os.path.dirname(os.path.abspath(str(self.xacro.filestack[-1])))
+
+    def told(self, *words: Any, **_: Any) -> str:
+        self.warned(*words)
+        return ""
+
+    def fatal(self, *words: Any) -> None:
+        raise self.xacro.XacroException(" ".join(map(str, words)))
+
+    def bounded(self, evaluate: Callable[..., Any]) -> Callable[..., Any]:
+        def text_of(text: str, symbols: Any) -> Any:
+            if len(text) > _LONGEST and "$" in text:
+                raise Stopped("costly", f"a text with values in it has at most {_LONGEST} characters")
+            value = evaluate(text, symbols)
+            if isinstance(value, str) and len(value) > max(_LONGEST, len(text)):
+                raise Stopped("costly", f"a text that values make has at most {_LONGEST} characters")
+            return value
+
+        return text_of
 
     def expanded(self) -> dict[str, Any]:
         xacro = self.xacro
@@ -175,8 +269,7 @@ class _Work:
     def opened(self, name: str, *_: Any, **__: Any) -> io.StringIO:
         """A file as text, as the door lets it through."""
         path = os.path.abspath(os.path.join(os.path.dirname(self.path), name))
-        data = self.read(path)
-        return io.StringIO(data.decode("utf-8-sig"))
+        return io.StringIO(self.read(path).decode("utf-8-sig"))
 
     def read(self, path: str) -> bytes:
         try:
@@ -202,25 +295,17 @@ class _Work:
         return _parsed(data, path)
 
     def globbed(self, pattern: str) -> list[str]:
-        folder, name = os.path.split(pattern)
-        if not self.door.sees(folder) or not os.path.isdir(folder):
-            return []
-        return [
-            os.path.join(folder, each) for each in sorted(os.listdir(folder)) if fnmatch.fnmatch(each, name)
-        ]
+        """The files of a pattern. What the door does not show is an error before anything is searched."""
+        try:
+            return self.door.search(os.path.abspath(pattern))
+        except Refused as refused:
+            raise Stopped("refused", refused.message(), refused.path) from refused
 
     def warned(self, *words: Any, **_: Any) -> None:
         text = " ".join(str(each) for each in words)
         if "deprecated" not in text:
             stack = self.xacro.filestack
             self.warnings.append((text, (stack and stack[-1]) or self.path))
-
-    def guarded(self, evaluate: Callable[..., Any]) -> Callable[..., Any]:
-        def safe(expression: str, *scopes: Any) -> Any:
-            check_expression(expression)
-            return evaluate(expression, *scopes)
-
-        return safe
 
     def counted(self, evaluate: Callable[..., Any]) -> Callable[..., Any]:
         def counting(node: Any, macros: Any, symbols: Any) -> Any:
@@ -242,14 +327,9 @@ class _Work:
                     "environment", "`$(cwd)` is the folder in which a command happens to run", "cwd"
                 )
             if words[:1] == ["dirname"]:
-                return os.path.dirname(os.path.abspath(str(self.xacro.filestack[-1])))
+                return self.folder()
             if words[:1] == ["arg"] and len(words) == 2:
-                known = self.xacro.substitution_args_context["arg"]
-                self.asked.add(words[1])
-                if words[1] not in known:
-                    raise Stopped(
-                        "argument", f"the argument `{words[1]}` of the template has no value", words[1]
-                    )
+                self.argument(words[1])
             return evaluate(text)
 
         return extended
@@ -286,30 +366,13 @@ def _names(table: Any) -> list[str]:
     return sorted(found)
 
 
-def check_expression(text: str) -> None:
-    """Refuse an expression that may do more than calculate. Raises Stopped.
-
-    >>> check_expression("2 * pi + sin(x) if y else joint.limits['lower']")
-    >>> check_expression("().__class__")
-    Traceback (most recent call last):
-    composer.urdf.expanding.Stopped: `__class__` is not allowed in an expression
-    """
-    try:
-        tree = ast.parse(text.strip(), mode="eval")
-    except (SyntaxError, ValueError, RecursionError):
-        return  # which is said where it is evaluated
-    for node in ast.walk(tree):
-        name = getattr(node, "attr", None) or getattr(node, "id", None) or getattr(node, "arg", None)
-        if isinstance(name, str) and (
-            name.startswith("__") or (isinstance(node, ast.Attribute) and _leads_out(name))
-        ):
-            raise Stopped("unsafe", f"`{name}` is not allowed in an expression", name)
-        if isinstance(node, ast.Await | ast.Yield | ast.YieldFrom):
-            raise Stopped("unsafe", "only values are allowed in an expression")
+def _no_way(*_: Any, **__: Any) -> Any:
+    raise Stopped("unsafe", "xacro does something here that is not known")
 
 
-def _leads_out(name: str) -> bool:
-    return name.startswith("_") or name in _FRAMES
+def _is_name(name: str) -> bool:
+    """In the place of a function that parses the name as a program."""
+    return name.isidentifier() and not keyword.iskeyword(name) and unicodedata.normalize("NFKC", name) == name
 
 
 class _Builder(expatbuilder.ExpatBuilderNS):

@@ -137,10 +137,9 @@ class UrdfReader:
             return Robot(
                 unit, source.path, known_packages(data.decode("utf-8", "replace"), source.path, given)
             )
-        assert self.session is not None
         packages = ros_package.all_folders(source.path, given)
         arguments = dict(source.urdf.arguments)
-        expanded = Template(source.path, source.door, packages, arguments, self.shown).expanded(self.session)
+        expanded = Template(source.path, source.door, packages, arguments, self.shown).expanded()
         for each in expanded.found:
             notes = (*each.notes, *self._asked()) if each.severity is Severity.ERROR else each.notes
             sink.add(replace(each, notes=notes))

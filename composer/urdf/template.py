@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import glob
 import os
 import re
 from collections.abc import Iterator, Mapping
@@ -16,18 +18,22 @@ from composer.diagnostics.diagnostic import Diagnostic, Note, Severity
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import closest, did_you_mean, exists_note
-from composer.engine.run import call
-from composer.engine.session import Session
 from composer.limits import advice, in_force
-from composer.reading.door import Door
+from composer.processes.confined import call_confined
+from composer.reading.door import MOST_LOOKS, Door
+from composer.reading.refused import Refused
+from composer.sources import ros_package
 from composer.tree.origin import Origins
 from composer.tree.parse import parse_xml
 from composer.tree.start_tag import SourceText
-from composer.urdf.expanding import expand
 
+_EXPAND = "composer.urdf.expanding:expand"
+_SHARE = 0.2
+"""The part of the time of MuJoCo that a template has: it takes seconds at most."""
 _PREFIX = "xacro:"
-_NAMESPACE = re.compile(rb"\bxmlns:xacro\s*=|<xacro:")
-
+_DECLARED = re.compile(rb"\bxmlns:xacro\s*=")
+_OF_XACRO = re.compile(rb"<xacro:|\$[{(]")
+_COMMENT = re.compile(rb"<!--.*?(?:-->|\Z)", re.DOTALL)
 
 _DEFINE = {
     "property": 'define it: `<xacro:property name="{}" value="…"/>`',
@@ -51,8 +57,11 @@ class Expanded:
 
 
 def is_template(path: Path, data: bytes) -> bool:
-    """Whether a file is for xacro, by its name or by what it holds."""
-    return path.suffix.lower() == ".xacro" or _NAMESPACE.search(data) is not None
+    """Whether a file is for xacro, by its name or by what it holds: many plain files declare its namespace, too."""
+    if path.suffix.lower() == ".xacro":
+        return True
+    written = _COMMENT.sub(b"", data)
+    return b"<xacro:" in written or bool(_DECLARED.search(written) and _OF_XACRO.search(written))
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,22 +74,31 @@ class Template:
     arguments: Mapping[str, str]
     shown: object
 
-    def expanded(self, session: Session) -> Expanded:
+    def expanded(self) -> Expanded:
+        """What it stands for, by a process that has read nothing else and can do nothing else."""
+        limits = in_force()
         argument = {
             "path": str(self.path.absolute()),
             "roots": list(self.door.roots),
             "sees_all": self.door.sees_all,
             "packages": {name: folder.absolute().as_posix() for name, folder in self.packages.items()},
             "arguments": dict(self.arguments),
-            "elements": int(in_force().elements),
+            "elements": int(limits.elements),
         }
-        answer = call(session, expand, (), argument)
+        readable = (os.sep,) if self.door.sees_all else self.door.roots
+        seconds, memory = limits.time * _SHARE, int(limits.memory)
+        answer = call_confined(_EXPAND, argument, readable, seconds=seconds, memory=memory)
         here = Span(self._name(self.path), 1, 1)
-        if not answer.ok:
-            code = "mujoco-timeout" if answer.crash == "timeout" else "xacro"
-            message = f"the template cannot be expanded: {answer.error or answer.crash}"
-            return Expanded(None, found=(Diagnostic(code, message, here),))
-        value = answer.value
+        if not answer["ok"]:
+            message = f"the template cannot be expanded: {answer['error']}"
+            return Expanded(None, found=(Diagnostic("xacro", message, here),))
+        value = answer["value"]
+        if "other" in value:
+            message = f"this version of the package `xacro` is not known here: it has no `{value['other']}`"
+            other = Diagnostic(
+                "not-installed", message, here, help='run `pip install --upgrade "mjcompose[xacro]"`'
+            )
+            return Expanded(None, found=(other,))
         if value.get("missing"):
             message = "this is a template for xacro, and the package `xacro` is not installed"
             missing = Diagnostic("not-installed", message, here, help='run `pip install "mjcompose[xacro]"`')
@@ -145,6 +163,8 @@ class Template:
                 help = "templates may calculate, and nothing else: write it without"
             case "limit":
                 code, help = "limit-exceeded", advice("elements")
+            case "costly":
+                code, help = "limit-exceeded", "write what it gives, or fewer of it"
             case "file":
                 code = "asset-missing" if "no such file" in message else "file-unreadable"
                 message = f"the file `{self._name(Path(subject))}` does not exist"
@@ -153,8 +173,7 @@ class Template:
                 help = "compare the path with what is on the disk"
             case "refused":
                 code = "source-outside"
-                refused = self.door.outside(subject)
-                message, help = refused.message(), refused.help
+                help = None if self.door.sees(subject) else self.door.outside(subject).help
             case "syntax":
                 code = "xml-syntax"
                 if known := self._not_xml(at, files):
@@ -216,11 +235,11 @@ def files_named(path: Path, data: bytes, door: Door, packages: Mapping[str, Path
 
     It is for what must be known before the template is expanded. What is expanded says itself what it has read.
     """
-    waiting, seen = [(path, data)], {path}
+    waiting, seen, looks = [(path, data)], {path}, iter(range(MOST_LOOKS))
     while waiting:
         file, content = waiting.pop()
-        for each in _WRITTEN.findall(content):
-            for found in _named(each.decode("utf-8", "replace"), file, packages):
+        for each in dict.fromkeys(_WRITTEN.findall(content)):
+            for found in _named(each.decode("utf-8", "replace"), file, packages, door, looks):
                 if found in seen or not door.sees(found) or not os.path.isfile(found):
                     continue
                 seen.add(found)
@@ -232,7 +251,10 @@ def files_named(path: Path, data: bytes, door: Door, packages: Mapping[str, Path
                         continue
 
 
-def _named(written: str, file: Path, packages: Mapping[str, Path]) -> Iterator[Path]:
+def _named(
+    written: str, file: Path, packages: Mapping[str, Path], door: Door, looks: Iterator[int]
+) -> Iterator[Path]:
+    """The paths that are meant. Only below the folder of the template and in packages is anything looked for."""
     text = _FIND.sub(lambda found: str(packages.get(found[1], f"/{found[1]}")), written)
     for scheme in ("package://", "model://"):
         if text.startswith(scheme):
@@ -243,11 +265,15 @@ def _named(written: str, file: Path, packages: Mapping[str, Path]) -> Iterator[P
     if not _VALUE.search(text):
         yield path
         return
-    parts = [_VALUE.sub("*", part) for part in path.parts]
-    first = next(i for i, part in enumerate(parts) if "*" in part)
-    folder = Path(*parts[:first])
-    if os.path.isdir(folder) and len(folder.parts) > 1:
-        yield from sorted(folder.glob("/".join(parts[first:])))
+    at = os.path.normpath(str(path))
+    folder = _VALUE.split(at)[0].rpartition(os.sep)[0]
+    named = [packages[each] for each in ros_package.packages_in(written + "/") if each in packages]
+    own = next((each for each in file.parents if os.path.isfile(each / ros_package.MANIFEST)), file.parent)
+    if not any(Path(folder).is_relative_to(each) for each in (file.parent, own, *named)):
+        return
+    pattern = "*".join(map(glob.escape, _VALUE.split(at)))
+    with contextlib.suppress(Refused):
+        yield from map(Path, door.search(pattern, looks))
 
 
 def packages_found(data: bytes) -> tuple[str, ...]:

@@ -136,3 +136,50 @@ def test_many_files_are_admitted_by_one_look_at_their_folder(tree: Path) -> None
     asked = [*mine, f"{tree}/own/link.obj", f"{tree}/own/none.obj", *others]
     assert sorted(Door.of([tree / "own"]).admit_listed(asked)) == mine
     assert set(ALL.admit_listed(asked)) == {*mine, *others[:8]}
+
+
+def test_a_search_looks_into_folders_that_the_door_shows(tree: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    door = Door.of([tree / "own"])
+    (tree / "own" / "deep" / "mesh.obj").write_text("deep")
+    (tree / "own" / ".hidden.obj").write_text("")
+    (tree / "own" / "out").symlink_to(tree)
+    assert door.search(f"{tree}/own/*.obj") == [f"{tree}/own/mesh.obj"]
+    assert door.search(f"{tree}/own/d*/m?sh.[no]bj") == [f"{tree}/own/deep/mesh.obj"]
+    assert door.search(f"{tree}/own/mesh.obj") == [f"{tree}/own/mesh.obj"]
+    assert door.search(f"{tree}/own/deep/**") == [f"{tree}/own/deep/mesh.obj"]
+    looked: list[str] = []
+    names = os.listdir
+    monkeypatch.setattr(os, "listdir", lambda folder: looked.append(folder) or names(folder))
+    for pattern in (f"{tree}/*.obj", "/usr/*/x", "/*", f"{tree}/own/../*", f"{tree}/own/out/*"):
+        with pytest.raises(Refused):
+            door.search(pattern)
+    with pytest.raises(Refused):
+        door.search(f"{tree}/own/*/secret.obj")  # one of the folders is a link that leads out
+    assert looked == [f"{tree}/own"]
+
+
+def test_a_search_ends(tree: Path) -> None:
+    for number in range(30):
+        (tree / "own" / f"{number}.obj").write_text("")
+    looks = iter(range(50))
+    door = Door.of([tree])
+    assert len(door.search(f"{tree}/own/*.obj", looks)) == 31
+    with pytest.raises(Refused, match="too many"):
+        door.search(f"{tree}/own/*.obj", looks)
+
+
+@pytest.mark.parametrize("error", [RecursionError, MemoryError, OSError, UnicodeError])
+@pytest.mark.parametrize("inner", ["_mode", "parted", "real_folder"])
+def test_a_door_whose_judgement_fails_shows_nothing(
+    tree: Path, monkeypatch: pytest.MonkeyPatch, inner: str, error: type[Exception]
+) -> None:
+    def fails(*_: object) -> object:
+        raise error
+
+    from composer.reading import door as module
+
+    monkeypatch.setattr(module, inner, fails)
+    door = Door((str(tree / "own"),))
+    for ask in (door.admit, door.read, door.sees, lambda path: door.search(f"{path.parent}/*")):
+        with pytest.raises((error, Refused)):
+            ask(tree / "own" / "mesh.obj")

@@ -42,6 +42,7 @@ ALLOWED = {
     "migrate/markdown.py": "a page of this project",
     "pictures/video.py": "writes",
     "plan/read.py": "the recipe that the user names, or a reference that passed",
+    "processes/confined.py": "its own standard output, and folders without their contents",
     "recipe/reference_page.py": "the examples of this package",
     "processes/worker.py": "its own standard output",
     "reading/regular.py": "the door",

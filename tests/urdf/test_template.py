@@ -1,0 +1,122 @@
+"""Which files are templates, which files they name, and what becomes of an expansion that fails."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from urdf.parts import ARM, robot
+
+from composer.reading.door import ALL, Door
+from composer.urdf import template
+from composer.urdf.read import UrdfReader
+from composer.urdf.template import files_named, is_template
+
+Reader = Callable[..., UrdfReader]
+DECLARED = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+PLAIN = [
+    f"{DECLARED}<link name='a'/></robot>",
+    f"{DECLARED}<!-- made by xacro from $(find arm)/a.xacro with ${{x}} and <xacro:m/> --><link name='a'/></robot>",
+    "<robot name='r'><gazebo><plugin>${HOME} $(arg x)</plugin></gazebo></robot>",
+    f"{DECLARED}<link name='cost in $'/></robot>",
+]
+TEMPLATES = [
+    f"{DECLARED}<xacro:m/></robot>",
+    f"{DECLARED}<link name='${{x}}'/></robot>",
+    f"{DECLARED}<!-- a --><link name='$(arg x)'/></robot>",
+    "<robot name='r'><xacro:m/></robot>",
+    f"{DECLARED}<!-- a --><xacro:include filename='b'/><!-- c --></robot>",
+]
+
+
+@pytest.mark.parametrize("text", PLAIN)
+def test_a_file_that_declares_xacro_alone_is_no_template(text: str) -> None:
+    assert not is_template(Path("r.urdf"), text.encode())
+    assert is_template(Path("r.urdf.xacro"), text.encode())
+
+
+@pytest.mark.parametrize("text", TEMPLATES)
+def test_a_template_has_something_for_xacro(text: str) -> None:
+    assert is_template(Path("r.urdf"), text.encode())
+
+
+def test_a_plain_file_is_read_without_xacro(reader: Reader, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(template, "call_confined", lambda *_, **__: pytest.fail("it is no template"))
+    declared = robot(*ARM).replace("<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ')
+    assert reader("r.urdf", declared).unit() is not None
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        {"ok": False, "error": "it takes longer than 1 s", "crash": "timeout"},
+        {"ok": False, "error": "its process cannot be confined: Landlock", "crash": "unconfined"},
+        {"ok": True, "value": {"other": "safe_eval"}},
+        {"ok": True, "value": {"missing": True}},
+    ],
+)
+def test_what_fails_around_an_expansion_is_an_error(
+    reader: Reader, monkeypatch: pytest.MonkeyPatch, answer: dict[str, Any]
+) -> None:
+    monkeypatch.setattr(template, "call_confined", lambda *_, **__: answer)
+    read = reader("r.xacro", f"{DECLARED}<link name='a'/></robot>")
+    assert read.unit() is None
+    (error,) = read.sink.errors
+    assert error.span is not None and error.code in ("xacro", "not-installed")
+
+
+def named(folder: Path, text: str, door: Door, **packages: Path) -> list[str]:
+    file = folder / "urdf" / "r.xacro"
+    file.parent.mkdir(exist_ok=True)
+    return sorted(
+        each.relative_to(folder.parent).as_posix()
+        for each in files_named(file, text.encode(), door, packages)
+    )
+
+
+def test_files_with_values_in_their_names_are_looked_for_in_the_package(tmp_path: Path) -> None:
+    folder = tmp_path / "arm"
+    for name in ("config/a/limits.yaml", "config/b/limits.yaml", "config/b/other.yaml", "urdf/part_x.xml", "urdf/[1]x.xml"):  # fmt: skip
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text("1")
+    (folder / "package.xml").write_text("<package><name>arm</name></package>")
+    door = Door.of([tmp_path])
+    limits = ["arm/config/a/limits.yaml", "arm/config/b/limits.yaml"]
+    found = "<a filename='$(find arm)/config/${kind}/limits.yaml'/>"
+    assert named(folder, found, door, arm=folder) == limits
+    assert named(folder, "<a filename='../config/${kind}/limits.yaml'/>", door) == limits
+    assert named(folder, "${load_yaml('../config/${kind}/limits.yaml')}", door) == limits
+    assert named(folder, "<a filename='part_${x}.xml'/>", door) == ["arm/urdf/part_x.xml"]
+    assert named(folder, "<a filename='[1]${x}.xml'/>", door) == ["arm/urdf/[1]x.xml"]
+    assert named(folder, found, Door.of([folder / "urdf"]), arm=folder) == []
+
+
+def test_nothing_is_searched_elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "arm"
+    folder.mkdir()
+    looked: list[str] = []
+    names = os.listdir
+    monkeypatch.setattr(os, "listdir", lambda at: looked.append(str(at)) or names(at))
+    begin = time.perf_counter()
+    for written in ("/usr/**/${x}/**/${y}", "../../../../../../usr/${x}/lib", "file:///usr/${x}/a", "$(find usr)/${x}/a", "~/${x}"):  # fmt: skip
+        for door in (ALL, Door.of([folder])):
+            assert named(folder, f"${{load_yaml('{written}')}}", door, arm=folder) == []
+    assert time.perf_counter() - begin < 1
+    assert not [each for each in looked if not each.startswith(str(folder))]
+
+
+@pytest.mark.parametrize("error", [RecursionError, MemoryError, UnicodeError])
+def test_a_search_whose_judgement_fails_finds_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: type[Exception]
+) -> None:
+    def fails(*_: object) -> object:
+        raise error
+
+    monkeypatch.setattr(Door, "sees", fails)
+    (tmp_path / "arm").mkdir()
+    with pytest.raises(error):
+        named(tmp_path / "arm", "<a filename='part_${x}.xml'/>", Door.of([tmp_path]))
