@@ -123,10 +123,13 @@ def _unit(place: Place, library: Library) -> Unit | None:
 
 
 def _of_root(root: Node, prefix: str, prefixes: list[tuple[str, str]]) -> Iterator[Known]:
+    """Yield the names of a tree; `prefixes` are those of parts, the longest first."""
+    part_of = dict(reversed(prefixes))  # the first of equal ones
+    lengths = sorted({len(start) for start in part_of}, reverse=True)
     for namespace, declared in NameIndex.of(root).declared.items():
         for own, node in declared.items():
             name = prefix + own
-            part = next((part for start, part in prefixes if name.startswith(start)), "")
+            part = next((found for end in lengths if (found := part_of.get(name[:end])) is not None), "")
             yield Known(name, namespace, str(node.tag), "" if part == BASE else part,
                         prefix_of(_holder(node), prefix), _words(node), node)  # fmt: skip
 

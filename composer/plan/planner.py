@@ -103,6 +103,7 @@ class _Planner:
         self.context = context
         self.sink = context.sink
         self.nested = 0
+        self.sources: dict[tuple[str, Path], Source] = {}
         self.sizes: dict[int, tuple[Plan, int]] = {}
         """How many parts a plan has, those of nested recipes counted, by the identity of the plan, which is kept."""
 
@@ -301,6 +302,17 @@ class _Planner:
                 for prefix, copy in prefixes.items():
                     yield AttachPart(prefix, model, attachment, at, span, copy)
 
+    def _resolved(self, reference: str, folder: Path) -> Source:
+        """Return the source of a reference, which is looked for once. Raises SourceError."""
+        if (reference, folder) not in self.sources:
+            self.sources[reference, folder] = resolve(
+                reference,
+                relative_to=folder,
+                environment=self.context.environment,
+                fetching=self.context.fetching,
+            )
+        return self.sources[reference, folder]
+
     def _model(
         self,
         asked: Base | Attachment,
@@ -317,12 +329,7 @@ class _Planner:
         span = locate(document, (*at, "model"))
         folder = folder_of(span, self.context)
         try:
-            source = resolve(
-                asked.model,
-                relative_to=folder,
-                environment=self.context.environment,
-                fetching=self.context.fetching,
-            )
+            source = self._resolved(asked.model, folder)
         except SourceError as error:
             self.sink.add(error.at(span))
             return None

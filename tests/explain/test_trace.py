@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from pathlib import Path
 
 from composer.compose.compose import Composer
 from composer.context import Context
-from composer.explain.trace import TAG, Change, Life
+from composer.diagnostics.sink import Sink
+from composer.explain.trace import TAG, Change, Life, Trace
 from composer.explain.traced import Traced
 from composer.stages import Request, build
+from composer.tree.parse import parse_text
 from composer.tree.watch import nobody
 from composer.tree.write import write
 
@@ -46,3 +49,24 @@ def _replayed(life: Life) -> tuple[str, dict[str, str]]:
 
 def test_a_build_has_no_onlooker() -> None:
     assert Composer(Context(), None).watch is nobody
+
+
+def test_an_equal_element_in_the_place_of_another_is_another() -> None:
+    text = b'<mujoco><worldbody><geom name="a" size="1"/><geom name="b" size="1"/></worldbody></mujoco>'
+    unit = parse_text(text, Sink(), file="model.xml", directory=Path(), label="model")
+    assert unit is not None
+    trace = Trace()
+    trace([unit], "read")
+    world = unit.root[0]
+    old = world[0]
+    world.replace(old, new := deepcopy(old))
+    trace([unit], "replaced")
+    trace([unit], "left alone")
+    assert [life.node for life in trace.gone] == [old] and trace.life(new).born.done == "replaced"
+    assert trace.life(world[1]).changes == []
+    world.append(world[0])
+    trace([unit], "moved")  # nothing has changed in the element, and its parent is the same
+    assert trace.life(new).changes == []
+    world[0].set("size", "2")
+    trace([unit], "set")
+    assert [each.cause.done for each in trace.life(world[0]).of("size")] == ["set"]
