@@ -120,14 +120,28 @@ def allow(**changed: float) -> Iterator[Limits]:
         _IN_FORCE.reset(token)
 
 
-def advice(name: str, needed: float | None = None) -> str:
+class Advice(str):
+    """The help of an error about a limit, and the same for a program."""
+
+    __slots__ = ("in_python",)
+    in_python: str
+
+
+def advice(name: str, needed: float | None = None) -> Advice:
     """The help of an error about a limit: how to raise it to what is `needed`, where that is known.
 
     >>> advice("copies", 12000)
     'if that is meant, raise the limit: `--limit copies=12000`'
+    >>> advice("copies", 12000).in_python
+    'if that is meant, raise the limit: `with composer.limits.allow(copies=12000):`'
     """
-    value = 2 * getattr(in_force(), name.replace("-", "_")) if needed is None else needed
-    return f"if that is meant, raise the limit: `--limit {name}={written(name, value)}`"
+    attribute = name.replace("-", "_")
+    value = 2 * getattr(in_force(), attribute) if needed is None else needed
+    given = Advice(f"if that is meant, raise the limit: `--limit {name}={written(name, value)}`")
+    given.in_python = (
+        f"if that is meant, raise the limit: `with composer.limits.allow({attribute}={value:.12g}):`"
+    )
+    return given
 
 
 def written(name: str, value: float) -> str:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.text import render
+from composer.limits import Advice
 
 
 class MjcomposeError(Exception):
@@ -15,7 +17,10 @@ class MjcomposeError(Exception):
     """
 
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
-        self.diagnostics: tuple[Diagnostic, ...] = tuple(diagnostics)
+        self.diagnostics: tuple[Diagnostic, ...] = tuple(
+            replace(each, help=each.help.in_python) if isinstance(each.help, Advice) else each
+            for each in diagnostics
+        )
         super().__init__(self.diagnostics)
 
     def __str__(self) -> str:

@@ -16,12 +16,13 @@ from composer.link import numbers
 from composer.link.alignment import is_leaf
 from composer.link.angles import model_angle
 from composer.link.flexes import taken_back
+from composer.link.inertia import has_mass
 from composer.link.layout import JOINTS, joint_type
 from composer.link.linking import Linking
 from composer.link.part import Part
 from composer.link.placing import pose_in_world, read_pose
 from composer.tree.attached import attached_notes
-from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, default_tag, through_frames
+from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, default_tag, own, through_frames
 from composer.tree.comments import above
 from composer.tree.names import word
 from composer.tree.scaled import scaled_above
@@ -270,6 +271,8 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
     else:
         parent.extend(list(frame))  # comments of a part without bodies
         part.content = parent
+    if part.joints or part.mocap:
+        _bound_mass(linking, parent)
     if len(outer) > count:
         tops[part] = outer[-1]
     placed = any(keyed is part for keyed, _ in linking.keys.attached)
@@ -298,6 +301,17 @@ def _body_of(
     if part.prefix:
         linking.names.declared.setdefault("body", {})[part.prefix] = body
     return body
+
+
+def _bound_mass(linking: Linking, body: Node) -> None:
+    """Give the body of an attachment the least mass that the base asks for every body, if it has none of its own."""
+    # MuJoCo 4.0 raises mass and moments of each body to `boundmass` and `boundinertia`, those of 0, too.
+    least, moment = linking.base.settings.boundmass, linking.base.settings.boundinertia
+    if (float(least) or float(moment)) and not any(
+        has_mass(geom, linking.base.classes) for geom in own(body, "geom")
+    ):
+        inertial = {"pos": "0 0 0", "mass": least, "diaginertia": f"{moment} {moment} {moment}"}
+        body.insert(0, body.makeelement("inertial", inertial))
 
 
 def _bring_world(linking: Linking, part: Part, frame: Node) -> None:

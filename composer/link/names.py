@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cache
+from types import MappingProxyType
 
 from lxml.etree import _Element as Node
 
@@ -27,6 +28,7 @@ from composer.tree.names import (
 from composer.tree.unit import Unit
 
 _MAY_REPEAT = ("model",)
+_NOTHING: Mapping[str, str] = MappingProxyType({})
 
 
 def names(linking: Linking) -> None:
@@ -47,7 +49,7 @@ def names(linking: Linking) -> None:
 
 
 def _join(linking: Linking, unit: Unit, prefix: str, top_class: str, part: Part | None) -> None:
-    found = rename(unit, prefix, top_class)
+    found = rename(unit, prefix, top_class, part.outward if part else {})
     _refer_to_keys(linking, unit, prefix, part)
     for namespace, name, element in found.repeated:
         repeated(linking, unit, prefix, (namespace, name, element, found.declared(namespace)[name]))
@@ -169,8 +171,8 @@ def _slots(section: str) -> dict[str, dict[str, int]]:
     return table
 
 
-def rename(unit: Unit, prefix: str, top_class: str) -> Found:
-    """Prefix the names of a unit in place, and return its names.
+def rename(unit: Unit, prefix: str, top_class: str, outward: Mapping[str, str] = _NOTHING) -> Found:
+    """Prefix the names of a unit in place, and return its names; `outward` is that of a part.
 
     This is the one walk over every element of every part: an attribute that holds no name costs one look into a
     dictionary, one that does is written and noted at once.
@@ -194,7 +196,10 @@ def rename(unit: Unit, prefix: str, top_class: str) -> Found:
                         if key == "file":
                             _name_asset(found, element, value, prefix)
                         else:
-                            _rename_special(found, element, key, value, prefix, section)
+                            _rename_special(found, element, key, value, prefix, section, outward)
+                        continue
+                    if outward and value in outward and slot > last_declared:
+                        element.set(key, outward[value])
                         continue
                     if prefix:
                         value = prefix + value
@@ -224,17 +229,26 @@ def _put_right(unit: Unit, namespace: str, name: str, meant: str) -> None:
                     element.set(key, meant)
 
 
-def _rename_special(found: Found, element: Node, key: str, value: str, prefix: str, section: Node) -> None:
+def _rename_special(
+    found: Found,
+    element: Node,
+    key: str,
+    value: str,
+    prefix: str,
+    section: Node,
+    outward: Mapping[str, str],
+) -> None:
     """Rename a value that is not a plain name: empty, a list, a prefix of names, or a name typed by a sibling."""
     kind, namespace = naming_table(str(section.tag))[str(element.tag)][key]
     name = prefix + value
     if namespace == "key" or (not value and kind != GENERATES):
         return  # keys are named when they are laid out
     if kind == LISTS:
-        names = [each if each == WORLD else prefix + each for each in value.split()]
-        for each in names:
-            if each != WORLD:
-                found.wanted(namespace).setdefault(each, element)
+        names = []
+        for each in value.split():
+            names.append(each if each == WORLD else outward.get(each, prefix + each))
+            if each != WORLD and each not in outward:
+                found.wanted(namespace).setdefault(prefix + each, element)
         name = " ".join(names)
     elif kind == REFERS_BY:
         target = object_namespace(element, namespace)
@@ -242,7 +256,9 @@ def _rename_special(found: Found, element: Node, key: str, value: str, prefix: s
             return
         if target == "key":
             return  # see `_refer_to_keys`
-        if target:
+        if value in outward:
+            name = outward[value]
+        elif target:
             found.wanted(target).setdefault(name, element)
     if name != value:
         element.set(key, name)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import field
+from types import MappingProxyType
 from typing import Literal
 
 from lxml.etree import _Element as Node
@@ -48,7 +49,8 @@ class Part:
 
     `content` is the element of the model that holds the part's world once the part is attached. `by_itself` is set
     if the part brings its own free joint or is a mocap body; it is then attached to the world, wherever its place
-    is. `key` is its key in the recipe.
+    is. `key` is its key in the recipe. `outward` has the final names of what the part refers to outside of itself, by
+    the text of the reference.
     """
 
     unit: Unit
@@ -61,6 +63,7 @@ class Part:
     by_itself: bool = False
     span: Span | None = None
     key: str = ""
+    outward: Mapping[str, str] = MappingProxyType({})
     mount: Node | None = None
     top_class: str = ""
     layout: Layout | None = None

@@ -116,7 +116,7 @@ class _Checked(NamedTuple):
 def _checked(path: Path, shown: str) -> _Checked:
     try:
         content = None
-        if path.is_file() and path.stat().st_size <= ReadLimits().bytes:
+        if os.path.isfile(path) and os.path.getsize(path) <= ReadLimits().bytes:
             content = path.read_bytes()
             key = (sha256(content).hexdigest(), in_force())
             if (kept := _taken(key)) is not None:

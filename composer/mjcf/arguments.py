@@ -10,6 +10,7 @@ from pathlib import Path
 
 from composer.diagnostics.call_site import call_site
 from composer.mjcf.errors import MjcfError, failure
+from composer.reading.door import ALL, Door
 
 
 def as_path(argument: str, value: object) -> Path:
@@ -30,6 +31,19 @@ def as_folders(argument: str, value: object) -> tuple[Path, ...]:
     if isinstance(value, str | bytes) or not isinstance(value, Sequence):
         raise expects(argument, "a list of folders", repr(value))
     return tuple(as_path(argument, each) for each in value)
+
+
+def door_of(confine_to: Folders | None) -> Door:
+    """Return the door of a model that a program reads: to these folders, or to all that MuJoCo reads."""
+    if confine_to is None:
+        return ALL
+    folders = as_folders("confine_to", confine_to)
+    whose = ", ".join(f"`{folder}`" for folder in folders) or "no folder"
+    return Door.of(
+        folders,
+        f"{whose}, which is all that `confine_to` names",
+        "add the folder: `confine_to=[…, '{absolute}']`",
+    )
 
 
 def as_name(argument: str, value: object) -> str:

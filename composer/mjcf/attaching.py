@@ -13,7 +13,7 @@ from composer.mjcf import edit
 from composer.mjcf.bones import for_prefix, take
 from composer.mjcf.errors import failure
 from composer.mjcf.model import Attachment, Model, Target
-from composer.mjcf.reference import describe
+from composer.mjcf.reference import describe, settle
 from composer.mjcf.removal import release
 from composer.tree.attributes import replace
 from composer.tree.kinds import WORLD_SECTION, kind_of
@@ -58,6 +58,7 @@ def attach(model: Model, host: Node, child: Model) -> Node:
     attachment = Attachment(model, child, host, frame)
     model.attachments[child.prefix] = attachment
     child.hung = attachment
+    settle(model.top)
     model.unit.origins.own(frame, call_site())
     return frame
 

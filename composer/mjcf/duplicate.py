@@ -19,6 +19,9 @@ def duplicate(model: Model, memo: dict[int, Any] | None = None) -> Model:
     twin = Model(model.unit.copied())
     if memo is not None:
         memo[id(view(model, model.unit.root))] = view(twin, twin.unit.root)
+    for (node, attribute), awaited in model.awaited.items():
+        if model.has(node) and model.frame_above(node) is None:
+            twin.awaited[counterpart(node, model.unit.root, twin.unit.root), attribute] = awaited
     for attachment in model.attachments.values():
         child = duplicate(attachment.child, memo)
         frame = copy.deepcopy(attachment.frame)

@@ -41,6 +41,8 @@ class Edit:
     contents: dict[str, bytes | Path] = field(default_factory=dict)
     given: dict[Target, str] = field(default_factory=dict)
     """Names for what is referred to and has none."""
+    awaited: dict[str, tuple[Target, str]] = field(default_factory=dict)
+    """References to elements of models that are not in one composition with this one yet, by attribute."""
     skins: Skins = field(default_factory=list)
     """Skin files that have the name of a body which gets another one."""
     renaming: Renaming[Model] | None = None
@@ -122,12 +124,15 @@ def _text(
             raise BadValue("expects one element, got a list")
         namespace = namespace_of(attribute, written)
         names = [value] if isinstance(value, Target) else list(value)  # type: ignore[call-overload]
-        return " ".join(
+        texts = [
             name_for(model, attribute, each, namespace, edit.given)
             if isinstance(each, Target)
             else encode(attribute, each)
             for each in names
-        )
+        ]
+        if isinstance(value, Target) and model.prefix_of(value.model) is None:
+            edit.awaited[attribute.name] = value, texts[0]
+        return " ".join(texts)
     return encode(attribute, value)
 
 
@@ -143,6 +148,7 @@ def write(model: Model, node: Node, edit: Edit) -> None:
         replace(node, edit.texts)
     else:
         assign(model, node, edit.texts)
+    model.awaited.update(((node, name), awaited) for name, awaited in edit.awaited.items())
     if (
         cast(int | None, node.sourceline) is None and node not in model.unit.origins.owners
     ):  # made because it was asked for
@@ -172,6 +178,7 @@ def create(model: Model, parent: Node, tag: str, edit: Edit, position: int | Non
         later.addprevious(node)
     model.unit.origins.own(node, call_site())
     model.note(node)
+    model.awaited.update(((node, name), awaited) for name, awaited in edit.awaited.items())
     return node
 
 

@@ -32,6 +32,7 @@ from composer.mjcf.mounting import Mounting
 from composer.mjcf.pruning import prune
 from composer.mjcf.relocated import relocated_text
 from composer.mjcf.unique_names import is_inner, rename_file, with_unique_names
+from composer.tree.name_index import UP
 from composer.tree.unit import Unit
 from composer.tree.write import to_text
 
@@ -90,7 +91,11 @@ def linked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], *, che
     """
     sink = _NamesChecked()
     mounting = Mounting(model, copy)
-    prefixes = tuple(part.prefix for part in mounting.parts)
+    prefixes = (
+        UP,
+        *(part.prefix for part in mounting.parts),
+        *(name for part in mounting.parts for name in part.outward.values()),
+    )
     for unit in (mounting.base, *(part.unit for part in mounting.parts)):
         prune(unit)
     with ExitStack() as ending:

@@ -15,7 +15,7 @@ from composer.diagnostics.span import Span
 from composer.grammar import GRAMMAR
 from composer.tree.classes import MAIN
 from composer.tree.kinds import WORLD_SECTION, kind_of, naming_attribute, section_of
-from composer.tree.name_index import SEPARATOR, NameIndex, own_name
+from composer.tree.name_index import SEPARATOR, UP, NameIndex, own_name
 from composer.tree.names import WORLD, may_be_generated
 from composer.tree.removal import names_in
 from composer.tree.unit import Unit
@@ -83,13 +83,15 @@ class Model:
 
     Accessing a section that does not exist creates it, under a lock, so several threads can read at once. `views`
     has the Element of every node accessed so far, so that each node has only one; see `views.py`. `attachments` are
-    by prefix, in the order in which they were made.
+    by prefix, in the order in which they were made. `awaited` are the references to elements of models that are not in
+    this composition yet, with their provisional texts; see `settle`.
     """
 
     unit: Unit
     views: dict[Node, Any] = field(default_factory=dict)
     attachments: dict[str, Attachment] = field(default_factory=dict)
     hung: Attachment | None = None
+    awaited: dict[tuple[Node, str], tuple[Target, str]] = field(default_factory=dict)
     lock: Lock = field(default_factory=Lock)
 
     @cached_property
@@ -125,12 +127,22 @@ class Model:
             yield model
 
     def levels(self) -> Iterator[tuple[Model, str]]:
-        """Yield this model and the models above it, each with the prefix that this model's names have there."""
+        """Yield this model and those that may refer to it, each with the prefix that this model's names have there.
+
+        These are the models above it, and of the others in the composition those that refer to something outside.
+        """
         model, prefix = self, ""
         yield model, prefix
         while model.hung is not None:
             model, prefix = model.hung.parent, model.prefix + prefix
             yield model, prefix
+        if not model.attachments:
+            return
+        for other in model.composition():
+            if other.names.leads_out and other is not self:
+                way = other.prefix_of(self)
+                if way is not None and way.startswith(UP):
+                    yield other, way
 
     def section(self, tag: str) -> Node:
         """Return the node of a top-level section. If there is none, create it at its usual place in MJCF."""
@@ -196,6 +208,8 @@ class Model:
             return Target(self, self.section(WORLD_SECTION))
         if namespace == "default" and name == MAIN:
             return Target(self, self.section("default"))
+        if self.hung is not None and name.startswith(UP):
+            return self.hung.parent.lookup(namespace, name[len(UP) :])
         for attachment, rest in self.split(name):
             found = attachment.child.lookup_attached(namespace, rest)
             if found is not None:
@@ -229,6 +243,8 @@ class Model:
         """Return whether MuJoCo may generate the name itself."""
         if may_be_generated(name, self.unit.root):
             return True
+        if self.hung is not None and name.startswith(UP):
+            return self.hung.parent.may_generate(name[len(UP) :])
         return any(attachment.child.may_generate(rest) for attachment, rest in self.split(name))
 
     def composition(self) -> Iterator[Model]:
@@ -278,31 +294,36 @@ class Model:
         return None if name is None else (attribute.declares, name)
 
     def seen_from(self, other: Model, node: Node) -> str | None:
-        """Return the name of a node in `other`, which is this model or one above it, or None if it has no name."""
+        """Return the name of a node in `other`, a model of the same composition, or None if it has no name there."""
         declared = self.declared(node)
-        if declared is None:
+        prefix = None if declared is None else other.prefix_of(self)
+        if declared is None or prefix is None:
             return None
         namespace, name = declared
-        model = self
-        while model is not other:
-            if model.hung is None:
-                return None
-            if (namespace, name) == ("default", MAIN):
-                name = ""
-            elif (namespace, name) == ("body", WORLD):
-                return None
-            name = model.prefix + name
-            model = model.hung.parent
-        return name
+        if self is not other and (namespace, name) == ("body", WORLD):
+            return prefix + WORLD if self.hung is None else None
+        if namespace == "default" and prefix.startswith(UP):
+            return None  # a class is looked up in its own model alone
+        if self is not other and (namespace, name) == ("default", MAIN):
+            name = ""
+        return prefix + name
 
-    def prefix_in(self, other: Model) -> str | None:
-        """Return the prefix of this model's names in `other`, or None if it is not attached below `other`."""
-        prefix, model = "", self
-        while model is not other:
-            if model.hung is None:
-                return None
-            prefix, model = model.prefix + prefix, model.hung.parent
-        return prefix
+    def prefix_of(self, other: Model) -> str | None:
+        """Return the prefix that the names of `other` have in this model, or None if they are not in one composition.
+
+        `../` is the model that this one is attached to: a model beside this one is `../ball/`.
+        """
+        down: dict[Model, str] = {other: ""}
+        model, prefix = other, ""
+        while model.hung is not None:
+            model, prefix = model.hung.parent, model.prefix + prefix
+            down[model] = prefix
+        up = ""
+        for here in (self, *self.ancestors()):
+            if here in down:
+                return up + down[here]
+            up += UP
+        return None
 
     def note(self, node: Node) -> None:
         """Add the names of a new or changed node to the index."""

@@ -19,7 +19,7 @@ from composer.mjcf.model import Attachment, Model
 from composer.tree.classes import MAIN, ORIENTATIONS, childclass_of
 from composer.tree.counterpart import counterpart
 from composer.tree.kinds import WORLD_SECTION
-from composer.tree.name_index import NameIndex
+from composer.tree.name_index import UP, NameIndex
 from composer.tree.unit import Unit
 
 _ANGULAR = {"hinge": ("range", "ref", "springref", "springyield"), "ball": ("range", "springyield")}
@@ -73,6 +73,7 @@ class Mounting:
                 keyframes="prefix",
                 mocap=attachment.frame.get("mocap") == "true",
                 span=model.span(attachment.frame),
+                outward=_outward(attachment.child, self.model),
             )
             mounted = _Mounted(attachment, part, unit, prefix, host)
             self.mounted.append(mounted)
@@ -118,6 +119,19 @@ class Mounting:
             if parent is not None:
                 at = parent.index(frame)
                 parent[at : at + 1] = list(frame)
+
+
+def _outward(model: Model, top: Model) -> dict[str, str]:
+    """Return the final names of what a model refers to in the models above it and beside it."""
+    found: dict[str, str] = {}
+    for uses in model.names.uses.values() if model.names.leads_out else ():
+        for name in uses:
+            here, rest = model, name
+            while rest.startswith(UP) and here is not top and here.hung is not None:
+                here, rest = here.hung.parent, rest[len(UP) :]
+            if here is not model:
+                found[name] = str(top.prefix_of(here)) + rest
+    return found
 
 
 def _offset(frame: Node, unit: Unit) -> dict[str, str]:

@@ -12,7 +12,7 @@ from composer.bundle.bundle import MODEL
 from composer.bundle.read import ReadError, read
 from composer.diagnostics.call_site import call_site
 from composer.diagnostics.sink import Sink
-from composer.mjcf.arguments import Folders, as_files, as_folders, as_path
+from composer.mjcf.arguments import Folders, as_files, as_path, door_of
 from composer.mjcf.asset import Files
 from composer.mjcf.element import RootElement
 from composer.mjcf.errors import failure, raise_errors
@@ -21,7 +21,6 @@ from composer.mjcf.model import UNNAMED, Model
 from composer.mjcf.separators import escape_separators as escape_separators_of
 from composer.mjcf.views import view
 from composer.reading.door import Door
-from composer.reading.project import own_door
 from composer.tree.admitted import all_admitted
 from composer.tree.parse import parse_file, parse_text
 from composer.tree.unit import Unit
@@ -30,7 +29,7 @@ _TEXT = "<xml_string>"
 
 
 def from_path(
-    path: str | os.PathLike[str], *, escape_separators: bool = False, trust: Folders = ()
+    path: str | os.PathLike[str], *, escape_separators: bool = False, confine_to: Folders | None = None
 ) -> RootElement:
     r"""Read a model from an MJCF file.
 
@@ -38,8 +37,9 @@ def from_path(
     `<include>` is followed. A name may contain a `/`. With `escape_separators`, each `/` in a name becomes a `\`, so
     that a `/` always separates the prefix of an attached model.
 
-    The model may read files of its project and in the folders of `trust`, and no others: see docs/sources.md. This is
-    checked when a file is read. Meshes and textures are not read yet.
+    The model may read what MuJoCo would read for you. With `confine_to`, a list of folders, it may read files in
+    these and no others: this is for models of people whom you do not know. It is checked when a file is read. Meshes
+    and textures are not read yet.
 
     Raises `MjcfError`, with the file and line of each fault, for a file that cannot be read, is not well-formed or is
     not MJCF, for elements and attributes that MJCF does not have, and for names that repeat.
@@ -51,7 +51,7 @@ def from_path(
     <geom name="ball" size="1"/>
     """
     file = as_path("path", path)
-    door = own_door(file, as_folders("trust", trust))
+    door = door_of(confine_to)
     return _model(lambda sink: parse_file(file, sink, door=door), escape_separators)
 
 
@@ -61,13 +61,13 @@ def from_xml_string(
     assets: Mapping[str, bytes] | None = None,
     base_dir: str | os.PathLike[str] | None = None,
     escape_separators: bool = False,
-    trust: Folders = (),
+    confine_to: Folders | None = None,
 ) -> RootElement:
     """Read a model from MJCF text.
 
     `assets` has the bytes of files by their path in the model (including the folder that the compiler sets) or by
     their file name alone; it may contain included files. Files that are not in it are read from `base_dir`, by default
-    the working directory. `escape_separators` and `trust` are described in `from_path`. Raises `MjcfError` as
+    the working directory. `escape_separators` and `confine_to` are described in `from_path`. Raises `MjcfError` as
     `from_path` does.
 
     >>> model = from_xml_string('<mujoco><asset><mesh file="cube.stl"/></asset></mujoco>', assets={'cube.stl': b'...'})
@@ -80,7 +80,7 @@ def from_xml_string(
         )
     files = Files(as_files("assets", assets))
     directory = as_path("base_dir", base_dir) if base_dir is not None else Path()
-    door = own_door(directory / "model.xml", as_folders("trust", trust))
+    door = door_of(confine_to)
     return _model(
         lambda sink: parse_text(
             xml_string, sink, file=_TEXT, directory=directory, label=UNNAMED, contents=files, door=door
@@ -90,12 +90,12 @@ def from_xml_string(
 
 
 def from_file(
-    file_object: IO[str] | IO[bytes], *, escape_separators: bool = False, trust: Folders = ()
+    file_object: IO[str] | IO[bytes], *, escape_separators: bool = False, confine_to: Folders | None = None
 ) -> RootElement:
     """Read a model from an open file, in text or binary mode.
 
     If `file_object.name` is a path, file names in the model are relative to its folder, else to the working directory.
-    `escape_separators` and `trust` are described in `from_path`. Raises `MjcfError` as `from_path` does.
+    `escape_separators` and `confine_to` are described in `from_path`. Raises `MjcfError` as `from_path` does.
 
     >>> import io
     >>> from_file(io.StringIO('<mujoco model="arm"/>')).model
@@ -114,9 +114,9 @@ def from_file(
         raise failure("file-unreadable", f"`file_object` cannot be read: {error}", call_site()) from None
     name = getattr(file_object, "name", None)
     if not isinstance(name, str):
-        return from_xml_string(data, escape_separators=escape_separators, trust=trust)
+        return from_xml_string(data, escape_separators=escape_separators, confine_to=confine_to)
     path = Path(name)
-    door = own_door(path, as_folders("trust", trust))
+    door = door_of(confine_to)
     return _model(
         lambda sink: parse_text(data, sink, file=name, directory=path.parent, label=path.stem, door=door),
         escape_separators,

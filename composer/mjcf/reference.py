@@ -10,7 +10,9 @@ from composer.grammar import GRAMMAR
 from composer.grammar.attribute import Attribute
 from composer.mjcf.model import Model, Target
 from composer.mjcf.value import BadValue
+from composer.tree.attributes import assign
 from composer.tree.kinds import kind_of
+from composer.tree.name_index import UP
 from composer.tree.names import WORLD, word
 
 
@@ -33,7 +35,8 @@ def name_for(
 ) -> str:
     """Return the name that refers to `target` in `model`. Raises `BadValue` if there can be none.
 
-    A target without a name gets one in `given`, which the caller must write.
+    A target without a name gets one in `given`, which the caller must write. The name in a model that is not in the
+    same composition yet is provisional, and the caller must note it in `awaited` of the model.
     """
     node = target.node
     if not target.model.has(node):
@@ -47,14 +50,19 @@ def name_for(
     if declared is None:
         own = given.get(target) or _free_name(target, str(kind.family), given)
         given[target] = own
-        outside = target.model.prefix_in(model)
-        name = None if outside is None else outside + own
     else:
-        name = target.model.seen_from(model, node)
+        own = declared[1]
+    way = model.prefix_of(target.model)
+    if way is None and attribute.type != "references" and namespace != "default" and own != WORLD:
+        return f"{UP}{target.model.full_prefix or target.model.prefix}{own}"
+    if way is None:
+        raise BadValue(
+            f"got {described(target)} of the model `{target.model.name}`, which is not attached to `{model.name}`"
+        )
+    name = way + own if declared is None else target.model.seen_from(model, node)
     if name is None:
         raise BadValue(
-            f"got {described(target)} of the model `{target.model.name}`, which is not attached to "
-            f"`{model.name}`"
+            f"got {described(target)} of the model `{target.model.name}`, which `{model.name}` cannot refer to"
         )
     if attribute.type == "references" and len(name.split()) != 1:
         raise BadValue(f"got {described(target)}, but a list of names cannot hold one with a space")
@@ -78,10 +86,26 @@ def resolved(model: Model, attribute: Attribute, node: Node, text: str) -> list[
     A name that does not exist is returned as it is. MuJoCo may still generate it (the copies of a `replicate`); if
     not, it is reported when the model is written.
     """
+    awaited = model.awaited.get((node, attribute.name))
+    if awaited is not None and awaited[1] == text:
+        return [awaited[0]]
     written = {str(key): str(value) for key, value in node.items()}
     namespace = namespace_of(attribute, written)
     names = text.split() if attribute.type == "references" else [text]
     return [(model.lookup(namespace, name) if namespace else None) or name for name in names]
+
+
+def settle(top: Model) -> None:
+    """Give the references to what has been attached since then its names in the models that refer to it."""
+    for model in top.composition():
+        for (node, attribute), (target, text) in [*model.awaited.items()]:
+            if not model.has(node) or node.get(attribute) != text:
+                del model.awaited[node, attribute]  # it was removed or written anew
+            elif model.prefix_of(target.model) is not None and target.model.has(target.node):
+                name = target.model.seen_from(model, target.node)
+                if name is not None:
+                    del model.awaited[node, attribute]
+                    assign(model, node, {attribute: name})
 
 
 def described(target: Target) -> str:

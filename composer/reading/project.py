@@ -13,7 +13,6 @@ MARKERS = (".git", ".hg", "pyproject.toml", "package.xml", "mjcompose.lock")
 """Entries that mark the top folder of a project."""
 _is_top = memory_of(MARKERS)
 _HELP = "if it is meant, write in the recipe `trust: {files: [{folder}]}`"
-_IN_PYTHON = "if it is meant, open the folder: `trust=['{absolute}']`"
 
 
 def project_of(folder: str | os.PathLike[str]) -> str | None:
@@ -53,14 +52,13 @@ def own_door(
 ) -> Door:
     """Return the door of the user's own model.
 
-    `also` are more folders, `recipe` the folder of the recipe that names the model. Without a recipe a program
-    names it.
+    `also` are more folders, `recipe` the folder of the recipe that names the model.
     """
     folders = folders_of_model(model)
     return Door.of(
         (*folders, *also),
         f"`{folders[0]}`, which is all that this model may read",
-        _IN_PYTHON if recipe is None else _HELP,
+        None if recipe is None else _HELP,
         recipe,
     )
 

@@ -13,6 +13,8 @@ from composer.tree.files import NAMED_AFTER_FILE, stem
 from composer.tree.names import LISTS, WORLD, declaring, naming_table, own_references
 
 SEPARATOR = "/"
+UP = "../"
+"""Before the names of the model that a model of `composer.mjcf` is attached to."""
 # MuJoCo allows two `<model>` assets with the same name.
 MAY_REPEAT = frozenset({"model"})
 ALWAYS = frozenset({("body", WORLD), ("default", MAIN)})
@@ -29,10 +31,12 @@ class NameIndex:
 
     `declared` maps names to elements, `uses` maps names to their references; `world` and `main` are in neither,
     because nothing may take these names. A node's names are forgotten before it changes and noted again afterwards.
+    `leads_out` is set once a reference begins with `UP`.
     """
 
     declared: dict[str, dict[str, Node]] = field(default_factory=dict)
     uses: dict[str, dict[str, dict[Use, None]]] = field(default_factory=dict)
+    leads_out: bool = False
 
     @classmethod
     def of(cls, root: Node) -> NameIndex:
@@ -57,6 +61,7 @@ class NameIndex:
         for attribute, namespace, name, _ in own_references(node, section):
             if name not in _ALWAYS_NAMES or (namespace, name) not in ALWAYS:
                 self.uses.setdefault(namespace, {}).setdefault(name, {})[node, attribute] = None
+                self.leads_out = self.leads_out or name.startswith(UP)
 
     def forget(self, node: Node, section: str) -> None:
         """Drop the names of one node, as they are written in it now."""

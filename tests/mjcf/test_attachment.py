@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import copy
+import pickle
 from collections.abc import Callable
 
 import mujoco
@@ -73,11 +75,18 @@ def test_the_parent_refers_into_the_child_and_follows_its_names(
     assert model.sensor("j").objid == model.joint("hand/right").id
 
 
-def test_a_child_cannot_refer_to_its_parent(
-    arm: mjcf.RootElement, gripper: mjcf.RootElement, frame: mjcf.Element
+def test_a_child_refers_to_its_parent(
+    arm: mjcf.RootElement, gripper: mjcf.RootElement, frame: mjcf.Element, compiled: Compiled
 ) -> None:
-    with pytest.raises(mjcf.MjcfError, match="`arm`, which is not attached to `gripper`"):
-        gripper.sensor.add("jointpos", joint=arm.find("joint", "shoulder"))
+    shoulder = arm.find("joint", "shoulder")
+    sensor = gripper.sensor.add("jointpos", name="turned", joint=shoulder)
+    assert sensor.joint is shoulder and 'joint="../shoulder"' in repr(sensor)
+    model = compiled(arm)
+    assert model.sensor("gripper/turned").objid[0] == model.joint("shoulder").id
+    with pytest.raises(mjcf.MjcfError, match="`../shoulder`, which does not exist"):
+        gripper.to_xml_string()
+    with pytest.raises(mjcf.MjcfError, match="which `gripper` cannot refer to"):
+        gripper.find_all("geom")[0].dclass = arm.default.add("default", dclass="red")
 
 
 def test_without_a_joint_no_body_is_added(
@@ -374,3 +383,97 @@ def test_a_new_model_name_must_leave_room_for_the_frame(
     with pytest.raises(mjcf.MjcfError, match=f"there is a {tag} `{name}` in `arm`"):
         gripper.model = "hand"
     assert gripper.model == "gripper"
+
+
+def _ball(name: str) -> mjcf.RootElement:
+    model = mjcf.RootElement(name)
+    body = model.worldbody.add("body", name="b", pos=[0, 0, 1])
+    body.add("joint", name="j")
+    body.add("geom", name="g", size=[0.1])
+    body.add("site", name="s")
+    return model
+
+
+def _scene() -> tuple[mjcf.RootElement, list[mjcf.RootElement]]:
+    """Two models beside each other, and a third one on the second, which refers to the first."""
+    root, models = mjcf.RootElement("scene"), [_ball(name) for name in ("one", "two", "three")]
+    root.attach(models[0])
+    root.attach(models[1])
+    models[1].find("body", "b").attach(models[2])
+    return root, models
+
+
+def _ids(model: mujoco.MjModel, sensor: str) -> tuple[int, int]:
+    row = model.sensor(sensor)
+    return int(row.objid[0]), int(row.refid[0])
+
+
+def test_models_beside_one_another_refer_to_each_other(compiled: Compiled) -> None:
+    root, (one, two, three) = _scene()
+    for child, other in ((one, two), (two, one), (three, one), (one, three), (three, two)):
+        body, site = other.find("body", "b"), child.find("site", "s")
+        sensor = child.sensor.add(
+            "framepos", name=f"to_{other.model}", objtype="body", objname=body, reftype="site", refname=site
+        )
+        assert sensor.objname is body and sensor.refname is site
+    one.contact.add("exclude", body1=one.find("body", "b"), body2=three.find("body", "b"))
+    two.equality.add("joint", joint1=two.find("joint", "j"), joint2=one.find("joint", "j"))
+    one.actuator.add("motor", name="push", site=one.find("site", "s"), refsite=three.find("site", "s"))
+    model = compiled(root)
+    for child, other in (("one/", "two/"), ("two/", "one/"), ("two/three/", "one/"), ("one/", "two/three/")):
+        ids = _ids(model, f"{child}to_{other.split('/')[-2]}")
+        assert ids == (model.body(f"{other}b").id, model.site(f"{child}s").id)
+    assert model.actuator("one/push").trnid.tolist() == [model.site("one/s").id, model.site("two/three/s").id]
+    assert copy.deepcopy(root).to_xml_string() == root.to_xml_string()
+    assert pickle.loads(pickle.dumps(root)).to_xml_string() == root.to_xml_string()
+
+
+def test_what_is_referred_to_from_beside_may_be_renamed_and_removed(compiled: Compiled) -> None:
+    root, (one, _two, three) = _scene()
+    site = three.find("site", "s")
+    sensor = one.sensor.add("framepos", name="there", objtype="site", objname=site)
+    three.model, site.name = "third", "renamed"
+    assert sensor.objname is site and 'objname="../two/third/renamed"' in repr(sensor)
+    model = compiled(root)
+    assert _ids(model, "one/there")[0] == model.site("two/third/renamed").id
+    one.model = "first"
+    assert 'objname="two/third/renamed"' in root.to_xml_string()
+    site.remove(cascade=True)
+    assert one.find("sensor", "there") is None
+    sensor = one.sensor.add("framepos", name="there", objtype="body", objname=three.find("body", "b"))
+    three.detach()
+    with pytest.raises(mjcf.MjcfError, match="which does not exist"):
+        root.to_xml_string()
+    root.attach(three)
+    sensor.objname = three.find("body", "b")
+    assert 'objname="third/b"' in root.to_xml_string()
+
+
+def test_what_is_referred_to_may_be_attached_later(compiled: Compiled) -> None:
+    root, walker, ball = mjcf.RootElement("scene"), _ball("walker"), _ball("ball")
+    body = ball.find("body", "b")
+    sensor = walker.sensor.add("framepos", name="s", objtype="body", objname=body)
+    assert sensor.objname is body
+    with pytest.raises(
+        mjcf.MjcfError, match="`objname` to `<body>` `b` of the model `ball`, which is not attached"
+    ):
+        walker.to_xml_string()
+    root.attach(walker)
+    body.name, ball.model = "moved", "other"
+    root.attach(_ball("ball"))  # it has the names that the other one had
+    assert sensor.objname is body
+    with pytest.raises(mjcf.MjcfError, match="which is not attached"):
+        root.to_xml_string()
+    root.attach(ball)
+    model = compiled(root)
+    assert sensor.objname is body and _ids(model, "walker/s")[0] == model.body("other/moved").id
+
+
+def test_a_body_between_has_the_least_mass_that_its_parent_asks_for(compiled: Compiled) -> None:
+    root, child = mjcf.RootElement("scene"), _ball("walker")
+    root.compiler.boundmass, root.compiler.boundinertia = 2e-5, 1e-6
+    root.attach(child).add("joint", name="x", type="slide")
+    model = compiled(root)
+    assert model.body("walker/").mass[0] == 2e-5 and model.body("walker/").inertia.tolist() == [1e-6] * 3
+    alone = mujoco.MjModel.from_xml_string(child.to_xml_string())
+    assert model.body("walker/b").mass[0] == alone.body("b").mass[0]

@@ -170,7 +170,9 @@ class Binding:
 
     def _read(self, name: str, field: Field) -> Array:
         view = self._view(name, field)
-        return view.read() if isinstance(view, Home) else view
+        if isinstance(view, Home):
+            return view.read()
+        return view if view.ndim else view[()]
 
     def _view(self, name: str, field: Field) -> Array | Home[Any]:
         """Return a field and cache it: MuJoCo's memory does not move during the life of the model."""
@@ -180,6 +182,9 @@ class Binding:
         array = getattr(self._data if field.of_data else self._model, field.array)
         view = self._one_view(array, field) if self._one else self._view_of_all(array, field)
         if isinstance(view, Home):
+            self._homes[name] = view
+            return view
+        if not view.ndim:  # one number is handed out as it is: nobody expects that it changes later
             self._homes[name] = view
             return view
         if field.array in RELEASES:
@@ -308,10 +313,8 @@ def _scattered_field(name: str, field: Field) -> property:
     """Return a property for a field. Python reads properties faster than other descriptors."""
 
     def read(binding: Binding) -> Any:
-        try:
-            return binding._homes[name].read()
-        except KeyError:
-            return binding._read(name, field)
+        home = binding._homes.get(name)
+        return home.read() if isinstance(home, Home) else binding._read(name, field)
 
     return property(read)
 

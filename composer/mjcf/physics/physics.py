@@ -20,14 +20,14 @@ from composer.diagnostics.sink import Sink
 from composer.diagnostics.suggest import exists_note
 from composer.diagnostics.unknown import unknown_name
 from composer.link.request import Policy
-from composer.mjcf.arguments import Folders, as_files, as_folders, as_index, as_path
+from composer.mjcf.arguments import Folders, as_files, as_index, as_path, door_of
 from composer.mjcf.errors import MjcfError, failed, failure, raise_errors
 from composer.mjcf.node_view import NodeView, model_of
 from composer.mjcf.physics.binding import Binding, EmptyBinding, as_slice, binding_of
 from composer.mjcf.physics.compile import Snapshot, compile_model, compile_text, engine, refused, snapshot
 from composer.mjcf.physics.rendering import Rendering
 from composer.mjcf.root_view import RootView
-from composer.reading.project import own_door
+from composer.reading.door import Door
 from composer.reading.refused import CODE
 from composer.tree.admitted import all_admitted
 from composer.tree.editable import is_copy
@@ -60,6 +60,7 @@ class Physics:
         "_rendering",
         "_roster",
         "_snapshots",
+        "legacy_step",
     )
 
     def __init__(self, model: Any, data: Any = None, *, snapshot: Snapshot | None = None) -> None:
@@ -71,6 +72,8 @@ class Physics:
                 )
         self._model = model
         self._data = engine().MjData(model) if data is None else data
+        self.legacy_step = False
+        """Whether `step` also computes what depends on positions and velocities, as dm_control does by default."""
         self._roster = NameTable(model)
         self._of_tree = snapshot is not None
         self._snapshots: list[Snapshot] = [] if snapshot is None else [snapshot]
@@ -110,10 +113,10 @@ class Physics:
         return cls(compile_text(text, files))
 
     @classmethod
-    def from_path(cls, path: str | os.PathLike[str], *, trust: Folders = ()) -> Physics:
+    def from_path(cls, path: str | os.PathLike[str], *, confine_to: Folders | None = None) -> Physics:
         """Compile an MJCF file as MuJoCo reads it, or load a compiled one (`.mjb`).
 
-        The model may read files of its project and in the folders of `trust`, and no others. Raises `MjcfError`.
+        `confine_to` is described in `mjcf.from_path`. Raises `MjcfError`.
         """
         file = as_path("path", path)
         if not os.path.isfile(file):
@@ -121,7 +124,7 @@ class Physics:
         mujoco = engine()
         binary = file.suffix.lower() == ".mjb"
         if not binary:
-            _check_files(file, as_folders("trust", trust))
+            _check_files(file, door_of(confine_to))
         load = mujoco.MjModel.from_binary_path if binary else mujoco.MjModel.from_xml_path
         try:
             return cls(load(str(file)))
@@ -163,11 +166,13 @@ class Physics:
         """Advance the simulation by `n` steps, as `mj_step` does.
 
         Afterwards, positions and velocities are those at the new time. Quantities computed from them (`xpos`,
-        `sensordata`) are those at the beginning of the last step, until `forward()` is called.
+        `sensordata`) are those at the beginning of the last step, until `forward()` is called; see `legacy_step`.
         """
         try:
             if n >= 0:
                 engine().mj_step(self._model, self._data, n)
+                if self.legacy_step:
+                    engine().mj_step1(self._model, self._data)
                 return
         except TypeError:  # no integer, or one that is too large for C
             as_index("n", n)
@@ -205,11 +210,12 @@ class Physics:
         memo[id(self._model)] = data.model
         twin = Physics(data.model, data)
         twin._snapshots = list(self._snapshots)
+        twin.legacy_step = self.legacy_step
         return twin
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the physics with its state but without the tree. Elements of any tree are then bound by name."""
-        return _restored, (self._data,)
+        return _restored, (self._data, self.legacy_step)
 
     def render(
         self, height: int = 240, width: int = 320, camera: int | str | NodeView = -1
@@ -373,14 +379,16 @@ def _seconds(what: str, value: object) -> float:
     return number
 
 
-def _restored(data: Any) -> Physics:
-    return Physics(data.model, data)
+def _restored(data: Any, legacy_step: bool = False) -> Physics:
+    physics = Physics(data.model, data)
+    physics.legacy_step = legacy_step
+    return physics
 
 
-def _check_files(path: Path, trust: tuple[Path, ...]) -> None:
+def _check_files(path: Path, door: Door) -> None:
     """Raise `MjcfError` if a model refers to files that it may not read. MuJoCo reports all other faults."""
     found = Sink()
-    unit = parse_file(path, aside := Sink(), door=own_door(path, trust))
+    unit = parse_file(path, aside := Sink(), door=door)
     if unit is not None:
         all_admitted(unit, found)
     for each in aside.errors:

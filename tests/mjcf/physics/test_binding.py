@@ -61,8 +61,9 @@ def test_a_number_works_as_one(model: RootElement, physics: Physics) -> None:
     assert float(motor.ctrl) == motor.ctrl == 0.25
     assert f"{motor.ctrl:.1f}" == "0.2"
     motor.ctrl += 1
-    motor.ctrl[...] *= 2
-    assert physics.data.ctrl[0] == 2.5
+    before = motor.ctrl  # as in dm_control: a number that was read stays as it was
+    motor.ctrl *= 2
+    assert before == 1.25 and physics.data.ctrl[0] == 2.5
     assert physics.data.qpos[physics.bind(model.find("joint", "h")).qposadr] == physics.data.qpos[7]
 
 

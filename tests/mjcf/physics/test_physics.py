@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from composer import mjcf
+from composer.limits import allow
 from composer.mjcf import MjcfError, Physics, RootElement
 
 PENDULUM = """
@@ -332,3 +333,48 @@ def test_what_is_no_argument_is_told_at_the_call(
     (fault,) = caught.value.diagnostics
     assert said in fault.message and fault.span is not None and fault.span.file == __file__
     assert (swing.time, swing.timestep) == before
+
+
+def test_a_legacy_step_leaves_positions_and_sensors_up_to_date() -> None:
+    text = """<mujoco><worldbody><body name="b"><freejoint/><geom size=".1"/></body></worldbody>
+    <sensor><framepos objtype="body" objname="b"/></sensor></mujoco>"""
+    plain, legacy = Physics.from_xml_string(text), Physics.from_xml_string(text)
+    legacy.legacy_step = True
+    copies = (legacy.copy(), copy.deepcopy(legacy), pickle.loads(pickle.dumps(legacy)))
+    for each in (plain, legacy, *copies):
+        each.step(3)
+        assert np.array_equal(each.data.qpos, plain.data.qpos)
+        assert np.array_equal(each.data.sensordata, each.data.qpos[:3]) == (each is not plain)
+
+
+def test_what_a_model_reads_is_confined_on_request(tmp_path: Path) -> None:
+    shapes, model = tmp_path / "elsewhere" / "deep", tmp_path / "robot" / "mjcf" / "arm.xml"
+    for file in (shapes / "m.obj", model):
+        file.parent.mkdir(parents=True)
+    (tmp_path / "robot" / ".git").mkdir()
+    (shapes / "m.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n")
+    model.write_text(
+        f"""<mujoco><asset><mesh name="m" file="{shapes}/m.obj"/></asset>
+        <worldbody><geom type="mesh" mesh="m"/></worldbody></mujoco>"""
+    )
+    text = model.read_text()
+    assert mjcf.from_path(model).compile_model().model.nmesh == 1
+    assert mjcf.from_xml_string(text).compile_model().model.nmesh == 1
+    assert Physics.from_path(model).model.nmesh == 1
+    assert Physics.from_path(model, confine_to=[tmp_path]).model.nmesh == 1
+    for read in (mjcf.from_path, Physics.from_path):
+        with pytest.raises(MjcfError, match=r"confine_to=\[…, '.*deep'\]"):
+            read(model, confine_to=[model.parent]).assets  # noqa: B018
+    with model.open() as file, pytest.raises(MjcfError, match="all that `confine_to` names"):
+        mjcf.from_file(file, confine_to=[]).assets  # noqa: B018
+
+
+def test_an_error_about_a_limit_says_what_a_program_writes(tmp_path: Path) -> None:
+    with allow(elements=3), pytest.raises(MjcfError) as caught:
+        mjcf.from_xml_string("<mujoco><worldbody><body/><body/><body/></worldbody></mujoco>")
+    (help,) = {each.help for each in caught.value.diagnostics}
+    assert (
+        help is not None
+        and "`with composer.limits.allow(elements=" in help
+        and "--limit" not in str(caught.value)
+    )
