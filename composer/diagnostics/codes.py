@@ -94,6 +94,7 @@ CODES: dict[str, str] = {
     "unknown-element": "MJCF has no element of that name in that place",
     "unknown-key": "a key has no meaning in its place",
     "unknown-name": "a name refers to nothing in the model",
+    "unstable": "a simulation diverges, so a film of it cannot be made",
     "unused-allow": "`allow` names a warning that does not appear",
     "urdf-inertia": "a link of a URDF has an inertia that no body can have",
     "urdf-roots": "a URDF has several links without a parent",

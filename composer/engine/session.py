@@ -49,7 +49,7 @@ class Session:
         """What MuJoCo said where it could not be imported with OpenGL; it then works without."""
         self.mujoco_version: str | None = None
         self._process: Process | None = None
-        self._is_greeted = False
+        self._is_greeted = self._is_over = False
         self._lines: queue.Queue[str | None] = queue.Queue()
         self._folder: Path | None = None
         self._shelf: Path | None = None
@@ -120,8 +120,16 @@ class Session:
         self._folder = self._shelf = None
         self._held.close()
 
+    def end(self) -> None:
+        """Kill the child process, from any thread: whoever waits for it gets a failure, and so does who asks later."""
+        self._is_over = True
+        if (process := self._process) is not None:
+            process.end()
+
     def _start(self) -> dict[str, Any] | None:
         """Return None if a child is ready, otherwise the answer that says why there is none."""
+        if self._is_over:
+            return _failure("MuJoCo was stopped", "stopped")
         if self._process is not None and self._is_greeted:
             return None
         try:
@@ -200,7 +208,8 @@ class Session:
 
     def _send(self, line: str) -> None:
         process = self._process
-        assert process is not None and process.stdin is not None
+        if process is None or process.stdin is None or process.stdin.closed:  # ended by another thread
+            raise BrokenPipeError
         process.stdin.write(line + "\n")
         process.stdin.flush()
 
@@ -231,7 +240,8 @@ class Session:
     def _crashed(self) -> dict[str, Any]:
         """Return why the child ended without an answer."""
         process, folder = self._process, self._folder
-        assert process is not None and folder is not None
+        if self._is_over or process is None or folder is None:  # ended by another thread
+            return _failure("MuJoCo was stopped", "stopped")
         status = process.wait()
         self._stop()
         words = _last_words(folder / "log")

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from composer.compiled.kinds import names
+from composer.compiled.stepping import advance
 from composer.pictures.gif import gif
 from composer.pictures.png import png
 from composer.pictures.stage import Look, NoOpenGL, Stage
@@ -16,6 +17,10 @@ from composer.pictures.video import NoEncoder, encoder, write_mp4
 
 _TURN_SECONDS = 4.0
 _RATES = {".gif": 20, ".mp4": 30}
+
+
+class _StoppedError(Exception):
+    """The simulation cannot go on, for the reason that it says."""
 
 
 def draw(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
@@ -51,19 +56,26 @@ def draw(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
             rate = _RATES[out.suffix]
             frames = list(_frames(stage, view, rate, asked["turntable"], asked["play"]))
             _WRITERS[out.suffix](out, frames, rate)
+    except _StoppedError as error:
+        return {"stopped": str(error)}
     finally:
         stage.close()
     return {}
 
 
 def _frames(stage: Stage, view: Any, rate: int, turntable: bool, play: float | None) -> Iterator[Any]:
-    """Yield the pictures of a film: physics for `play` seconds, a turn around the model, or both at once."""
+    """Yield the pictures of a film: physics for `play` seconds, a turn around the model, or both at once.
+
+    Raises _StoppedError if the simulation cannot go on.
+    """
     seconds = _TURN_SECONDS if play is None else play
     count = max(2, round(seconds * rate))
     started = stage.data.time
     for number in range(count):
-        while play is not None and stage.data.time - started < number / rate:
-            stage.mujoco.mj_step(stage.model, stage.data)
+        if play is not None:
+            stopped = advance(stage.mujoco, stage.model, stage.data, number / rate, started)
+            if stopped is not None:
+                raise _StoppedError(stopped)
         yield stage.picture(view)
         if turntable:
             view.azimuth += 360 / count

@@ -68,6 +68,10 @@ def drawn(kept: str, asked: dict[str, Any], context: Context, session: Session) 
             help='install it with `pip install "mjcompose[video]"`, or write a `.gif`',
         )  # fmt: skip
         return False
+    if "stopped" in said:
+        help = "`--play` with fewer seconds ends before that; a smaller `timestep` in `<option>` often helps"
+        context.sink.error("unstable", f"the film ends early: {said['stopped']}", help=help)
+        return False
     if "unknown" in said:
         kind = said["unknown"]
         word = {"key": "keyframe"}.get(kind, kind)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hmac
-from collections.abc import Mapping
+from collections.abc import Sequence
 from ipaddress import ip_address
 
 from composer.dataclass import dataclass
@@ -22,29 +22,35 @@ class Guard:
         shown = "127.0.0.1" if self._is_everywhere() else self.host
         return f"http://{_bracketed(shown)}:{self.port}/{self.token}/"
 
+    def key_of(self, target: str, hosts: Sequence[str], origins: Sequence[str]) -> str | None:
+        """Return what follows the token in the target of a request, or None if it must not be answered.
+
+        `hosts` and `origins` are the values of all its headers of these names. A page of another site cannot set
+        `Host`, and a browser sends its `Origin`, so both must be those of this server. A guard that fails refuses.
+        """
+        try:
+            return self._key(target, hosts, origins)
+        except Exception:
+            return None
+
+    def _key(self, target: str, hosts: Sequence[str], origins: Sequence[str]) -> str | None:
+        if len(hosts) != 1 or len(origins) > 1:
+            return None
+        host = hosts[0].lower()
+        if not self._is_everywhere() and host not in self._hosts():
+            return None
+        if origins and origins[0].lower() != f"http://{host}":
+            return None
+        own = f"/{self.token}/"
+        head, key = target[: len(own)], target[len(own) :]
+        return key if hmac.compare_digest(head.encode("utf-8", "surrogatepass"), own.encode()) else None
+
     def _is_everywhere(self) -> bool:
         """Return whether the server listens on all addresses of this machine."""
         try:
             return not self.host or ip_address(self.host).is_unspecified
         except ValueError:  # a name
             return False
-
-    def path_of(self, path: str, headers: Mapping[str, str]) -> str | None:
-        """Return the path below the token, or None if the request must not be answered.
-
-        `headers` are keyed by lower-case names. A page of another site cannot set `Host`, and a browser sends its
-        `Origin`, so both must be those of this server.
-        """
-        host = headers.get("host", "").lower()
-        if not self._is_everywhere() and host not in self._hosts():
-            return None
-        origin = headers.get("origin")
-        if origin is not None and origin.lower() != f"http://{host}":
-            return None
-        token, slash, rest = path.partition("?")[0].removeprefix("/").partition("/")
-        if not slash or not hmac.compare_digest(token.encode(), self.token.encode()):
-            return None
-        return rest
 
     def _hosts(self) -> set[str]:
         names = {self.host, *(("localhost", "127.0.0.1", "::1") if _is_loopback(self.host) else ())}

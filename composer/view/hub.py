@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from threading import Lock
 from typing import Any
 
-_MOST_WAITING = 64
+_MOST_WAITING, _MOST_PAGES = 64, 32
 _BEAT_SECONDS = 15.0
 _NOTHING = b": \n\n"
 
@@ -47,9 +47,12 @@ class Hub:
         self._pages: list[Page] = []
         self._lock = Lock()
 
-    def join(self) -> Page:
+    def join(self) -> Page | None:
+        """Return a new page, or None if there are too many."""
         page = Page()
         with self._lock:
+            if len(self._pages) >= _MOST_PAGES:
+                return None
             self._pages.append(page)
         return page
 

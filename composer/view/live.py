@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import html
 import os
 import sys
 import webbrowser
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from threading import Event, Thread
 
 from composer.context import Context
 from composer.dataclass import dataclass
+from composer.scratch import scratch
 from composer.view.server import Server
 from composer.view.watching import Mark, Watch, marks
 from composer.view.workshop import Shown, Workshop
@@ -49,26 +51,57 @@ def serve(
         before = _build(server, said)
         for line in _invitation(server.address, opens):
             say(line)
-        if opens and _no_browser() is None:
-            Thread(target=webbrowser.open, args=(server.address,), daemon=True).start()
         # In a thread of its own: a watch swallows the signals by which a terminal ends the command.
-        with ThreadPoolExecutor(1) as executor:
-            watching = executor.submit(_watch, server, before, stop, said)
+        failed: list[Exception] = []
+        watching = Thread(target=_watch, args=(server, before, stop, said, failed), daemon=True)
+        with _opened(server.address) if opens and _no_browser() is None else nullcontext():
+            watching.start()
             try:
-                while not watching.done():
-                    stop.wait(_PATIENCE)
+                while watching.is_alive():
+                    watching.join(_PATIENCE)
             finally:
                 stop.set()
-            watching.result()
+                server.workshop.session.end()  # a build that waits for MuJoCo
+                watching.join(_PATIENCE)
+        if failed:
+            raise failed[0]
     finally:
         server.close()
 
 
-def _watch(server: Server, before: dict[Path, Mark], stop: Event, said: Callable[[Shown], None]) -> None:
+def _watch(
+    server: Server,
+    before: dict[Path, Mark],
+    stop: Event,
+    said: Callable[[Shown], None],
+    failed: list[Exception],
+) -> None:
     """Build again whenever a file changes, until `stop` is set."""
-    watch = Watch(stop)
-    while watch.wait(before):
-        before = _build(server, said)
+    try:
+        watch = Watch(stop)
+        while watch.wait(before):
+            before = _build(server, lambda shown: None if stop.is_set() else said(shown))
+    except Exception as error:
+        if not stop.is_set():
+            failed.append(error)
+
+
+@contextmanager
+def _opened(address: str) -> Iterator[None]:
+    """Open an address in the browser, through a file that only this user can read.
+
+    Other users of the machine see the command line of a browser, and so must not find the token there.
+    """
+    with scratch("view") as folder:
+        page = folder / "open.html"
+        shown = html.escape(address)
+        with os.fdopen(os.open(page, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+            file.write(
+                "<!doctype html>\n<meta charset=utf-8>\n<title>mjcompose</title>\n"
+                f'<meta http-equiv=refresh content="0; url={shown}">\n<a href="{shown}">{shown}</a>\n'
+            )
+        Thread(target=webbrowser.open, args=(page.as_uri(),), daemon=True).start()
+        yield
 
 
 def _build(server: Server, said: Callable[[Shown], None]) -> dict[Path, Mark]:

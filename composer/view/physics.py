@@ -8,17 +8,20 @@ from threading import Event, Lock, Thread
 from typing import Any
 
 from composer import engine
+from composer.compiled.stepping import advance as simulate
 from composer.view.workshop import KEPT, Workshop
 
 _RATE = 30
+_MOST_SECONDS = 0.2
+"""For one frame, on this machine: a model that takes longer plays slowly."""
 State = dict[str, Any]
 
 
 def advance(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> State:
     """Simulate some ``seconds`` from a state with qpos, qvel, act, ctrl and time.
 
-    Missing values come from the keyframe ``key``, or from the reference configuration. Runs under
-    `composer.engine.call`.
+    The answer says why if it `stopped`. Missing values come from the keyframe ``key``, or from the reference
+    configuration. Runs under `composer.engine.call`.
     """
     data = mujoco.MjData(model)
     key = asked.get("key", -1)
@@ -30,9 +33,10 @@ def advance(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> State:
         if value is not None and len(value) == len(array):
             array[:] = value
     data.time = asked.get("time", 0.0)
-    end = data.time + asked["seconds"]
-    while data.time < end:
-        mujoco.mj_step(model, data)
+    begun = data.time
+    stopped = simulate(mujoco, model, data, asked["seconds"], begun, _MOST_SECONDS)
+    if stopped is not None:
+        return {"stopped": stopped}
     return {name: getattr(data, name).tolist() for name in ("qpos", "qvel", "act")} | {
         "time": float(data.time)
     }
@@ -49,15 +53,15 @@ class Physics:
         self._thread = Thread(target=self._run, daemon=True)
         self._thread.start()
 
-    def play(self, playing: bool, state: State) -> None:
-        """Start from a state of the page, or pause."""
+    def play(self, playing: bool, state: State, stopped: str | None = None) -> None:
+        """Start from a state of the page, or pause; `stopped` says why the simulation cannot go on."""
         with self._lock:
             if playing:
                 self._state, self._version = dict(state), self.workshop.shown.version
                 self._going.set()
             else:
                 self._going.clear()
-            self.send({"playing": playing})
+            self.send({"playing": playing} | ({} if stopped is None else {"stopped": stopped}))
 
     def control(self, ctrl: list[float]) -> None:
         """Set new controls while it runs."""
@@ -83,8 +87,9 @@ class Physics:
                 return
             asked = {**self._state, "seconds": 1 / _RATE}
             answer = engine.call(self.workshop.session, advance, [KEPT], asked)
-        if not answer.ok:
-            self.play(False, {})
+        stopped = answer.value.get("stopped") if answer.ok else f"MuJoCo has stopped: {answer.error}"
+        if stopped is not None:
+            self.play(False, {}, stopped)
             return
         with self._lock:
             if self._going.is_set():  # otherwise it was paused meanwhile, which every page knows

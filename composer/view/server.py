@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import gzip
+import io
 import json
+import re
 import secrets
+import socket
+import time
 from collections.abc import Callable
+from functools import partial
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from threading import BoundedSemaphore, Lock
 from typing import Any
 
 from composer.view.guard import Guard
@@ -20,8 +27,17 @@ _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:;"
     " connect-src 'self'; form-action 'none'; base-uri 'none'; frame-ancestors 'none'"
 )
-_MOST_SAID = 1 << 20
+_MOST_SAID, _MOST_HEAD = 1 << 20, 1 << 17
 _WORTH_PACKING = 1024
+_MOST_CONNECTIONS = 64
+_SECONDS_TO_ASK = 10.0
+"""For a whole request, and for a connection without one."""
+_SECONDS_TO_READ = 30.0
+"""For each piece of an answer, which is at most this long:"""
+_PIECE = 1 << 20
+_MOMENT = 0.5
+_MODEL = re.compile("model/(0|[1-9][0-9]{0,8})")
+_FILES = {"page.js": "text/javascript; charset=utf-8", "page.css": "text/css; charset=utf-8"}
 
 
 class Server:
@@ -29,7 +45,7 @@ class Server:
 
     def __init__(self, workshop: Workshop, host: str, port: int) -> None:
         self.workshop, self.hub = workshop, Hub()
-        self.physics = Physics(workshop, lambda state: self.hub.send("state", state))
+        self.files = {name: (BUILT / name).read_bytes() for name in _FILES}
         server = self
 
         class Handler(_Handler):
@@ -37,6 +53,7 @@ class Server:
 
         self._http = _Http((host, port), Handler)
         self.guard = Guard(host, self._http.server_address[1], secrets.token_urlsafe(16))
+        self.physics = Physics(workshop, lambda state: self.hub.send("state", state))
 
     @property
     def address(self) -> str:
@@ -46,6 +63,11 @@ class Server:
         """Notify every page of the current model."""
         for event, data in news(shown):
             self.hub.send(event, data)
+
+    def choose(self, name: str, value: str) -> None:
+        """Build and show another model of the recipe."""
+        self.workshop.choose(name, value)
+        self.show(self.workshop.shown)
 
     def run(self) -> None:
         """Serve until `close`. Runs in a thread of its own."""
@@ -69,111 +91,220 @@ def news(shown: Shown) -> list[tuple[str, Any]]:
 
 
 class _Http(ThreadingHTTPServer):
+    """One thread for each connection, and never more than `_MOST_CONNECTIONS`.
+
+    A connection above that takes the place of the one that has been without a whole request for the longest time, so
+    clients that send nothing cannot keep a page away.
+    """
+
     daemon_threads = True
+    request_queue_size = 128
     # A port that another process listens on counts as taken, on every system.
     allow_reuse_port = False
+
+    def __init__(self, address: tuple[str, int], handler: type[BaseHTTPRequestHandler]) -> None:
+        self._free = BoundedSemaphore(_MOST_CONNECTIONS)
+        self._waiting: dict[socket.socket, None] = {}
+        self._lock = Lock()
+        super().__init__(address, handler)
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        if not self._free.acquire(blocking=False):
+            self._hang_up()
+            if not self._free.acquire(timeout=_MOMENT):
+                self.shutdown_request(request)
+                return
+        try:
+            self.waits(request)
+            super().process_request(request, client_address)
+        except BaseException:
+            self._ended(request)
+            raise
+
+    def process_request_thread(self, request: Any, client_address: Any) -> None:
+        try:
+            super().process_request_thread(request, client_address)
+        finally:
+            self._ended(request)
+
+    def waits(self, request: socket.socket, waiting: bool = True) -> None:
+        """Note that a connection has no whole request yet, or that it has one."""
+        with self._lock:
+            self._waiting.pop(request, None)
+            if waiting:
+                self._waiting[request] = None
+
+    def _hang_up(self) -> None:
+        """End the connection that has waited longest."""
+        with self._lock:
+            request = next(iter(self._waiting), None)
+            if request is not None:
+                del self._waiting[request]
+                with contextlib.suppress(OSError):
+                    request.shutdown(socket.SHUT_RDWR)
+
+    def _ended(self, request: socket.socket) -> None:
+        self.waits(request, False)
+        self._free.release()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Ignore errors of pages that are gone."""
 
 
+class _Asked(io.RawIOBase):
+    """What a client sends. A whole request has a time limit, however slowly its bytes come, and a size."""
+
+    def __init__(self, connection: socket.socket) -> None:
+        self._connection = connection
+        self.begin()
+
+    def begin(self) -> None:
+        self._end, self.left = time.monotonic() + _SECONDS_TO_ASK, _MOST_HEAD
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        seconds = self._end - time.monotonic()
+        if seconds <= 0 or self.left <= 0:
+            raise TimeoutError
+        self._connection.settimeout(seconds)
+        count = self._connection.recv_into(buffer)
+        self.left -= count
+        return count
+
+
 class _Handler(BaseHTTPRequestHandler):
+    """Answers what the table of its server has; no part of a request is ever the name of a file."""
+
     owner: Server
+    server: _Http
     protocol_version = "HTTP/1.1"
+    disable_nagle_algorithm = True  # a head and its content are sent one after the other
     server_version, sys_version = "mjcompose", ""
 
+    def setup(self) -> None:
+        super().setup()
+        self._asked = _Asked(self.connection)
+        self.rfile = io.BufferedReader(self._asked)
+
+    def handle_one_request(self) -> None:
+        self._asked.begin()
+        self.server.waits(self.connection)
+        super().handle_one_request()
+
     def do_GET(self) -> None:
-        path = self._path()
-        if path is None:
+        if (key := self._key()) is None:
             return
-        what, _, name = path.partition("/")
-        answers: dict[str, Callable[[str], None]] = {
-            "": self._page, "page.js": self._file, "page.css": self._file, "events": self._events,
-            "model": self._model, "blob": self._blob,
-        }  # fmt: skip
-        answers.get(what, self._nothing)(name or what)
+        shown = self.owner.workshop.shown
+        if key == "":
+            title = (shown.title or "mjcompose").encode("utf-8", "replace").decode()
+            self._send(live(title).encode(), "text/html; charset=utf-8")
+        elif key in _FILES:
+            self._send(self.owner.files[key], _FILES[key])
+        elif key == "events":
+            self._events()
+        elif (number := _MODEL.fullmatch(key)) and int(number[1]) <= shown.version:
+            self._send(shown.text.encode(), "application/json")  # a page that is late gets the newest one
+        elif (name := key.removeprefix("blob/")) != key and name in shown.blobs:
+            self._send(shown.blobs[name], "application/octet-stream", kept=True)
+        else:
+            self._refuse(HTTPStatus.NOT_FOUND)
 
     def do_POST(self) -> None:
-        path = self._path()
-        if path is None:
-            return
-        length = int(self.headers.get("content-length") or 0)
-        if not 0 <= length <= _MOST_SAID or self.headers.get("content-type") != "application/json":
-            self._refuse(HTTPStatus.BAD_REQUEST)
+        if (key := self._key()) is None:
             return
         try:
-            said = json.loads(self.rfile.read(length))
-            done = self._act(path, said)
-        except (ValueError, TypeError, KeyError):
-            done = False
-        self._send(b"", "text/plain", HTTPStatus.NO_CONTENT if done else HTTPStatus.BAD_REQUEST)
+            wish = self._wish(key, self._said())
+        except OSError:
+            raise
+        except Exception:  # whatever cannot be read is a bad request
+            self._refuse(HTTPStatus.BAD_REQUEST)
+            return
+        if wish is None:
+            self._refuse(HTTPStatus.NOT_FOUND)
+            return
+        wish()
+        self._send(b"", "text/plain", HTTPStatus.NO_CONTENT)
+
+    def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
+        """Refuse what is no request for this server: methods, lines and headers that it does not know."""
+        self._refuse(HTTPStatus.FORBIDDEN)
 
     def log_message(self, format: str, *args: Any) -> None:
         """Log nothing: the terminal is for the model."""
 
+    # -- requests -----------------------------------------------------------------------------------------------
+
+    def _key(self) -> str | None:
+        """Return what is asked for, as it was sent: `self.path` is not that."""
+        target = self.requestline.split()[1]
+        hosts, origins = (self.headers.get_all(name, []) for name in ("host", "origin"))
+        key = self.owner.guard.key_of(target, hosts, origins)
+        if key is None:
+            self._refuse(HTTPStatus.FORBIDDEN)
+        else:
+            self.server.waits(self.connection, False)
+        return key
+
+    def _said(self) -> Any:
+        """Return the JSON of a request. Raises an exception if that is not what it has."""
+        (kind,), (length,) = (self.headers.get_all(name, []) for name in ("content-type", "content-length"))
+        if kind != "application/json" or not (length.isascii() and length.isdecimal()):
+            raise ValueError
+        if "transfer-encoding" in self.headers or (size := int(length)) > _MOST_SAID:
+            raise ValueError
+        self._asked.left += size
+        return json.loads(self.rfile.read(size))
+
+    def _wish(self, key: str, said: Any) -> Callable[[], object] | None:
+        """Return what a page wants to be done; None if there is nothing of that name."""
+        physics = self.owner.physics
+        if key == "play":
+            start = {name: _numbers(said[name]) for name in ("qpos", "ctrl")} | {"key": int(said["key"])}
+            return partial(physics.play, bool(said["playing"]), start)
+        if key == "pose":
+            return partial(physics.control, _numbers(said["ctrl"]))
+        if key == "choose":
+            return partial(self.owner.choose, _text(said["name"]), _text(said["value"]))
+        return (lambda: None) if key == "shown" else None
+
     # -- answers ------------------------------------------------------------------------------------------------
 
-    def _path(self) -> str | None:
-        headers = {name.lower(): value for name, value in self.headers.items()}
-        path = self.owner.guard.path_of(self.path, headers)
-        if path is None:
-            self._refuse(HTTPStatus.FORBIDDEN)
-        return path
-
-    def _page(self, name: str) -> None:
-        self._send(live(self.owner.workshop.shown.title or "mjcompose").encode(), "text/html; charset=utf-8")
-
-    def _file(self, name: str) -> None:
-        kind = "text/javascript" if name.endswith(".js") else "text/css"
-        self._send((BUILT / name).read_bytes(), f"{kind}; charset=utf-8")
-
-    def _model(self, name: str) -> None:
-        self._send(self.owner.workshop.shown.text.encode(), "application/json")
-
-    def _blob(self, name: str) -> None:
-        content = self.owner.workshop.shown.blobs.get(name)
-        if content is None:
-            self._nothing(name)
-        else:
-            self._send(content, "application/octet-stream", kept=True)
-
-    def _events(self, name: str) -> None:
-        self.send_response(HTTPStatus.OK)
-        self._headers("text/event-stream")
-        self.send_header("Connection", "close")
-        self.end_headers()
-        self.close_connection = True
+    def _events(self) -> None:
         page = self.owner.hub.join()  # before the page reads the current model, so that it misses no change
+        if page is None:
+            self._refuse(HTTPStatus.SERVICE_UNAVAILABLE)
+            return
         try:
+            self.send_response(HTTPStatus.OK)
+            self._headers("text/event-stream")
+            self.send_header("Connection", "close")
+            self.end_headers()
+            self.close_connection = True
             for event, data in news(self.owner.workshop.shown):
-                self.wfile.write(encoded(event, data))
+                self._write(encoded(event, data))
             for message in page.messages():
-                self.wfile.write(message)
-                self.wfile.flush()
+                self._write(message)
         except OSError:
             self.close_connection = True
         finally:
             self.owner.hub.leave(page)
 
-    def _act(self, path: str, said: Any) -> bool:
-        owner = self.owner
-        if path == "play":
-            owner.physics.play(bool(said["playing"]), {name: said[name] for name in ("qpos", "ctrl", "key")})
-        elif path == "pose":
-            owner.physics.control([float(each) for each in said["ctrl"]])
-        elif path == "choose":
-            owner.workshop.choose(str(said["name"]), str(said["value"]))
-            owner.show(owner.workshop.shown)
-        elif path != "shown":
-            return False
-        return True
-
-    def _nothing(self, name: str) -> None:
-        self._refuse(HTTPStatus.NOT_FOUND)
-
     def _refuse(self, status: HTTPStatus) -> None:
+        """Answer with a status, and end the connection without reading the rest of the request.
+
+        What is still on its way is taken for a moment: otherwise the system takes the answer back.
+        """
         self.close_connection = True
         self._send(f"{status.phrase}\n".encode(), "text/plain", status)
+        end = time.monotonic() + _MOMENT
+        with contextlib.suppress(OSError):
+            self.connection.shutdown(socket.SHUT_WR)
+            while (seconds := end - time.monotonic()) > 0:
+                self.connection.settimeout(seconds)
+                if not self.connection.recv(1 << 16):
+                    break
 
     def _send(
         self, content: bytes, kind: str, status: HTTPStatus = HTTPStatus.OK, kept: bool = False
@@ -189,14 +320,34 @@ class _Handler(BaseHTTPRequestHandler):
             self.send_header("Content-Encoding", "gzip")
         if status != HTTPStatus.NO_CONTENT:
             self.send_header("Content-Length", str(len(content)))
+        if self.close_connection:
+            self.send_header("Connection", "close")
         self.end_headers()
         if status != HTTPStatus.NO_CONTENT:
-            self.wfile.write(content)
+            self._write(content)
+
+    def _write(self, content: bytes) -> None:
+        """Send bytes. Raises TimeoutError as soon as a piece of them takes too long."""
+        for at in range(0, len(content), _PIECE):
+            self.connection.settimeout(_SECONDS_TO_READ)
+            self.connection.sendall(content[at : at + _PIECE])
 
     def _headers(self, kind: str, kept: bool = False) -> None:
+        self.connection.settimeout(_SECONDS_TO_READ)
         self.send_header("Content-Type", kind)
         self.send_header("Cache-Control", "private, max-age=31536000, immutable" if kept else "no-store")
         self.send_header("Content-Security-Policy", _POLICY)
         self.send_header("Referrer-Policy", "no-referrer")
         self.send_header("X-Content-Type-Options", "nosniff")
         self.send_header("Cross-Origin-Resource-Policy", "same-origin")
+
+
+def _numbers(values: Any) -> list[float]:
+    return [float(each) for each in values]
+
+
+def _text(value: Any) -> str:
+    """Return a text of a page. Raises UnicodeEncodeError for half a character."""
+    text = str(value)
+    text.encode()
+    return text

@@ -139,6 +139,7 @@ NOT_A_BUILD = {
     "git-revision": "needs a repository: tests/diff",
     "no-rendering": "needs a machine without OpenGL: tests/diff",
     "no-server": "needs a port that is taken: tests/view/test_live.py",
+    "unstable": "needs OpenGL: tests/cli/test_render.py",
     "no-video": "needs a machine without an encoder: tests/cli/test_render.py",
     "cannot-format": "is not about a build: tests/formatting",
     "mesh-tools-missing": "needs to be without the extra `mesh`: tests/meshes/test_make.py",

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from view.pages import page_of
+from view.test_live import UNSTABLE
 
 from composer import engine
 from composer.engine import Session
@@ -82,3 +83,16 @@ def test_its_bytes_are_the_same_and_say_nothing_of_the_machine(model: Path) -> N
     assert all(str(model) not in each and "manifest" not in each for each in (text, *unpacked(text)))
     assert "unsafe-eval" in text and "unsafe-eval" not in plain.split("<script")[0]
     assert len(plain) < 1_000_000 < len(first) < 5_000_000
+
+
+def test_a_model_that_diverges_stops_with_a_sentence(tmp_path: Path, open_page: Callable[..., Any]) -> None:
+    (tmp_path / "model.xml").write_text(UNSTABLE)
+    with Session() as session:
+        page = open_page(page_of("model.xml", tmp_path, session, physics=True).as_uri())
+    for _ in range(2):  # it may be tried again
+        page.keyboard.press("Space")
+        page.wait_for_selector(".fault:not([hidden])", timeout=60_000)
+        words = page.locator(".fault").inner_text()
+        assert "unstable: NaN or a huge acceleration in joint `spring`" in words
+        page.wait_for_selector(".tool.on", state="detached")
+        page.keyboard.press("Escape")

@@ -9,13 +9,13 @@ import numpy as np
 
 from composer.compiled.addresses import span
 from composer.compiled.joints import JOINT_TYPES
+from composer.compiled.stepping import Divergence, steps_in
 from composer.diagnostics.fault import Fault
 from composer.verify.kinds.failure import failed
 from composer.verify.kinds.scope import SOLVED, Scope
 
 _AT_THE_END = 0.1
 """The final share of the simulated time in which speeds are checked."""
-_DIVERGED = ("mjWARN_BADQPOS", "mjWARN_BADQVEL", "mjWARN_BADQACC")
 
 
 def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
@@ -24,16 +24,17 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     data = scope.at_key(asked["key"])
     if isinstance(data, Fault):
         return [data]
-    warnings = [data.warning[int(getattr(mujoco.mjtWarning, name))] for name in _DIVERGED]
+    diverged = Divergence(mujoco, model, data)
     limit, seconds = asked["max_speed"], asked["seconds"]
-    steps = max(1, round(seconds / model.opt.timestep))
+    if not model.opt.timestep > 0:
+        return [failed("no time passes: the timestep of the model is 0", "a timestep above 0", "0")]
+    steps = steps_in(model, seconds)
     dofs = np.flatnonzero([int(joint) in scope.joints for joint in model.dof_jntid])
     fastest, at, dof = 0.0, 0.0, -1
     first = steps - max(1, round(_AT_THE_END * steps))
     for step in range(steps):
         mujoco.mj_step(model, data)
-        # MuJoCo resets a diverged simulation, which is then at rest; only its warnings show it.
-        if any(each.number for each in warnings):
+        if diverged:  # MuJoCo resets it, so it is at rest
             message = f"the simulation diverges after {(step + 1) * model.opt.timestep:.4g} s"
             return [
                 failed(

@@ -345,16 +345,28 @@ export class App {
   }
 
   setPlaying(playing: boolean): void {
+    if (playing) this.setStopped(null);
     this.playButton.replaceChildren(icon(playing ? "pause" : "play"));
     this.playButton.classList.toggle("on", playing);
   }
 
   /** A fault over the last good model, in the words of the terminal; null takes it away. */
   setFault(text: string | null): void {
+    this.banner(text, "The model has a fault", this.world ? "the last good one is shown" : "");
+  }
+
+  /** Why the simulation cannot go on; null takes it away. */
+  setStopped(text: string | null): void {
+    if (text !== null || this.fault.classList.contains("stopped")) this.banner(text, "The simulation has stopped", "");
+    this.fault.classList.toggle("stopped", text !== null);
+  }
+
+  private banner(text: string | null, head: string, more: string): void {
+    this.fault.classList.remove("stopped");
     this.fault.hidden = text === null;
     if (text === null) return;
     const lines = text.trimEnd().split("\n").map((line) => h("span", { className: /(^|: )error\[/.test(line) ? "error" : /(^|: )warning\[/.test(line) ? "warning" : /^ *= help/.test(line) ? "help" : /^ *\d* *\|/.test(line) ? "source" : "" }, `${line}\n`));
-    this.fault.replaceChildren(h("header", {}, h("b", {}, "The model has a fault"), h("span", {}, this.world ? "the last good one is shown" : ""), h("button", { title: "hide (Esc)", onclick: () => { this.fault.hidden = true; } }, "×")), h("pre", {}, ...lines));
+    this.fault.replaceChildren(h("header", {}, h("b", {}, head), h("span", {}, more), h("button", { title: "hide (Esc)", onclick: () => { this.fault.hidden = true; } }, "×")), h("pre", {}, ...lines));
   }
 
   notice(words: string): void {

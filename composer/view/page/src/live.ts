@@ -25,12 +25,13 @@ export class Live {
   }
 
   private take(name: string, data: any): void {
-    if (name === "model") this.loading = this.loading.then(() => this.load(data.version));
+    if (name === "model") this.loading = this.loading.then(() => this.load(data.version)).catch((error: Error) => this.app.notice(error.message));
     else if (name === "fault") this.app.setFault(data.text);
     else if (name === "state") {
-      const { qpos, playing, version } = data;
+      const { qpos, playing, version, stopped } = data;
       if (playing !== this.playing) this.app.setPlaying((this.playing = playing));
       if (qpos && version === this.version) this.app.setQpos(qpos);
+      if (stopped) this.app.setStopped(stopped);
     }
   }
 

@@ -3,14 +3,15 @@ import loadMujoco from "@mujoco/mujoco";
 import type { App } from "./app";
 import type { Model } from "./data";
 
-/** No frame may take longer than this, in seconds of physics: a slow machine plays slowly. */
-const MOST = 1 / 30;
+/** No frame may take longer than this, in seconds of physics and in milliseconds: a slow machine plays slowly. */
+const MOST = 1 / 30, MOST_MILLISECONDS = 200;
 const WASM = "mujoco.wasm", MODEL = "model.xml";
 
 class Physics {
   private engine: any = null;
   private model: any = null;
   private data: any = null;
+  private warnings: { kind: number; word: string; firsts: number[] }[] = [];
   private playing = false;
   private before = 0;
 
@@ -55,6 +56,9 @@ class Physics {
     this.model = this.engine.MjModel.from_xml_string(new TextDecoder().decode(this.packed.blobs.get(MODEL)!), files);
     if (this.model.nq !== this.app.world.pose.qpos.length) throw new Error("it compiles to another model there");
     this.data = new this.engine.MjData(this.model);
+    const { mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC } = this.engine.mjtWarning, { jnt_qposadr, jnt_dofadr } = this.model;
+    this.warnings = [[mjWARN_BADQPOS, "position", jnt_qposadr], [mjWARN_BADQVEL, "velocity", jnt_dofadr], [mjWARN_BADQACC, "acceleration", jnt_dofadr]]
+      .map(([kind, word, firsts]) => ({ kind: kind.value, word, firsts: Array.from(firsts as Int32Array) }));
   }
 
   /** From the pose of the page, at rest; from a keyframe with the velocities that it has. */
@@ -69,10 +73,32 @@ class Physics {
     if (!this.playing) return;
     const end = this.data.time + Math.min((now - this.before) / 1000, MOST);
     this.before = now;
-    while (this.data.time < end) this.engine.mj_step(this.model, this.data);
+    // MuJoCo sets what diverges back to the time 0, so the steps are counted.
+    const timestep = this.model.opt.timestep;
+    for (let left = Math.ceil(MOST / timestep) + 1; left > 0 && this.data.time < end && performance.now() - now < MOST_MILLISECONDS; left--)
+      this.engine.mj_step(this.model, this.data);
+    const stopped = timestep > 0 ? this.diverged() : "the timestep of the model is 0, so no time passes";
+    if (stopped !== null) {
+      this.playing = false;
+      this.app.setPlaying(false);
+      this.app.setStopped(stopped);
+      return;
+    }
     this.app.setQpos(this.data.qpos);
     requestAnimationFrame(this.frame);
   };
+
+  /** Which number became NaN, infinite, or larger than MuJoCo accepts. */
+  private diverged(): string | null {
+    for (const { kind, word, firsts } of this.warnings) {
+      const found = this.data.warning.get(kind), { number, lastinfo } = found; // a copy of a part of the data, which is not to be deleted itself
+      found.delete();
+      if (!number) continue;
+      const at = firsts.filter((first) => first <= lastinfo).length - 1, name = this.app.world.model.scene.joint.name[at];
+      return `unstable: NaN or a huge ${word} in joint ${name ? `\`${name}\`` : `${at}, which has no name`}`;
+    }
+    return null;
+  }
 }
 
 (window as any).mjcomposePhysics = Physics;

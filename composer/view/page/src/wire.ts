@@ -21,7 +21,9 @@ const EVENTS = ["model", "fault", "state"];
 
 export class Http implements Wire {
   async get(path: string): Promise<ArrayBuffer> {
-    return (await fetch(path)).arrayBuffer();
+    const answer = await fetch(path);
+    if (!answer.ok) throw new Error(`${path}: ${answer.status}`);
+    return answer.arrayBuffer();
   }
 
   async post(path: string, data: unknown): Promise<void> {
