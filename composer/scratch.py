@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import secrets
 import shutil
 import stat
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -21,6 +21,7 @@ from pathlib import Path
 PREFIX = "mjcompose-"
 _LOCK, _NEW, _FILES = "lock", "new", "files"
 _GRACE = 3600.0
+_SCRATCH = re.compile(rf"[/\\]{PREFIX}[a-z]+-[0-9a-f]{{12}}[/\\]{_FILES}(?:[/\\]|$)")
 _swept: set[tuple[str, str]] = set()
 
 
@@ -39,8 +40,15 @@ def scratch(purpose: str) -> Iterator[Path]:
         yield files
 
 
+def is_scratch(path: str) -> bool:
+    """Return whether a path leads into a folder of `scratch`. No I/O."""
+    return f"{os.sep}{PREFIX}" in path and _SCRATCH.search(path) is not None
+
+
 def sweep_temporary() -> Path:
     """Remove leftovers of killed processes from the folder for temporary files and return it; once in this process."""
+    import tempfile  # the names of outputs are judged without it
+
     parent = Path(tempfile.gettempdir())
     sweep_once(parent, _is_ours)
     return parent

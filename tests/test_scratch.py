@@ -29,16 +29,16 @@ with scratch("engine") as folder:
 WRITES = """
 import sys, time
 from pathlib import Path
-from composer.bundle import folder
+from composer.bundle import folder, staging
 from composer.bundle.bundle import Bundle
 
 def swap(stage, target):
     if sys.argv[2] == "between":
-        target.replace(folder.aside(stage))
+        target.replace(staging.aside(stage))
     print(stage.parent, flush=True)
     time.sleep(300)
 
-folder._swap = swap
+staging._swap = swap
 folder.write_folder(Bundle({"model.xml": b"<mujoco/>"}, "model.xml"), Path(sys.argv[1]))
 """
 

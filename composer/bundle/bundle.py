@@ -13,6 +13,8 @@ from composer.dataclass import dataclass
 
 MODEL = "model.xml"
 MANIFEST = "manifest.json"
+LARGEST_MANIFEST = 64 << 20
+"""The bytes of a manifest that is read."""
 DRAWS = "randomize.json"
 WORLDS = "worlds.npz"
 _DRIVE = re.compile(r"[A-Za-z]:")

@@ -5,48 +5,35 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+from collections.abc import Iterable
 from pathlib import Path
 
-from composer.bundle.bundle import MANIFEST, Bundle
+from composer.bundle.bundle import LARGEST_MANIFEST, MANIFEST, Bundle
 from composer.bundle.output_error import OutputError, unwritable
-from composer.bundle.staging import aside, parents, real, stage_beside, write_files
+from composer.bundle.staging import check_is_no_source, real, staged_folder, write_files
+from composer.reading.regular import read_regular
 
 # files that other programs leave in a folder
 _LITTER = {"MUJOCO_LOG.TXT", ".DS_Store", "Thumbs.db", "desktop.ini"}
-_LARGEST_MANIFEST = 64 << 20
 
 
-def write_folder(bundle: Bundle, out: Path) -> None:
+def write_folder(
+    bundle: Bundle, out: Path, option: str | None = None, *, inputs: Iterable[Path] = ()
+) -> None:
     """Write the bundle's files into the folder `out`, which then holds nothing else.
 
     The folder is built next to `out` and renamed. An existing folder is replaced only if it is empty or an earlier
     output without other files in it. Raises OutputError, and then leaves `out` as it was.
     """
-    target = real(out)
-    if not target.name:
-        raise OutputError("output-unwritable", f"`{out}` cannot be replaced", "choose a folder below it")
+    inputs = tuple(inputs)
+    check_is_no_source(out, option, inputs)
     try:
-        _check_replaceable(target, out)
-        with parents(target), stage_beside(target) as stage:
-            stage.mkdir()
-            write_files(bundle, stage)
-            _swap(stage, target)
+        _check_replaceable(real(out), out)
     except OSError as error:
         raise unwritable(out, error) from error
-
-
-def _swap(stage: Path, target: Path) -> None:
-    """Move `stage` to `target`; if that fails, restore an earlier target."""
-    if not os.path.exists(target):
-        stage.replace(target)
-        return
-    older = aside(stage)
-    target.replace(older)
-    try:
-        stage.replace(target)
-    except BaseException:
-        older.replace(target)
-        raise
+    with staged_folder(out, option, inputs=inputs, replaces=True) as stage:
+        stage.mkdir()
+        write_files(bundle, stage)
 
 
 def _check_replaceable(target: Path, out: Path) -> None:
@@ -92,9 +79,9 @@ def _own_files(folder: Path) -> set[str] | None:
     """Return the files in the manifest of an earlier output, including the manifest, or None without a manifest."""
     file = folder / MANIFEST
     with contextlib.suppress(OSError, ValueError, TypeError, KeyError, RecursionError):
-        if file.is_symlink() or file.stat().st_size > _LARGEST_MANIFEST:
+        if file.is_symlink():
             return None
-        manifest = json.loads(file.read_bytes())
+        manifest = json.loads(read_regular(file, LARGEST_MANIFEST, is_source=False))
         if isinstance(manifest["mjcompose"], str) and isinstance(manifest["manifest"], int):
             return {MANIFEST, *(str(entry["path"]) for entry in manifest["files"])}
     return None

@@ -15,7 +15,7 @@ from composer.bundle.place import Place
 from composer.dataclass import dataclass
 from composer.diagnostics.error import DiagnosticError
 from composer.expr.value import Value
-from composer.reading.regular import is_irregular
+from composer.reading.regular import TooLarge, open_regular
 
 MODELS = "models.csv"
 _PART = re.compile(r"models-\d+-of-\d+\.\w+")
@@ -60,9 +60,7 @@ def rows(path: Place, shown: str) -> Iterator[Row]:
         yield from _rows_at(path, shown)
         return
     for file in _files(path, shown):
-        if (what := is_irregular(str(file))) is not None:
-            raise ListingError("file-unreadable", f"`{file}` {what}")
-        with _readable(str(file)), file.open("rb") as stream:
+        with _readable(str(file)), open_regular(file) as stream:
             yield from _rows(stream, str(file), file.parent)
 
 
@@ -92,6 +90,8 @@ def _readable(file: str) -> Iterator[None]:
         yield
     except (OSError, UnicodeError, csv.Error, TypeError, AttributeError) as error:
         reason = getattr(error, "strerror", None) or "it is no such table"
+        if isinstance(error, TooLarge):
+            reason = str(error)
         raise ListingError("file-unreadable", f"`{file}` cannot be read: {reason}") from error
 
 

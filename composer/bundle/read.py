@@ -19,7 +19,7 @@ from composer.dataclass import dataclass
 from composer.diagnostics.error import DiagnosticError
 from composer.diagnostics.sink import Sink
 from composer.limits import in_force
-from composer.reading.regular import read_regular
+from composer.reading.regular import open_regular, read_regular
 
 _ROOT = re.compile(rb"(?:\xef\xbb\xbf)?\s*(?:<\?.*?\?>\s*|<!.*?-->\s*)*<mujoco[\s>/]", re.DOTALL)
 _EXPANDS = re.compile(rb"<(replicate|flexcomp|composite)\b")
@@ -120,7 +120,8 @@ def _read_folder(folder: Path, limits: ReadLimits, shown: str) -> dict[str, byte
 
 def _read_archive(file: Path | BytesIO, limits: ReadLimits, shown: str) -> dict[str, bytes]:
     try:
-        with zipfile.ZipFile(file) as archive:
+        opened = file if isinstance(file, BytesIO) else open_regular(file, limits.bytes)
+        with opened as stream, zipfile.ZipFile(stream) as archive:
             entries = [entry for entry in archive.infolist() if not entry.filename.endswith("/")]
             _check_entries(entries, shown, limits)
             return {entry.filename: archive.read(entry) for entry in entries}

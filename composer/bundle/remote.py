@@ -18,6 +18,7 @@ from composer.bundle.output_error import OutputError
 from composer.bundle.shared import ASSETS
 from composer.diagnostics.error import DiagnosticError
 from composer.diagnostics.secret import hide
+from composer.reading.regular import read_regular
 
 FileSystem: TypeAlias = Any
 """An `fsspec.AbstractFileSystem`."""
@@ -68,7 +69,7 @@ def check_writable(address: str) -> None:
 def deliver_file(file: Path, address: str) -> None:
     """Write a file to an address in one step. Raises OutputError."""
     with _writing(address) as (fs, path):
-        _put(fs, path, file.read_bytes())
+        _put(fs, path, read_regular(file, is_source=False))
 
 
 def deliver_folder(folder: Path, address: str) -> None:
@@ -89,7 +90,7 @@ def deliver_folder(folder: Path, address: str) -> None:
         if MANIFEST in there:
             fs.rm_file(f"{path}/{MANIFEST}")
         for name in sorted(new, key=lambda name: name == MANIFEST):
-            _put(fs, f"{path}/{name}", new[name].read_bytes())
+            _put(fs, f"{path}/{name}", read_regular(new[name], is_source=False))
         for name in sorted(there - new.keys()):
             fs.rm_file(f"{path}/{name}")
 
@@ -98,7 +99,7 @@ def deliver_assets(folder: Path, address: str) -> None:
     """Upload shared assets, which are named after their contents, unless they exist. Raises OutputError."""
     with _writing(address) as (fs, path):
         for file in sorted(folder.iterdir()):
-            at, content = f"{path}/{file.name}", file.read_bytes()
+            at, content = f"{path}/{file.name}", read_regular(file, is_source=False)
             if not (fs.exists(at) and fs.info(at)["size"] == len(content)):
                 _put(fs, at, content)
 

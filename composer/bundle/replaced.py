@@ -9,11 +9,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from composer.bundle.bundle import MANIFEST
+from composer.bundle.bundle import LARGEST_MANIFEST, MANIFEST
 from composer.bundle.mjb import manifest_beside
 from composer.dataclass import dataclass
-
-_MAX = 64 << 20
+from composer.reading.regular import open_regular, read_regular
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,8 +67,9 @@ def _manifest(out: Path | str) -> bytes:
 
         return manifest_at(out)
     if os.path.isdir(out):
-        return (out / MANIFEST).read_bytes()
+        return read_regular(out / MANIFEST, LARGEST_MANIFEST, is_source=False)
     if out.suffix == ".mjb":
-        return manifest_beside(out).read_bytes()
-    with zipfile.ZipFile(out) as archive, archive.open(MANIFEST) as file:
-        return file.read(_MAX)
+        return read_regular(manifest_beside(out), LARGEST_MANIFEST, is_source=False)
+    opened = open_regular(out, is_source=False)
+    with opened as stream, zipfile.ZipFile(stream) as archive, archive.open(MANIFEST) as file:
+        return file.read(LARGEST_MANIFEST)

@@ -54,7 +54,7 @@ def write_shared(bundle: Bundle, out: Path, above: int = 1) -> tuple[Path, ...]:
 
 def _is_there(path: Path, content: bytes) -> bool:
     try:
-        return path.stat().st_size == len(content) and path.read_bytes() == content
+        return os.stat(path).st_size == len(content) and read_regular(path, is_source=False) == content
     except OSError:
         return False
 

@@ -7,10 +7,10 @@ import os
 import stat
 import time
 from dataclasses import field
-from pathlib import Path
 
 from composer.dataclass import dataclass
-from composer.reading.regular import is_irregular
+from composer.reading import sources
+from composer.reading.regular import open_regular
 from composer.sources.licence import licence_names
 
 Stamp = tuple[int, int, int, int]
@@ -85,7 +85,10 @@ class Files:
             except (OSError, ValueError):
                 self._stamps[path] = None
             else:
-                self._stamps[path] = stamp_of(status), stat.S_ISDIR(status.st_mode)
+                is_folder = stat.S_ISDIR(status.st_mode)
+                if not is_folder:
+                    sources.current().note((path,))
+                self._stamps[path] = stamp_of(status), is_folder
         return self._stamps[path]
 
 
@@ -102,9 +105,7 @@ def now() -> int:
 
 def _sha256(path: str) -> str:
     try:
-        if is_irregular(path):
-            return ABSENT
-        with Path(path).open("rb") as stream:
+        with open_regular(path) as stream:
             return hashlib.file_digest(stream, "sha256").hexdigest()
     except OSError:
         return ABSENT

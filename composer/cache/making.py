@@ -23,6 +23,7 @@ from composer.engine import Session
 from composer.expand.matrix import Cell
 from composer.limits import Limits, allow, in_force
 from composer.processes.deferring import interruptible
+from composer.reading import sources
 from composer.sources.fetching import quiet
 from composer.sources.store import Store
 from composer.verify.outcome import Outcome
@@ -134,13 +135,14 @@ class Job:
     finish: Finish | None
     context: Context
     limits: Limits
+    noted: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, making: CellMaker) -> Job:
         maker, context = making.maker, handed_over(making.maker.context)
         return cls(
             maker.recipe, maker.options, None if maker.cache is None else maker.cache.store, maker.form, maker.place,
-            making.given, making.finish, context, in_force(),
+            making.given, making.finish, context, in_force(), sources.current().noted(),
         )  # fmt: skip
 
     @contextmanager
@@ -153,7 +155,8 @@ class Job:
         if cache is not None:
             cache.on_keep = on_keep
         maker = Maker(self.recipe, self.options, cache, self.context, self.form, self.place)
-        with allow(**asdict(self.limits)), Session(remembers=True) as session:
+        with sources.run(), allow(**asdict(self.limits)), Session(remembers=True) as session:
+            sources.current().note(self.noted)
             making = CellMaker(maker, self.given, session, self.finish)
             making.begin()
             yield lambda cell: replace(making.make(cell), of_run=tuple(sink.diagnostics))

@@ -21,7 +21,10 @@ if TYPE_CHECKING:
     from composer.context import Context
     from composer.diagnostics.span import Span
     from composer.expr.value import Value
+    from composer.link.linking import FileUse
+    from composer.plan.plan import Plan
     from composer.stages import Built
+    from composer.tree.unit import Unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,10 +111,16 @@ def inputs_of(made: Made) -> Iterator[Path]:
     if made.built is None:
         yield from map(Path, made.inputs)
         return
-    from composer.bundle.overwriting import files_read
-
     built = made.built
     yield from files_read(built.plan, built.composed.model, built.composed.files)
+
+
+def files_read(plan: Plan, model: Unit, uses: Iterable[FileUse]) -> Iterator[Path]:
+    """Yield the recipes, models and assets that a model is made from."""
+    yield from (each.path for each in plan.plans())
+    yield from (source.path for source in plan.sources())
+    yield from (text.path for text in model.origins.texts.values() if text.path is not None)
+    yield from (Path(use.source) for use in uses if use.content is None)
 
 
 def load_files(record: Record, cache: Cache) -> dict[str, bytes] | None:

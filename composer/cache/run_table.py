@@ -39,7 +39,7 @@ class RunTable:
         self._rows.write(json.dumps([*first, dict(row)]) + "\n")
         self.count += 1
 
-    def write(self, path: Place) -> None:
+    def write(self, path: Place, option: str | None = None) -> None:
         """Write all rows, as Parquet if the name says so, completely or not at all. Raises OutputError."""
         if not isinstance(path, Path):
             from composer.bundle.remote import deliver_file
@@ -50,7 +50,7 @@ class RunTable:
                 deliver_file(table, path)
             return
         columns = [*self._first, *self._columns]
-        with staged_file(path) as stage:
+        with staged_file(path, option) as stage:
             if path.suffix.lower() == ".parquet":
                 self._write_parquet(stage, columns)
             else:

@@ -157,7 +157,8 @@ class _Results:
             [_in(self.beside, f"{name}{form}", shard) for form in forms] for name in (SAMPLES, MODELS)
         )
         form, context = self.wanted.form, self.context
-        _put_table(self.samples, [table] if table else drawn, "what was drawn for", form, context)
+        option = "--samples" if table else None
+        _put_table(self.samples, [table] if table else drawn, "what was drawn for", form, context, option)
         _put_table(self.index, all_of_them, "the index of", form, context)
 
 
@@ -201,12 +202,19 @@ def _in(folder: str | None, name: str, shard: Shard | None) -> str | None:
     return path if is_address(path) else os.path.normpath(path)
 
 
-def _put_table(table: RunTable, paths: Iterable[str | None], what: str, form: str, context: Context) -> None:
+def _put_table(
+    table: RunTable,
+    paths: Iterable[str | None],
+    what: str,
+    form: str,
+    context: Context,
+    option: str | None = None,
+) -> None:
     for path in paths:
         if path is None or not table.count:
             continue
         try:
-            table.write(place(context.folder, path))
+            table.write(place(context.folder, path), option)
         except OutputError as error:
             known = {each.code for each in context.sink.errors}
             if error.code != "output-full" or error.code not in known:  # that error ended the run

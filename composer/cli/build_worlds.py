@@ -132,7 +132,7 @@ class _Run:
         """Write the bundle, and then the table; report what cannot be written."""
         try:
             said = self._put_first(first) if bundle is None else self._put(bundle, study)
-            table_file.write(self.context.folder / self.table, study.nominal, study.table)
+            table_file.write(self.context.folder / self.table, study.nominal, study.table, "--worlds")
         except OutputError as error:
             self.context.sink.add(error.diagnostic)
             return

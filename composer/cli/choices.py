@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 from collections.abc import Callable
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +26,7 @@ class Choices:
     sets: tuple[str, ...] = ()
     set_files: tuple[Path, ...] = ()
     variants: tuple[str, ...] = ()
+    _read: dict[Path, bytes] = field(default_factory=dict, compare=False, repr=False)
 
     def values(self, context: Context) -> dict[str, Node]:
         """Return the values by name, with options overriding files; errors go to the context's sink."""
@@ -37,7 +39,7 @@ class Choices:
         for file in self.set_files:
             shown = context.shown(file)
             try:
-                text = (context.folder / file).read_bytes()
+                text = self._text(file, context)
             except OSError as error:
                 reason = (error.strerror or str(error)).lower()
                 context.sink.error("file-unreadable", f"`{shown}` cannot be read: {reason}")
@@ -64,6 +66,15 @@ class Choices:
                 found[name] = value
         return found
 
+    def _text(self, file: Path, context: Context) -> bytes:
+        """Return the bytes of a file, which is read once: it may be a pipe. Raises OSError."""
+        if file not in self._read:
+            from composer.limits import in_force
+            from composer.reading.regular import read_argument
+
+            self._read[file] = read_argument(context.folder / file, in_force().recipe_size)
+        return self._read[file]
+
     def named(self, context: Context) -> dict[str, str]:
         """Return the values as text, by their names for the user, for comparison in the build cache.
 
@@ -75,7 +86,7 @@ class Choices:
         for file in self.set_files:
             content = "unreadable"
             with contextlib.suppress(OSError):
-                content = content_of((context.folder / file).read_bytes())
+                content = content_of(self._text(file, context))
             found[name_of(file)] = content
         if len(self.set_files) > 1:  # a value of a later file counts
             found["the order of `--set-file`"] = ", ".join(map(str, self.set_files))

@@ -15,6 +15,8 @@ import click
 
 from composer.cli.reporting import FINDINGS, exit_code, report, reporting_options, say
 from composer.diagnostics import github
+from composer.limits import in_force
+from composer.reading.regular import read_regular
 
 if TYPE_CHECKING:
     from composer.context import Context
@@ -83,9 +85,9 @@ def _read(recipe: str, context: Context) -> bytes | None:
         context.sink.error("file-unreadable", "standard input is closed")
         return None
     if recipe == STDIN:
-        return sys.stdin.buffer.read()
+        return sys.stdin.buffer.read(in_force().recipe_size + 1)
     try:
-        return Path(recipe).read_bytes()
+        return read_regular(recipe, in_force().recipe_size)
     except OSError as error:
         code = "file-not-found" if isinstance(error, FileNotFoundError) else "file-unreadable"
         reason = (error.strerror or str(error)).lower()
@@ -93,13 +95,16 @@ def _read(recipe: str, context: Context) -> bytes | None:
         return None
 
 
-def rewrite(recipe: Path, result: bytes, context: Context) -> bool:
-    """Replace the file in one step and keep its permissions; return whether that succeeded."""
+def rewrite(recipe: Path, result: bytes, context: Context, option: str | None = None) -> bool:
+    """Replace the file in one step and keep its permissions; return whether that succeeded.
+
+    With the `option` that names it, the file is another than those that were read.
+    """
     from composer.bundle.output_error import OutputError
     from composer.bundle.staging import staged_file
 
     try:
-        with staged_file(recipe) as stage:
+        with staged_file(recipe, option, rewrites=option is None) as stage:
             stage.write_bytes(result)
             with contextlib.suppress(OSError):
                 stage.chmod(stat.S_IMODE(os.stat(recipe).st_mode))

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from composer.bundle.output_error import OutputError
+from composer.bundle.staging import staged_file
 from composer.cli.reporting import source_reader
 from composer.diagnostics.diagnostic import Diagnostic, Severity
 from composer.diagnostics.junit import Case, Suite, report
@@ -50,10 +52,8 @@ def write_junit(suites: Sequence[Suite], out: str, context: Context) -> None:
     if out == "-":
         click.echo(text, nl=False)
         return
-    path = context.folder / out
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        context.sink.error("output-unwritable", f"`{out}` cannot be written: {reason}")
+        with staged_file(context.folder / out, "--junit") as stage:
+            stage.write_text(text, encoding="utf-8")
+    except OutputError as error:
+        context.sink.add(error.diagnostic)

@@ -55,6 +55,7 @@ def made_lock(
     from composer.plan.locked import changed, lock_of, use_lock
     from composer.plan.matrix import filled_from_first_cell
     from composer.plan.planner import make_plan
+    from composer.reading.regular import read_regular
     from composer.sources.blobs import digest
     from composer.sources.lock_file import to_text
 
@@ -89,9 +90,9 @@ def made_lock(
     text = to_text(after).encode()
     if not _wrote_shapes(how.lock_file, shapes, before, context):
         return None
-    if not os.path.isfile(how.lock_file) or how.lock_file.read_bytes() != text:
+    if not os.path.isfile(how.lock_file) or read_regular(how.lock_file) != text:
         try:
-            with staged_file(how.lock_file) as stage:
+            with staged_file(how.lock_file, rewrites=True) as stage:
                 stage.write_bytes(text)
         except OutputError as error:
             context.sink.add(error.diagnostic)

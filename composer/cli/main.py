@@ -14,6 +14,7 @@ import click
 
 from composer.cli.interruption import exit_code_asked
 from composer.cli.own_memory import ran_out
+from composer.reading import sources
 from composer.version import __version__
 
 _VERBS = {
@@ -112,7 +113,8 @@ class _Verbs(click.Group):
         """Run the verb. After an interruption it removes unfinished output, and shows no traceback."""
         _print_any_name()
         try:
-            return super().invoke(ctx)
+            with sources.run():
+                return super().invoke(ctx)
         except KeyboardInterrupt:
             _say_aside("interrupted: nothing was written")
             ctx.exit(_INTERRUPTED)

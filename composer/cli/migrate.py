@@ -123,8 +123,8 @@ def _check_usage(
 
 def _written(result: Result, out: str | None, context: Context) -> Path | None:
     """Write the files, all or none; where the model is now."""
-    from composer.bundle.output_error import unwritable
-    from composer.bundle.staging import parents, real, stage_beside
+    from composer.bundle.output_error import OutputError
+    from composer.bundle.staging import staged_folder
     from composer.migrate.proof import lay_out
 
     migrated, model = result.migrated, result.model
@@ -137,14 +137,13 @@ def _written(result: Result, out: str | None, context: Context) -> Path | None:
             context.sink.error("output-kind", f"`{out}` would not find its files: {why}",
                                help=f"write a folder: `-o {target.with_suffix('')}`")  # fmt: skip
             return None
-        return target if rewrite(target, migrated.files[model][1], context) else None
+        return target if rewrite(target, migrated.files[model][1], context, "-o") else None
     try:
-        with parents(real(target)), stage_beside(real(target)) as stage:
+        with staged_folder(target, "-o") as stage:
             stage.mkdir()
             placed = lay_out(migrated, stage)[model].relative_to(stage)
-            stage.replace(real(target))
-    except OSError as error:
-        context.sink.add(unwritable(out, error).diagnostic)
+    except OutputError as error:
+        context.sink.add(error.diagnostic)
         return None
     return target / placed
 

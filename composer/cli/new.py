@@ -15,6 +15,7 @@ import click
 
 from composer.cli.reporting import FINDINGS, report, reporting_options, say
 from composer.dataclass import dataclass
+from composer.reading.regular import read_regular
 
 if TYPE_CHECKING:
     from composer.context import Context
@@ -126,7 +127,7 @@ def _examples(folder: Path) -> _Outcome:
 
     files = examples(schema())
     written, kept = write_project(files, (), folder, lambda stage: None)
-    own = [path for path in kept if (folder / path).read_bytes() != files[path]]
+    own = [path for path in kept if read_regular(folder / path) != files[path]]
     start = f"look at one with: mjcompose view {shlex.quote(str(folder / 'demo.yaml'))}"
     words = [*(f"kept {folder / path}" for path in own), f"wrote {_files(written)} to {folder}; {start}"]
     return _outcome(words, folder, written, kept)
@@ -148,7 +149,7 @@ def _kept(path: str, folder: Path, files: Mapping[str, str]) -> str:
     kept = f"kept {folder / path}"
     if path not in files or not os.path.isfile(folder / path):
         return kept
-    lines = lacking(path, (folder / path).read_text("utf-8", "replace"), files[path])
+    lines = lacking(path, read_regular(folder / path).decode("utf-8", "replace"), files[path])
     return (
         f"{kept}; the project's own would have: {', '.join(f'`{line}`' for line in lines)}" if lines else kept
     )

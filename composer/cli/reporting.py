@@ -215,6 +215,12 @@ def on_terminal() -> bool:
     return sys.stderr is not None and sys.stderr.isatty()
 
 
+def _text_of(path: Path) -> str:
+    from composer.reading.regular import read_regular
+
+    return read_regular(path).decode("utf-8", "replace")
+
+
 def source_reader(folder: Path, texts: Mapping[str, bytes] | None = None) -> text.ReadSource:
     """Return a function for the text of a file that messages name, read once; None if it is unreadable."""
 
@@ -223,7 +229,7 @@ def source_reader(folder: Path, texts: Mapping[str, bytes] | None = None) -> tex
         if texts and file in texts:
             return texts[file].decode("utf-8", errors="replace")
         try:
-            return (folder / file).read_text(encoding="utf-8", errors="replace")
+            return _text_of(folder / file)
         except OSError:
             return None
 

@@ -104,10 +104,10 @@ def put(made: Made, maker: Maker, context: Context, session: Session | None, wan
 def _check_picture(made: Made, target: str, wanted: Wanted, context: Context) -> None:
     """Refuse a picture that would take the place of a texture. Raises OutputError."""
     if wanted.picturing is not None:
-        from composer.bundle.overwriting import check_is_no_source
+        from composer.bundle.staging import check_is_no_source
         from composer.cache.result import inputs_of
 
-        check_is_no_source(context.folder / picture_beside(target, made.name), inputs_of(made))
+        check_is_no_source(context.folder / picture_beside(target, made.name), "--picture", inputs_of(made))
 
 
 def add_picture(made: Made, wanted: Wanted, context: Context) -> None:
@@ -130,7 +130,7 @@ def _write(
     made: Made, out: str, maker: Maker, wanted: Wanted, context: Context, session: Session | None
 ) -> tuple[Path, ...]:
     """Write the model, and return what was written elsewhere than to `out`."""
-    from composer.bundle.overwriting import check_is_no_source
+    from composer.bundle.staging import check_is_no_source
     from composer.cache.result import inputs_of
 
     if wanted.kind in ("text", "mjb", "usd") and made.bundle is not None:
@@ -139,14 +139,14 @@ def _write(
         if is_address(out):
             _deliver(made, out, maker, wanted, context, session)
             return ()
-        check_is_no_source(context.folder / out, inputs_of(made))
+        check_is_no_source(context.folder / out, "-o", inputs_of(made))
     if wanted.kind == "text":
         text = made.text
         assert text is not None
         if out != "-":
             from composer.bundle.staging import staged_file
 
-            with staged_file(context.folder / out) as stage:
+            with staged_file(context.folder / out, "-o") as stage:
                 stage.write_bytes(text)
         elif sys.stdout is None:
             raise OSError("standard output is closed")

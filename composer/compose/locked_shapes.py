@@ -15,6 +15,7 @@ from composer.context import Context
 from composer.link.measure import measure_with
 from composer.plan.allowed import acknowledge
 from composer.plan.plan import Plan
+from composer.reading.regular import read_regular
 
 
 def made_for(plans: Iterable[Plan], context: Context) -> dict[str, bytes]:
@@ -49,8 +50,8 @@ def write_beside(folder: Path, shapes: Mapping[str, bytes]) -> None:
         folder.mkdir(exist_ok=True)
         for key, content in shapes.items():
             path = folder / f"{key}.json"
-            if key not in before or path.read_bytes() != content:
-                with staged_file(path) as stage:
+            if key not in before or read_regular(path) != content:
+                with staged_file(path, rewrites=True) as stage:
                     stage.write_bytes(content)
         for key in before.keys() - shapes.keys():
             before[key].unlink(missing_ok=True)

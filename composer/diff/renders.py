@@ -38,7 +38,7 @@ def render_views(folder: Path, kept: tuple[str, str], context: Context, session:
                 stem = _stem(each["name"], used)
                 places = [folder / f"{stem}-{side}.png" for side in ("before", "after")]
                 for place, side in zip(places, "ab", strict=True):
-                    with staged_file(context.folder / place) as stage:
+                    with staged_file(context.folder / place, "--renders") as stage:
                         stage.write_bytes(Path(made, f"{number}-{side}.png").read_bytes())
                 views.append(View(each["name"], str(places[0]), str(places[1]), each["differs"]))
         except OutputError as error:

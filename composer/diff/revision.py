@@ -12,6 +12,7 @@ from pathlib import Path
 from composer.dataclass import dataclass
 from composer.diagnostics.error import DiagnosticError
 from composer.processes.process import Process
+from composer.reading.regular import read_regular
 from composer.sources.digest import files_below, sha256_of
 from composer.sources.error import SourceError
 from composer.sources.fetching import quiet
@@ -89,7 +90,7 @@ def from_lfs(folder: Path, objects: Path) -> None:
     for _, path in files_below(folder):
         if path.stat().st_size > _POINTER:
             continue
-        named = _OID.search(content) if lfs.is_pointer(content := path.read_bytes()) else None
+        named = _OID.search(content) if lfs.is_pointer(content := read_regular(path)) else None
         if named is None:
             continue
         digest = named[1].decode()

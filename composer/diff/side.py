@@ -14,9 +14,9 @@ from composer.bundle.assemble import assemble
 from composer.bundle.bundle import MANIFEST, MODEL, Bundle
 from composer.bundle.collect import collect
 from composer.bundle.output_error import OutputError
-from composer.bundle.overwriting import files_read
 from composer.bundle.read import ReadError, read
 from composer.cache.cells import cells_of, check_axes_are_free, picked_one
+from composer.cache.result import files_read
 from composer.compose.compose import Composer
 from composer.context import Context
 from composer.dataclass import dataclass
@@ -36,6 +36,7 @@ from composer.plan.matrix import read_matrix
 from composer.plan.plan import Plan
 from composer.plan.planner import make_plan, plan_what_remains
 from composer.reading.door import NOTHING
+from composer.reading.regular import read_regular
 from composer.tree.admitted import all_admitted
 from composer.tree.expansion import CODE as TOO_MUCH
 from composer.tree.files import file_attributes, join, written_path
@@ -87,7 +88,7 @@ class Side:
             text = self.texts.get(file)
             if text is None:
                 try:
-                    text = (self.operand.context.folder / file).read_text(encoding="utf-8", errors="replace")
+                    text = read_regular(self.operand.context.folder / file).decode("utf-8", "replace")
                 except (OSError, ValueError):
                     text = ""
             self.read[file] = text.splitlines()
@@ -216,7 +217,7 @@ def _mjcf(operand: Operand, kept: str, session: Session) -> Side | None:
         fault = Fault(compiled.error or "") if compiled.crash else parse(compiled.error or "")
         _refused(fault, compiled.crash, shown, context)
         return None
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    digest = hashlib.sha256(read_regular(path)).hexdigest()
     inputs = tuple(_files_of(unit, path))
     return Side(operand, kept, {MODEL: digest}, _traced(unit, context), inputs=inputs)
 

@@ -12,21 +12,25 @@ _UNPRINTABLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\x80-\x84\x86-\x9f\ud8
 _UTF_16_OR_32 = ((b"\xff\xfe\0\0", "UTF-32"), (b"\xff\xfe", "UTF-16"), (b"\xfe\xff", "UTF-16"))
 
 
+def refuse_size(file: str, sink: Sink) -> None:
+    """Report a file that is larger than a recipe may be."""
+    sink.error(
+        "yaml-too-large",
+        f"`{file}` is larger than the {written('recipe-size', in_force().recipe_size)} that a recipe may have",
+        Span(file, 1, 1),
+        notes=[Note("meshes and other data are files of their own, which a recipe names")],
+        help=advice("recipe-size"),
+    )
+
+
 def decode(source: str | bytes, file: str, sink: Sink) -> str | None:
     """Return the text without its byte order mark, or None after reporting that it is not YAML text.
 
     Bytes must be UTF-8. Control characters other than tab, line feed and carriage return are errors, and so is a
     size over the limit `recipe-size`.
     """
-    limit = in_force().recipe_size
-    if len(source) > limit:
-        sink.error(
-            "yaml-too-large",
-            f"`{file}` is larger than the {written('recipe-size', limit)} that a recipe may have",
-            Span(file, 1, 1),
-            notes=[Note("meshes and other data are files of their own, which a recipe names")],
-            help=advice("recipe-size"),
-        )
+    if len(source) > in_force().recipe_size:
+        refuse_size(file, sink)
         return None
     text = _utf8(source, file, sink) if isinstance(source, bytes) else source
     if text is None:

@@ -12,7 +12,9 @@ from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.sink import Sink
 from composer.fixing.edit import RECIPES, Edit, applied, edit_of, place_of
+from composer.limits import in_force
 from composer.plan.concrete import Given
+from composer.reading.regular import read_regular
 from composer.reading.unsaved import unsaved
 from composer.stages import Request, build
 
@@ -105,7 +107,7 @@ class _Fixing:
 
     def text(self, path: Path) -> bytes:
         if path not in self.now:
-            self.now[path] = path.read_bytes()
+            self.now[path] = read_regular(path, in_force().recipe_size)
         self.before.setdefault(path, self.now[path])
         return self.now[path]
 

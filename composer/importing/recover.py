@@ -22,6 +22,7 @@ from composer.importing.match import Instance
 from composer.importing.propose import Proposal, propose
 from composer.importing.recipe_text import recipe_text
 from composer.link.source_check import check_source
+from composer.reading.unsaved import unsaved
 from composer.stages import Request, build
 from composer.tree.admitted import all_admitted
 from composer.tree.parse import parse_file
@@ -166,17 +167,14 @@ class _Recovery:
         return Recovered(text, proposal, bundle, tuple(faults), outcome, self.trial.refused)
 
     def built(self, text: str) -> tuple[Bundle | None, list[Diagnostic]]:
-        """Build the text as if it were at `out`; leaves no files."""
+        """Build the text as if it were at `out`."""
         from composer.bundle.staging import sibling
 
         out, context = self.out, self.context
-        trial = sibling(out, "trial")
+        trial = sibling(out, "trial")  # which is never written
         own = Context(environment=context.environment, folder=context.folder)
-        try:
-            trial.write_text(text, encoding="utf-8")
+        with unsaved({os.path.realpath(trial): text.encode()}):
             result = build(Request(trial), own, session=self.session)
-        finally:
-            trial.unlink(missing_ok=True)
         faults = [
             replace(each, span=_at(each, trial, out, own), others=(), cells=()) for each in own.sink.errors
         ]

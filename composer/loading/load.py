@@ -16,7 +16,7 @@ from threading import Lock
 from typing import Any, NamedTuple, TypeAlias
 
 from composer.bundle.admitted import outside
-from composer.bundle.bundle import MANIFEST, Bundle
+from composer.bundle.bundle import LARGEST_MANIFEST, MANIFEST, Bundle
 from composer.bundle.integrity import check_files, check_index, manifest_of
 from composer.bundle.manifest import Manifest
 from composer.bundle.manifest_index import index_of
@@ -34,6 +34,7 @@ from composer.diagnostics.sink import Sink
 from composer.limits import in_force
 from composer.loading.errors import BundleWarning, LoadError
 from composer.loading.index import Index
+from composer.reading.regular import read_regular
 from composer.scratch import scratch
 
 Model: TypeAlias = Any
@@ -116,8 +117,8 @@ class _Checked(NamedTuple):
 def _checked(path: Path, shown: str) -> _Checked:
     try:
         content = None
-        if os.path.isfile(path) and os.path.getsize(path) <= ReadLimits().bytes:
-            content = path.read_bytes()
+        if os.path.isfile(path):
+            content = read_regular(path, ReadLimits().bytes)
             key = (sha256(content).hexdigest(), in_force())
             if (kept := _taken(key)) is not None:
                 return _Checked(key, kept.manifest, None, kept=kept)
@@ -142,8 +143,8 @@ def _read_binary(path: Path, shown: str) -> _Checked:
     """Read and compare the two files under their current names: the manifest has the original name of the model."""
     beside = manifest_beside(path)
     try:
-        content = path.read_bytes()
-        manifest = beside.read_bytes()
+        content = read_regular(path)
+        manifest = read_regular(beside, LARGEST_MANIFEST)
     except FileNotFoundError as error:
         if not os.path.exists(path):
             raise _failure("file-not-found", f"the file `{path}` does not exist") from error

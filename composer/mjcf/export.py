@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-import shutil
 from pathlib import Path
 
 from composer.bundle.archive import write_archive
 from composer.bundle.bundle import Bundle, BundleError, check_paths
 from composer.bundle.collect import collect
-from composer.bundle.output_error import OutputError, unwritable
-from composer.bundle.staging import parents, real, stage_beside
+from composer.bundle.output_error import OutputError
+from composer.bundle.staging import move, real, staged_folder
 from composer.diagnostics.call_site import call_site
 from composer.diagnostics.sink import Sink
 from composer.link.request import Policy
@@ -47,21 +46,12 @@ def export_with_assets(
     """
     out = as_path("out_dir", out_dir)
     files = _files(model, model_filename, conflict)
-    target = real(out)
     try:
-        with parents(target), stage_beside(target) as stage:
-            made = not os.path.exists(target)
-            if made:
-                target.mkdir()
-            try:
-                _write(files, stage)
-                _move(files, stage, target)
-            except BaseException:
-                if made:
-                    shutil.rmtree(target, ignore_errors=True)
-                raise
-    except OSError as error:
-        raise _output_failure(unwritable(out, error)) from error
+        with staged_folder(out, into=True) as stage:
+            stage.mkdir()
+            _write(files, stage)
+            # The model last: until then an older model still finds all of its files.
+            move(stage, real(out), sorted(files, key=lambda path: "/" not in path))
     except OutputError as error:
         raise _output_failure(error) from error
 
@@ -137,14 +127,6 @@ def _write(files: dict[str, bytes], stage: Path) -> None:
         file = stage / path
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_bytes(content)
-
-
-def _move(files: dict[str, bytes], stage: Path, target: Path) -> None:
-    """Move the files into place, the model last: until then an older model still finds all of its files."""
-    for path in sorted(files, key=lambda path: "/" not in path):
-        place = target / path
-        place.parent.mkdir(parents=True, exist_ok=True)
-        (stage / path).replace(place)
 
 
 def _output_failure(error: OutputError) -> MjcfError:

@@ -12,12 +12,15 @@ from composer.diagnostics.span import Span
 from composer.diagnostics.suggest import exists_note
 from composer.document import load
 from composer.document.characters import check_characters
+from composer.document.decode import refuse_size
 from composer.document.merge import merge
 from composer.document.node import Mapping, Node, Scalar
 from composer.expr.opening import is_template
 from composer.limits import advice, in_force
 from composer.plan.angle_context import SETTINGS
 from composer.plan.trust import TRUST, read_trust, refuse_trust
+from composer.reading.refused import Refused
+from composer.reading.regular import TooLarge, read_argument, read_regular
 from composer.reading.unsaved import unsaved_text
 from composer.sources.error import SourceError
 from composer.sources.fetching import Fetching
@@ -151,12 +154,14 @@ def _text(path: Path, context: Context) -> bytes | None:
         return kept
     shown = context.shown(path)
     try:
-        if path.is_fifo() and not _is_given_by_the_shell(path):
-            message = f"`{shown}` is a named pipe, which might keep a build waiting for ever"
-            context.sink.error("file-unreadable", message, help="name a file")
-            return None
-        with path.open("rb") as stream:
-            text = stream.read(in_force().recipe_size + 1)
+        is_argument = context.fetching is not None and path == context.fetching.outer
+        text = (read_argument if is_argument else read_regular)(path, in_force().recipe_size)
+    except Refused as error:
+        context.sink.error("file-unreadable", f"`{shown}` {error.why}", help="name a file")
+        return None
+    except TooLarge:
+        refuse_size(shown, context.sink)
+        return None
     except OSError as error:
         _unreadable(path, shown, error, context)
         return None
@@ -169,11 +174,6 @@ def _text(path: Path, context: Context) -> bytes | None:
         )
         return None
     return text
-
-
-def _is_given_by_the_shell(path: Path) -> bool:
-    """Return whether a path is standard input, or the output of `<(command)`."""
-    return str(path) == "/dev/stdin" or str(path.parent) in ("/dev/fd", "/proc/self/fd")
 
 
 def _unreadable(path: Path, shown: str, error: OSError, context: Context) -> None:

@@ -15,6 +15,7 @@ from dataclasses import field, replace
 from typing import NewType
 
 from composer.dataclass import dataclass
+from composer.reading import sources
 from composer.reading.folders import files_among, parted, real_folder
 from composer.reading.refused import OUTSIDE, Refused
 from composer.reading.regular import is_irregular, read_regular
@@ -81,16 +82,19 @@ class Door:
             raise self.outside(text)
         if not stat.S_ISREG(mode) and (what := is_irregular(text)) is not None:
             raise Refused(text, what)
+        sources.current().note((text,))
         return Passed(text)
 
     def admit_listed(self, paths: Iterable[str]) -> dict[str, Passed]:
         """Return those paths that one look at each folder shows to be ordinary files; `admit` judges the others."""
-        return {
+        passed = {
             path: Passed(path)
             for folder, found in files_among(paths)
             if self.sees_all or self._is_inside(real_folder(folder))
             for path in found
         }
+        sources.current().note(passed)
+        return passed
 
     def read(self, path: str | os.PathLike[str], most: int | None = None) -> bytes:
         """Return the bytes of a file. Raises Refused, and OSError as `read_regular` does."""

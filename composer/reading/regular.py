@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
+from io import BufferedReader
 
-from composer.limits import written
+from composer.limits import in_force, written
+from composer.reading import sources
 from composer.reading.refused import Refused
-from composer.reading.unsaved import unsaved_text
+from composer.reading.unsaved import keep_piped, unsaved_text
 
 # Opening does not wait for the other end of a pipe, and does not acquire a controlling terminal.
 _FLAGS = (
@@ -48,15 +51,53 @@ def _irregular(mode: int) -> str | None:
     return f"is {what}, not an ordinary file"
 
 
-def read_regular(path: str | os.PathLike[str], most: int | None = None) -> bytes:
+def read_regular(path: str | os.PathLike[str], most: int | None = None, *, is_source: bool = True) -> bytes:
     """Return the bytes of an ordinary file, or the text of an editor that has not saved it.
 
-    Raises Refused for other kinds of files, and OSError, also for more than `most` bytes.
+    A source of the run is noted: no output takes its place. Raises Refused for other kinds of files, and OSError, also
+    for more than `most` bytes; without `most` the limit is that of a whole bundle.
     """
-    text = os.fspath(path)
-    if (kept := unsaved_text(text)) is not None:
+    most = in_force().output_size if most is None else most
+    if (kept := unsaved_text(path)) is not None:
         _bound(len(kept), most)
         return kept
+    file, size = _opened(path, most, is_source)
+    try:
+        pieces = [os.read(file, size + 1)]
+        while (
+            pieces[-1] and (so_far := sum(map(len, pieces))) != size
+        ):  # it is growing, or too large for one call
+            _bound(so_far, most)
+            pieces.append(os.read(file, 1 << 24))
+    finally:
+        os.close(file)
+    return pieces[0] if len(pieces) == 1 else b"".join(pieces)
+
+
+def read_argument(path: str | os.PathLike[str], most: int) -> bytes:
+    """Read a file that an argument of the command names: standard input and `<(command)` are no files, and are meant.
+
+    Returns at most one byte more than `most` of them.
+    """
+    text = os.fspath(path)
+    if text == "/dev/stdin" or os.path.dirname(text) in ("/dev/fd", "/proc/self/fd"):
+        with open(text, "rb") as stream:
+            return keep_piped(text, stream.read(most + 1))
+    return read_regular(path, most)
+
+
+def open_regular(
+    path: str | os.PathLike[str], most: int | None = None, *, is_source: bool = True
+) -> BufferedReader:
+    """Open an ordinary file, as `read_regular` reads it."""
+    file, _ = _opened(path, in_force().output_size if most is None else most, is_source)
+    return os.fdopen(file, "rb")
+
+
+def _opened(path: str | os.PathLike[str], most: int, is_source: bool) -> tuple[int, int]:
+    text = os.fspath(path)
+    if is_source:
+        sources.current().note((text,))
     if (what := is_irregular(text)) is not None:
         raise Refused(text, what)
     file = os.open(text, _FLAGS)
@@ -64,18 +105,15 @@ def read_regular(path: str | os.PathLike[str], most: int | None = None) -> bytes
         status = os.fstat(file)
         if (what := _irregular(status.st_mode)) is not None:  # replaced since the first check
             raise Refused(text, what)
-        size = status.st_size
-        _bound(size, most)
-        data = piece = os.read(file, size + 1)
-        while piece and len(data) != size:  # a file that is growing, or too large for one call
-            piece = os.read(file, 1 << 20)
-            data += piece
-            _bound(len(data), most)
-        return data
-    finally:
+        if stat.S_ISDIR(status.st_mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), text)
+        _bound(status.st_size, most)
+    except BaseException:
         os.close(file)
+        raise
+    return file, status.st_size
 
 
-def _bound(size: int, most: int | None) -> None:
-    if most is not None and size > most:
+def _bound(size: int, most: int) -> None:
+    if size > most:
         raise TooLarge(size, most)

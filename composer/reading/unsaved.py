@@ -1,4 +1,4 @@
-"""Text from an editor that is not saved yet: it is read in place of the file."""
+"""Text that is in no file: an editor has not saved it yet, or a command has written it into a pipe."""
 
 from __future__ import annotations
 
@@ -8,6 +8,16 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 
 _TEXTS: ContextVar[Mapping[str, bytes] | None] = ContextVar("composer.reading.unsaved", default=None)
+
+
+_piped: dict[str, bytes] = {}
+
+
+def keep_piped(path: str, text: bytes) -> bytes:
+    """Return what a pipe gave, which gives it only once."""
+    if text or path not in _piped:
+        _piped[path] = text
+    return _piped[path]
 
 
 @contextmanager
@@ -27,6 +37,8 @@ def unsaved(texts: Mapping[str, bytes]) -> Iterator[None]:
 
 
 def unsaved_text(path: str | os.PathLike[str]) -> bytes | None:
-    """Return the editor's text of a file, or None if there is none."""
+    """Return the text to read in place of a file, or None if there is none."""
+    if _piped and (kept := _piped.get(os.fspath(path))) is not None:
+        return kept
     texts = _TEXTS.get()
     return texts.get(os.path.realpath(path)) if texts else None

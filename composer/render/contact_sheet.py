@@ -10,7 +10,6 @@ from pathlib import Path
 
 from composer import engine
 from composer.bundle.output_error import OutputError
-from composer.bundle.overwriting import check_is_no_source
 from composer.bundle.staging import staged_file
 from composer.cache.making import handed_over
 from composer.compose.load import Library
@@ -110,8 +109,7 @@ def render_sheet(
 
 def _put(tiles: list[str], out: Path, operand: Operand, session: engine.Session, read: set[Path]) -> bool:
     try:
-        check_is_no_source(operand.context.folder / out, read)
-        with staged_file(operand.context.folder / out) as stage:
+        with staged_file(operand.context.folder / out, "-o", inputs=read) as stage:
             engine.call(session, sheet, (), {"tiles": tiles, "out": str(stage)})
     except OutputError as error:
         operand.context.sink.add(error.diagnostic)

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from composer import engine
 from composer.bundle.output_error import OutputError
-from composer.bundle.overwriting import check_is_no_source
 from composer.bundle.staging import staged_file
 from composer.context import Context
 from composer.diagnostics.unknown import unknown_name
@@ -26,7 +25,13 @@ class _NotDrawn(Exception):
 
 
 def render(
-    kept: str, out: Path, wish: Wish, context: Context, session: Session, read: Iterable[Path] = ()
+    kept: str,
+    out: Path,
+    wish: Wish,
+    context: Context,
+    session: Session,
+    read: Iterable[Path] = (),
+    option: str = "-o",
 ) -> bool:
     """Write a picture or a film of a model that `session` keeps; return False after an error, which is reported.
 
@@ -34,8 +39,7 @@ def render(
     """
     try:
         suffix = format_of(out, wish)
-        check_is_no_source(context.folder / out, read)
-        with staged_file(context.folder / out) as stage:
+        with staged_file(context.folder / out, option, inputs=read) as stage:
             made = stage.with_name(stage.name + suffix)
             try:
                 if not drawn(kept, {**wish.as_data(), "out": str(made)}, context, session):

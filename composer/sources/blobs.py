@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from composer.dataclass import dataclass
+from composer.reading.regular import open_regular
 from composer.sources.lease import lock_file
 
 if TYPE_CHECKING:
@@ -115,7 +116,7 @@ def has(store: str | PathLike[str], kind: str, key: str) -> bool:
 
 def read(path: str | PathLike[str]) -> bytes | None:
     """Return the content of an entry's file without its hash, or None if they do not match. Raises OSError."""
-    with open(path, "rb") as stream:
+    with open_regular(path, is_source=False) as stream:
         digest, content = stream.read(_DIGEST), stream.read()
     return content if hashlib.sha256(content).digest() == digest else None
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from composer.diagnostics.suggest import closest, exists_note
+from composer.reading.regular import read_regular
 from composer.sources import licence
 from composer.sources.error import SourceError
 from composer.sources.fetched import not_at_hand
@@ -72,7 +73,7 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
 def _commit(repository: Path) -> str | None:
     """Return the commit that the package has checked out by its hash, or None for any other state."""
     try:
-        head = (repository / ".git" / "HEAD").read_text(encoding="ascii").strip()
+        head = read_regular(repository / ".git" / "HEAD", 1024).decode("ascii").strip()
     except (OSError, ValueError):
         return None
     return head if is_commit(head) else None

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from composer.reading.memory import Memory
+from composer.reading.regular import open_regular
 from composer.reading.unsaved import unsaved_text
 
 
@@ -15,7 +16,7 @@ def sha256_of(path: Path) -> str:
     """Return the sha256 of a file. Raises OSError."""
     if (kept := unsaved_text(path)) is not None:
         return hashlib.sha256(kept).hexdigest()
-    with path.open("rb") as stream:
+    with open_regular(path) as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 

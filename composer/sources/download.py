@@ -13,6 +13,7 @@ from urllib.parse import urlsplit
 from composer.dataclass import dataclass
 from composer.diagnostics.secret import hide
 from composer.limits import advice, in_force, written
+from composer.reading.regular import read_regular
 from composer.sources.error import SourceError
 from composer.sources.reach import is_private
 from composer.sources.reference import is_this_machine
@@ -308,7 +309,7 @@ class _Download:
     def _begun(self) -> tuple[int, Version]:
         """Return how many bytes an earlier try left, and of which version."""
         try:
-            note = json.loads(self._note.read_text(encoding="utf-8"))
+            note = json.loads(read_regular(self._note, is_source=False))
             return self.partial.stat().st_size, Version(str(note["etag"]), str(note["modified"]))
         except (OSError, ValueError, KeyError, TypeError):
             return 0, Version()

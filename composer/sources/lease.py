@@ -14,6 +14,8 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from composer.reading.regular import read_regular
+
 LEASES = "leases"
 _GATE = "gate"
 _OWN: dict[tuple[str, int], tuple[Path, int, set[str]]] = {}
@@ -74,7 +76,7 @@ def held(store: Path) -> set[str]:
                 if _is_over(path):
                     path.unlink()
                 else:
-                    found.update(path.read_text(encoding="ascii").split())
+                    found.update(read_regular(path, is_source=False).decode("ascii").split())
     return found
 
 

@@ -11,6 +11,8 @@ from pydantic import ValidationError
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
 from composer.document import Mapping, Scalar, load, locate, to_python
+from composer.limits import in_force
+from composer.reading.regular import read_regular
 from composer.sources.kinds import kind_called
 from composer.sources.lock import FORMAT, Lock, Locked
 from composer.sources.source_kind import SourceKind
@@ -48,13 +50,12 @@ def read_lock(path: Path, shown: str, sink: Sink, disputes: Disputed | None = No
     differently go into `disputes`.
     """
     try:
-        text = path.read_bytes()
+        text = read_regular(path, in_force().recipe_size)
     except FileNotFoundError:
         return None
     except OSError as error:
-        sink.error(
-            "lock-invalid", f"the lock `{shown}` cannot be read: {(error.strerror or str(error)).lower()}"
-        )
+        why = (error.strerror or str(error)).lower()
+        sink.error("lock-invalid", f"the lock `{shown}` cannot be read: {why}")
         return None
     return from_text(text, shown, sink, disputes)
 

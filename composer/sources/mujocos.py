@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from composer.dataclass import dataclass
+from composer.reading.regular import read_regular
 from composer.sources.digest import files_below
 
 FOLDER = "mujoco"
@@ -57,7 +58,7 @@ def mujocos_in(store: Path) -> Iterator[KeptMujoco]:
     for folder in _folders(store):
         with contextlib.suppress(OSError):
             used = (folder / READY).stat().st_mtime
-            written = (folder / READY).read_text(encoding="ascii", errors="replace").strip()
+            written = read_regular(folder / READY, is_source=False).decode("ascii", "replace").strip()
             yield KeptMujoco(
                 folder.name, folder, int(written) if written.isdecimal() else _measured(folder), used
             )

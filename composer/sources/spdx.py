@@ -9,6 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from composer.reading.memory import Memory
+from composer.reading.regular import open_regular
 from composer.sources.source import Source
 
 UNKNOWN = "unknown"
@@ -101,7 +102,7 @@ def _text(path: Path, size: int) -> str:
 
 def _read(path: str, size: int) -> str:
     try:
-        with open(path, "rb") as file:
+        with open_regular(path) as file:
             return file.read(size).decode("utf-8", "replace")
     except OSError:
         return ""

@@ -29,6 +29,7 @@ from typing import Any, Literal, TypeAlias, get_args
 from composer.dataclass import dataclass
 from composer.limits import parse_size
 from composer.reading.owner import untrusted
+from composer.reading.regular import read_regular
 from composer.sources.blobs import WRITING, Blob, blobs_in, is_left, write_whole
 from composer.sources.digest import differences, files_below, sha256_of
 from composer.sources.error import SourceError
@@ -322,7 +323,7 @@ class Store:
     def recall(self, id: str) -> Mapping[str, str]:
         """Return the last record of `remember`; empty if there is none."""
         try:
-            seen = json.loads((self.folder / "seen" / f"{name_of(id)}.json").read_text(encoding="utf-8"))
+            seen = json.loads(read_regular(self.folder / "seen" / f"{name_of(id)}.json", is_source=False))
         except (OSError, ValueError):
             return {}
         if not isinstance(seen, dict) or seen.get("id") != id:
@@ -331,7 +332,7 @@ class Store:
 
     def _read(self, kind: str, folder: Path) -> Entry | None:
         try:
-            text = (folder / ENTRY).read_text(encoding="utf-8")
+            text = read_regular(folder / ENTRY, is_source=False)
             used = (folder / ENTRY).stat().st_mtime
             record: Any = json.loads(text)
             return Entry(

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from composer.limits import MIB, advice, in_force, written
+from composer.reading.regular import open_regular
 
 SMALL = 64 * MIB
 """An archive that unpacks to at most this size is not a bomb, whatever its ratio."""
@@ -69,19 +70,21 @@ def unpack(archive: Path, target: Path) -> None:
     Raises Unsafe for an archive that is broken, encrypted or larger than the limits, that leads out of the folder,
     or that has links, devices or duplicate names; OSError for errors of the disk.
     """
-    with archive.open("rb") as stream:
+    size = in_force().source_size
+    with open_regular(archive, size, is_source=False) as stream:
         start = stream.read(512)
     packed = archive.stat().st_size
     try:
         if start.startswith((b"PK\x03\x04", b"PK\x05\x06")):
-            with zipfile.ZipFile(archive) as opened:
+            with open_regular(archive, size, is_source=False) as raw, zipfile.ZipFile(raw) as opened:
                 _write(_zip_members(opened), target, packed)
             return
         opener = next((opener for magic, opener in _OPENERS if start.startswith(magic)), None)
         if opener is None and start[257:262] != b"ustar":
             looks = ": it looks like a web page" if start.lstrip()[:1] == b"<" else ""
             raise Unsafe(f"it is neither a zip nor a tar{looks}")
-        with archive.open("rb") as raw, raw if opener is None else opener(raw) as plain, _tar(plain) as tar:
+        raw = open_regular(archive, size, is_source=False)
+        with raw, raw if opener is None else opener(raw) as plain, _tar(plain) as tar:
             _write(_tar_members(tar), target, packed)
     except _BROKEN as fault:
         raise Unsafe(f"it is broken: {str(fault) or type(fault).__name__}") from fault

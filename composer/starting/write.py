@@ -6,8 +6,9 @@ import os
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 
-from composer.bundle.output_error import OutputError, unwritable
-from composer.bundle.staging import parents, real, stage_beside
+from composer.bundle.output_error import OutputError
+from composer.bundle.staging import move, real, staged_folder
+from composer.reading.regular import read_regular
 
 
 def write_project(
@@ -18,22 +19,16 @@ def write_project(
     Return the paths of the written files, and of existing ones that are kept. Raises OutputError, also if a
     `needed` file exists with another content; exceptions of `finish` propagate.
     """
-    target = real(folder)
-    try:
-        with parents(target), stage_beside(target) as stage:
-            for path, content in files.items():
-                (stage / path).parent.mkdir(parents=True, exist_ok=True)
-                (stage / path).write_bytes(content)
-            finish(stage)
-            made = sorted(
-                path.relative_to(stage).as_posix() for path in stage.rglob("*") if os.path.isfile(path)
-            )
-            kept = [path for path in made if _is_kept(folder / path, stage / path, folder, path in needed)]
-            written = [path for path in made if path not in kept]
-            _move(stage, target, written)
-            return written, kept
-    except OSError as error:
-        raise unwritable(folder, error) from error
+    with staged_folder(folder, into=True) as stage:
+        for path, content in files.items():
+            (stage / path).parent.mkdir(parents=True, exist_ok=True)
+            (stage / path).write_bytes(content)
+        finish(stage)
+        made = sorted(path.relative_to(stage).as_posix() for path in stage.rglob("*") if os.path.isfile(path))
+        kept = [path for path in made if _is_kept(folder / path, stage / path, folder, path in needed)]
+        written = [path for path in made if path not in kept]
+        move(stage, real(folder), written)
+        return written, kept
 
 
 def _is_kept(place: Path, made: Path, folder: Path, needed: bool) -> bool:
@@ -47,7 +42,7 @@ def _is_kept(place: Path, made: Path, folder: Path, needed: bool) -> bool:
         return False
     if os.path.isdir(place):
         raise _in_the_way(place, "and a folder")
-    if needed and (not os.path.exists(place) or place.read_bytes() != made.read_bytes()):
+    if needed and (not os.path.exists(place) or read_regular(place) != read_regular(made)):
         raise _in_the_way(place, "with another content than the project needs")
     return True
 
@@ -58,12 +53,3 @@ def _in_the_way(path: Path, what: str) -> OutputError:
         f"`{path}` exists already, {what}: nothing is written",
         "choose another folder, or move it away",
     )
-
-
-def _move(stage: Path, target: Path, paths: Collection[str]) -> None:
-    if not os.path.exists(target):
-        stage.rename(target)
-        return
-    for path in paths:
-        (target / path).parent.mkdir(parents=True, exist_ok=True)
-        (stage / path).rename(target / path)

@@ -33,7 +33,7 @@ def write_comparison(a: Side, b: Side, found: Diff, out: Path, context: Context,
             side.operand.report(context.sink)
         return False
     try:
-        with staged_file(context.folder / out) as stage:
+        with staged_file(context.folder / out, "--html", inputs=(*a.inputs, *b.inputs)) as stage:
             stage.write_text(alone(before, after), encoding="utf-8")
     except OutputError as error:
         context.sink.add(error.diagnostic)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from composer.bundle.bundle import Bundle
 from composer.bundle.output_error import OutputError
-from composer.bundle.overwriting import check_is_no_source
 from composer.bundle.staging import staged_file
 from composer.context import Context
 from composer.diff.side import Side
@@ -29,8 +28,7 @@ def write_page(side: Side, out: Path, key: str | None, context: Context, session
         return None
     text = alone(made, played=None if side.bundle is None else _model_of(side.bundle)).encode()
     try:
-        check_is_no_source(context.folder / out, side.inputs)
-        with staged_file(context.folder / out) as stage:
+        with staged_file(context.folder / out, "--html", inputs=side.inputs) as stage:
             stage.write_bytes(text)
     except OutputError as error:
         context.sink.add(error.diagnostic)

@@ -20,11 +20,11 @@ from composer.worlds.table import Table, Varying, of_about
 _ABOUT = "about.json"
 
 
-def write(path: str | PathLike[str], model: Model, table: Table) -> None:
+def write(path: str | PathLike[str], model: Model, table: Table, option: str | None = None) -> None:
     """Write a table completely or not at all: as Parquet if the name says so, else as `.npz`. Raises OutputError."""
     path = Path(path)
     check_name(path)
-    with staged_file(path) as stage:
+    with staged_file(path, option) as stage:
         if path.suffix.lower() == ".parquet":
             from composer.worlds.parquet import write_parquet
 

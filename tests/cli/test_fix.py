@@ -91,7 +91,7 @@ def test_bad_input(folder: Path) -> None:
 def test_what_cannot_be_written_is_told(broken: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from composer.bundle.output_error import OutputError
 
-    def refused(_: object) -> None:
+    def refused(*_: object, **__: object) -> None:
         raise OutputError("output-unwritable", "no")
 
     monkeypatch.setattr("composer.bundle.staging.staged_file", refused)
