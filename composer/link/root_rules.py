@@ -29,7 +29,8 @@ def roots(linking: Linking) -> None:
     for part in linking.parts:
         if part.by_itself:
             continue
-        for body in list(_bodies_at_the_root(part.unit.root)):
+        bodies = list(_bodies_at_the_root(part.unit.root))
+        for body in bodies:
             for joint in list(_own_joints(body)):
                 if joint.tag != "freejoint" and joint_type(joint, part.unit.classes) != "free":
                     continue
@@ -38,10 +39,10 @@ def roots(linking: Linking) -> None:
                     assert holder is not None
                     holder.remove(joint)
                 else:
-                    alone = floats_by_itself(part.unit)
+                    alone = len(bodies) == 1 and floats_by_itself(part.unit)
                     linking.notes.floating.append(Floating(part, body, joint, _called(body), alone))
             if body.get("mocap") == "true":
-                alone = floats_by_itself(part.unit, mocap=True)
+                alone = len(bodies) == 1 and floats_by_itself(part.unit, mocap=True)
                 linking.notes.floating.append(Floating(part, body, None, _called(body), alone))
         if part.place.kind != "world" or part.joints or part.mocap:
             _planes(linking, part)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from lxml.etree import XPath
 from lxml.etree import _Element as Node
@@ -104,7 +104,21 @@ def _is_small(root: Node, elements: int) -> bool:
     if elements > limits.bodies and root.xpath("count(descendant::body)") > limits.bodies:  # type: ignore[operator]
         return False
     dofs = _MOST_DOFS * sum(1 for _ in root.iter(*_JOINTS))
-    return dofs <= limits.dofs and dofs * (dofs + 1) // 2 <= limits.mass_matrix
+    if dofs <= limits.dofs and dofs * (dofs + 1) // 2 <= limits.mass_matrix:
+        return True
+    # At most all in one tree carry each other: what hangs in the world at different places has nothing in common.
+    by_default, trees = default_dofs(root), []
+    for section in root.iterchildren("*"):
+        places = section.iterchildren("*") if section.tag == "worldbody" else (section,)
+        trees += [sum(_dofs_in(place, by_default)) for place in places]
+    return sum(trees) <= limits.dofs and sum(own * (own + 1) // 2 for own in trees) <= limits.mass_matrix
+
+
+def _dofs_in(place: Node, by_default: int) -> Iterator[int]:
+    for joint in place.iter(*_JOINTS):
+        above = joint.getparent()
+        if above is not None and above.tag in _HOLDING_JOINTS:
+            yield joint_dofs(joint, by_default)
 
 
 def _is_heavy(unit: Unit, model: Weight, made: dict[Node, Weight], sink: Sink) -> bool:

@@ -54,7 +54,9 @@ def expected() -> dict[str, str]:
     (mujoco.__version__, sys.platform, platform.machine()) != WRITTEN_WITH,
     reason=f"written with {WRITTEN_WITH}",
 )
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", [
+    pytest.param(each, marks=pytest.mark.slow if "menagerie" in each else ()) for each in CASES
+])  # fmt: skip
 def test_bytes(case: str) -> None:
     if case.startswith("recipes/menagerie") and not os.environ.get("MJCOMPOSE_CORPUS"):
         pytest.skip("MJCOMPOSE_CORPUS names no corpus")

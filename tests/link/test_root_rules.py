@@ -3,6 +3,8 @@ from __future__ import annotations
 import pytest
 from link.workshop import BASE, Piece, Workshop, hinge, placed
 
+from composer.link import root_rules
+
 ARM = """<mujoco model="arm"><worldbody><body name="still"><geom size=".1"/>
   <body name="link"><joint name="j"/><geom size=".1"/><site name="flange"/></body><site name="foot"/></body>
   <body name="hand" mocap="true"><site name="palm"/></body></worldbody></mujoco>"""
@@ -129,3 +131,21 @@ def test_all_that_is_wrong_with_the_places_is_told_at_once(workshop: Workshop) -
         Piece(BASE, "c/", placed("site", "nowhere")),
     )
     assert linked.codes == ["attach-place", "freejoint-on-body", "mocap-on-body"]
+
+
+def test_what_is_looked_at_grows_with_the_free_bodies(
+    workshop: Workshop, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looks = []
+    plain = root_rules.through_frames
+    monkeypatch.setattr(
+        root_rules, "through_frames", lambda node: (looks.append(1) or each for each in plain(node))
+    )
+
+    def looked(count: int) -> int:
+        looks.clear()
+        loose = "".join(f'<body name="b{n}"><freejoint/><geom size=".1"/></body>' for n in range(count))
+        workshop.link(ARM, Piece(part(loose)))
+        return len(looks)
+
+    assert looked(80) < 2.5 * looked(40)

@@ -5,10 +5,13 @@ from pathlib import Path
 
 import mujoco
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from lxml import etree
 
 from composer.diagnostics import Sink
-from composer.limits import allow
+from composer.limits import allow, in_force
+from composer.tree import expansion
 from composer.tree.expansion import expanded
 from composer.tree.parse import parse_text
 from composer.tree.weight import Weight
@@ -146,6 +149,34 @@ def test_the_limit_is_exact_and_can_be_raised() -> None:
     assert message == "`<replicate>` makes 20001 elements; 20000 are allowed"
     with allow(expansion=20001):
         assert told(exact.replace("20001", "20002")) == []
+
+
+TREES = st.recursive(
+    st.sampled_from(["<joint/>", "<freejoint/>", '<joint type="ball"/>', "<geom/>"]),
+    lambda inside: st.tuples(st.sampled_from(["body", "frame"]), st.lists(inside, max_size=4)).map(
+        lambda each: f"<{each[0]}>{''.join(each[1])}</{each[0]}>"
+    ),
+    max_leaves=40,
+)
+
+
+@given(st.lists(TREES, max_size=6), st.sampled_from(["", '<default><joint type="ball"/></default>']))
+def test_what_is_small_at_a_glance_is_so_when_it_is_counted(trees: list[str], default: str) -> None:
+    other = (
+        "<body><joint/><joint/></body><tendon><fixed><joint/></fixed></tendon><equality><joint/></equality>"
+    )
+    root = etree.fromstring(f"<mujoco>{default}<worldbody>{''.join(trees)}</worldbody>{other}</mujoco>")
+    whole = expanded(root)
+    with allow(dofs=max(whole.dofs - 1, 1), mass_matrix=10**9):
+        assert not expansion._is_small(root, 1) or whole.dofs == 1
+    with allow(dofs=10**9, mass_matrix=max(whole.matrix - 1, 1)):
+        assert not expansion._is_small(root, 1) or whole.matrix <= 1
+
+
+def test_many_small_trees_are_small_at_a_glance() -> None:
+    bodies = "<body><freejoint/></body>" * 800 + "<frame><body><joint/></body></frame>" * 200
+    root = etree.fromstring(f"<mujoco><worldbody>{bodies}</worldbody></mujoco>")
+    assert in_force().mass_matrix < 6 * 1000 * 6001 // 2 and expansion._is_small(root, 2000)
 
 
 def test_many_that_are_small() -> None:
