@@ -213,6 +213,7 @@ def _verified(
     """Return MuJoCo's verdict, after running the recipe's checks."""
     from composer.verify.compile_report import judge  # a build without verification has no use for that room
     from composer.verify.compiles import WHOLE
+    from composer.verify.kept_keys import check_kept_keys
     from composer.verify.key_ranges import check_key_ranges, check_stiffness
     from composer.verify.nested import checks_in
 
@@ -222,6 +223,8 @@ def _verified(
         if compiled.index is not None:
             check_key_ranges(plan, composed.model, compiled.index, context.sink)
             check_stiffness(composed.model, compiled.index, plan.span, context.sink)
+        with context.timed("keys"):
+            check_kept_keys(composed.model, composed.keys, session, context.sink)
         with context.timed("check"):
             if next(checks_in(plan), None) is not None:
                 from composer.verify.checks import run_checks  # numpy comes along, and every kind of check

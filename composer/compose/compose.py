@@ -38,6 +38,7 @@ from composer.link.angles import model_angle
 from composer.link.attached_size import attached_size
 from composer.link.files import add_file
 from composer.link.key_layouts import remove_keys
+from composer.link.key_meaning import KeyNotes
 from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
@@ -106,6 +107,7 @@ class Composed:
     tabled: tuple[ElementDraws, ...] = ()
     shapes: tuple[MadeShapes, ...] = ()
     excluded: tuple[Excluded, ...] = ()
+    keys: KeyNotes = field(default_factory=KeyNotes)
     tables: Tables = field(default_factory=dict)
 
 
@@ -140,6 +142,7 @@ class Composer:
         self.cost = EditCost()
         self.unplaced: dict[Node, list[UnplacedRecord]] = {}
         self.parts: dict[Node, str] = {}
+        self.keys = KeyNotes()
 
     def compose(self, plan: Plan) -> Composed | None:
         """Return the model of a plan, or None if there were errors, including those of earlier stages."""
@@ -154,7 +157,9 @@ class Composer:
             Excluded(str(node.get("body1")), str(node.get("body2")), why) for node, why in self.needless
         )
         tables = self.loader.tables()
-        return replace(composed, members=members, shapes=shapes, excluded=excluded, tables=tables)
+        return replace(
+            composed, members=members, shapes=shapes, excluded=excluded, keys=self.keys, tables=tables
+        )
 
     def unit_of(self, plan: Plan, wanted: PartRequest) -> Unit | None:
         """Return the base or a part of a plan alone, reduced to the requested subtree, or None if it has faults."""
@@ -269,6 +274,7 @@ class Composer:
         linking.later_places = early
         if not link(linking):
             return None
+        self.keys.join(linking)
         _carry_out(plan, linking, making, early)
         changes = self._model_edits(plan, linking, making)
         self._edit(plan, changes, linking, making)
@@ -282,6 +288,7 @@ class Composer:
         check_names_of_keys(linking, making)
         if changes:
             changes.of_keys()
+        self.keys.add(linking)
         roots = [base.root, *(unit.root for unit in units)]
         self.unplaced[base.root] = unplaced_records(
             plan, part_requests(plan, stands), linking.parts, [self.unplaced.get(root, []) for root in roots]
@@ -377,6 +384,8 @@ class Composer:
         unit = self._whole(wanted, locate(plan.document, (*wanted.at, "model")))
         if unit is None:
             return None
+        if isinstance(wanted.model, Source):
+            self.keys.read(unit)
         if wanted.body is not None:
             subtree = wanted.take(unit, self.context.sink, self.measure)
             if subtree is None:
@@ -396,6 +405,7 @@ class Composer:
                 self.cost,
                 self.edits,
                 self._workshop(),
+                self.keys,
             )
             dropped = edits.carry_out()
             if dropped is None:

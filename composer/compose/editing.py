@@ -112,6 +112,8 @@ class Editing:
                 yield
             return
         yield  # numbers are no names: the index, which takes a walk over the model to make, is not needed
+        if node.tag == "key":
+            self.linking.keys.edited_keys.add(node)
         self._has_changed(node)
 
     def _has_changed(self, node: Node) -> None:

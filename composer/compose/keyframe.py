@@ -21,6 +21,7 @@ from composer.document.node import find, locate
 from composer.expr.angle import Angle
 from composer.link import numbers
 from composer.link.key_layouts import final_layout
+from composer.link.key_table import Written
 from composer.link.layout import BLOCK, Layout, Slot
 from composer.link.linking import Linking
 from composer.link.multiplied import Copy, element_of
@@ -127,16 +128,23 @@ class _Writing:
     unnamed: Sequence[Node]
     actuators: Mapping[Any, Slot]
     values: dict[str, dict[Node, list[Number]]] = field(default_factory=dict)
+    noted: Written = field(init=False)
 
     def key(self) -> Key:
-        asked, making = self.step.key, self.making
+        asked, making, linking = self.step.key, self.making, self.linking
         element = etree.Element("key")
         making.origins.own(element, partial(self._written, element))
         time = None
         if asked.time is not None:
             time = Number(numbers.text([asked.time]), KeySource("entry", TIME, span=self._at(TIME)))
         key = Key(asked.name, time, element, making.file, making.origins, self.values)
-        for source in self._sources():
+        sources = self._sources()
+        self.noted = linking.keys.noted[element] = Written(
+            tuple(source.element for source in sources),
+            frozenset(linking.keys.void_keys),
+            asked.controls.hold == "forces",
+        )
+        for source in sources:
             for vector, columns in source.values.items():
                 self.values.setdefault(vector, {}).update(columns)
             if asked.time is None and source.time is not None:
@@ -171,6 +179,7 @@ class _Writing:
         width = 1 if slot is None else slot.widths[0]
         source = KeySource("entry", "ctrl", span=self._at("ctrl", *path))
         self.values.setdefault("ctrl", {})[actuator] = [Number("0", source, at) for at in range(width)]
+        self.noted.held[element_of(actuator)] = self._at("ctrl", *path)
 
     def _of_joint(self, joint: str) -> _Holder | None:
         """Return the actuator that a joint name selects: the only one of the joint, or its only position servo."""
@@ -277,6 +286,7 @@ class _Writing:
             for value, words in zip(entry, meant, strict=True)
         ]
         source = KeySource("entry", vector, span=self._at(vector, *path))
+        self.noted.entries.setdefault(vector, {})[node] = (values, self._at(vector, *path))
         self.values.setdefault(vector, {})[node] = [
             Number(text, source, at) for at, text in enumerate(numbers.text(values).split())
         ]

@@ -19,6 +19,7 @@ from composer.context import Context
 from composer.dataclass import dataclass
 from composer.document.node import locate
 from composer.link.key_layouts import layouts, remove_keys
+from composer.link.key_meaning import KeyNotes
 from composer.link.keyframes import keyframes
 from composer.link.linking import Linking, Measure
 from composer.link.multiplied import element_of
@@ -49,6 +50,7 @@ class PartEdits:
     cost: EditCost
     outcomes: dict[Place, EditOutcome]
     workshop: Workshop
+    keys: KeyNotes
 
     def carry_out(self) -> tuple[Left, ...] | None:
         """Carry out the drops and edits. Return what was dropped, or None after a reported error."""
@@ -68,6 +70,7 @@ class PartEdits:
             self.watch([self.unit], keyframes)
             self.unit.part_keys = inner
             self._edited([step for step in steps if is_of_keys(step)], self._editing(linking))
+        self.keys.add(linking)
         self.unit.forget_classes()
         return tuple(gone) if self.context.sink.error_count == before else None
 

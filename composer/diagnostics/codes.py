@@ -28,6 +28,7 @@ CODES: dict[str, str] = {
     "freejoint-on-body": "a free joint would be below another body",
     "git-revision": "a git revision cannot be read",
     "keyframe-conflict": "two keyframes disagree about the same entry",
+    "keyframe-wrong": "a number of a key in the compiled model is not the one that is meant",
     "licence-missing": "nothing says under which licence a part may be passed on",
     "limit-exceeded": "something would take more than a limit allows",
     "lock-invalid": "a lock cannot be read",

@@ -7,10 +7,26 @@ from dataclasses import field
 from lxml.etree import _Element as Node
 
 from composer.dataclass import dataclass
+from composer.diagnostics.span import Span
 from composer.link.layout import Holder, Layout, Slot
 from composer.link.part import Part
 from composer.numerics.pose import Pose
 from composer.tree.key import Key, PartKeys
+
+
+@dataclass(eq=False, slots=True)
+class Written:
+    """A key that a recipe writes: the keys that it takes over, its entries by vector, and what is to hold the pose.
+
+    With `forces`, the controls that hold also balance what acts on the model there. `void` is what edits have made
+    meaningless before.
+    """
+
+    taken: tuple[Node, ...]
+    void: frozenset[Node]
+    forces: bool
+    entries: dict[str, dict[Node, tuple[list[float], Span]]] = field(default_factory=dict)
+    held: dict[Node, Span] = field(default_factory=dict)
 
 
 @dataclass(eq=False, slots=True)
@@ -29,7 +45,8 @@ class KeyTable:
 
     How edits of the joined model affect keys: `edited` is set if there may be edits, `reshaped` are the elements
     whose number of values may have changed, and `void_keys` are the elements whose values in keys have become
-    meaningless.
+    meaningless. `edited_keys` are keys whose numbers edits or draws have changed, and `noted` is what the recipe writes
+    into its own keys, by their elements.
     """
 
     own: dict[Part | None, tuple[Key, ...]] = field(default_factory=dict)
@@ -45,3 +62,5 @@ class KeyTable:
     edited: bool = False
     reshaped: set[Node] = field(default_factory=set)
     void_keys: set[Node] = field(default_factory=set)
+    edited_keys: set[Node] = field(default_factory=set)
+    noted: dict[Node, Written] = field(default_factory=dict)

@@ -74,9 +74,10 @@ def _element(linking: Linking, key: Key, final: Layout, reference: Reference) ->
     element = linking.base.root.makeelement("key")
     if key.name:
         element.set("name", key.name)
-    record = KeyRecord((key.element, *key.others))
     # What the recipe writes is newer than its edits. What it takes over with `from` is not: `keyframe.py` sees to that.
-    void = () if any(key is each for each in linking.keys.written) else linking.keys.void_keys
+    is_newer = any(key is each for each in linking.keys.written)
+    void = frozenset[Node]() if is_newer else frozenset(linking.keys.void_keys)
+    record = KeyRecord((key.element, *key.others), void=void)
     if key.time is not None:
         element.set("time", key.time.text)
         record.numbers["time"] = [key.time]

@@ -51,7 +51,8 @@ class Notes:
 
     `aligned`: the model has `alignfree`. `floating` and `planes` must not end up below a body that moves. `flexes`
     are in the world of their units; `main_joint` are the joint settings that the model's top class keeps for them.
-    `replicates` has the unit of each `<replicate>`. `inertia_written` are the bodies whose inertia is explicit, so
+    `replicates` has the unit of each `<replicate>`, `copied` the element that each one of a written-out replicate is a
+    copy of, and the number of the copy. `inertia_written` are the bodies whose inertia is explicit, so
     that elements added to them add no mass. `drawn` holds the values drawn for an element, by field. `memory` are
     the requests of the sources, if MuJoCo may need more memory.
     """
@@ -62,6 +63,7 @@ class Notes:
     flexes: list[Flex] = field(default_factory=list)
     main_joint: dict[str, str] = field(default_factory=dict)
     replicates: list[tuple[Unit, Node]] = field(default_factory=list)
+    copied: dict[Node, tuple[Node, tuple[Node, int]]] = field(default_factory=dict)
     inertia_written: set[Node] = field(default_factory=set)
     drawn: dict[Node, dict[str, object]] = field(default_factory=dict)
     memory: tuple[MemoryRequest, ...] = ()

@@ -68,7 +68,7 @@ def _unroll(linking: Linking, holding: list[Unit]) -> None:
                 for other in units:  # as they are before anything is written out
                     index_of(other)
                 for each in inside:
-                    _write_out(unit, each)
+                    _write_out(linking, unit, each)
 
 
 def _outermost(unit: Unit) -> Iterator[Node]:
@@ -138,7 +138,7 @@ def _names(node: Node) -> Iterator[tuple[str, str]]:
             yield namespace, str(name)
 
 
-def _write_out(unit: Unit, replicate: Node) -> None:
+def _write_out(linking: Linking, unit: Unit, replicate: Node) -> None:
     """Replace the replicate by a frame for each copy. The names in it get the number of the copy."""
     holder = replicate.getparent()
     assert holder is not None
@@ -154,6 +154,7 @@ def _write_out(unit: Unit, replicate: Node) -> None:
         for old, new in zip(replicate.iter("*"), made.iter("*"), strict=True):
             if (owner := unit.origins.owners.get(old)) is not None:
                 unit.origins.owners[new] = owner
+            linking.notes.copied[new] = (old, (replicate, number))
         made.tag = "frame"
         made.attrib.clear()
         if not pose.is_identity:

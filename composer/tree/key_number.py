@@ -51,11 +51,13 @@ class Number(NamedTuple):
 class KeyRecord:
     """The layout of a `<key>`: the elements that it replaces, and its numbers by attribute, including `time`.
 
-    The record is valid until the attribute changes, which `numbers_of` checks.
+    `void` are the joints and actuators whose numbers in those elements mean nothing any more. The record is valid until
+    the attribute changes, which `numbers_of` checks.
     """
 
     keys: tuple[Node, ...] = ()
     numbers: dict[str, list[Number]] = field(default_factory=dict)
+    void: frozenset[Node] = frozenset()
 
 
 def numbers_of(record: KeyRecord | None, key: Node, vector: str) -> list[Number]:

@@ -119,7 +119,8 @@ NOT_A_BUILD = {
     ),
     **dict.fromkeys(("lock-invalid", "lock-stale", "store-unusable"), "needs a lock or a store: tests/cli"),
     **dict.fromkeys(
-        ("bundle-changed", "bundle-manifest", "part-changed", "part-not-compared"), "tests/verify"
+        ("bundle-changed", "bundle-manifest", "keyframe-wrong", "part-changed", "part-not-compared"),
+        "tests/verify",
     ),
     **dict.fromkeys(
         ("cluster-missing", "cluster-unreachable", "cluster-worker"), "need a cluster: tests/cluster"
