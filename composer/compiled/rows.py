@@ -58,12 +58,13 @@ def unequal(expected: Array, actual: Array, tolerance: float = 0.0) -> NDArray[n
     ``tolerance`` is relative to the larger of 1 and the expected value.
     """
     different = expected != actual
-    if np.issubdtype(expected.dtype, np.floating):
+    if different.any() and np.issubdtype(expected.dtype, np.floating):
         a, b = expected.astype(np.float64), actual.astype(np.float64)
         different &= ~(np.isnan(a) & np.isnan(b))
         if tolerance > 0:
             with np.errstate(invalid="ignore"):
-                different &= ~(np.abs(a - b) <= tolerance * np.maximum(1.0, np.abs(a)))
+                near = np.abs(a - b) <= tolerance * np.maximum(1.0, np.abs(a))
+            different &= ~(near & np.isfinite(a))  # everything is near an infinite number
     return np.asarray(different, dtype=np.bool_)
 
 
