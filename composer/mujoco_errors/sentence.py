@@ -43,7 +43,7 @@ class Topic(Enum):
     DOFS = r"^more than 6 dofs"
     FLAT = r"has coplanar vertices|^qhull error"
     FORMAT = r"^bad format in attribute"
-    INERTIA = r"A \+ B >= C"
+    INERTIA = r"A \+ B >= C|^error 'inertia must have positive eigenvalues'"
     FRAMEBUFFER = r"framebuffer"
     URDF_GEOMETRY = r"geometry specification"
     URDF_REPEATED = r"^repeated URDF name|^repeated name '.*' in joint"

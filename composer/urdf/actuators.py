@@ -29,7 +29,6 @@ class Drive:
     joint: str
     source: Node
     interfaces: dict[str, Node] = field(default_factory=dict)
-    gear: float = 1.0
     numbers: dict[str, float] = field(default_factory=dict)
 
 
@@ -48,9 +47,7 @@ def add_actuators(robot: Unit, unit: Unit, choice: Actuators, sink: Sink) -> dic
         if joints[drive.joint].find("mimic") is not None:
             read.setdefault(_outer(drive.source), "nothing: an equality moves the joint")
             continue
-        first = drives.setdefault(drive.joint, drive)
-        if first is not drive and drive.gear != 1.0 and first.gear == 1.0:
-            first.gear = drive.gear
+        drives.setdefault(drive.joint, drive)
         if drive.joint in made:
             read[_outer(drive.source)] = "actuator"
     section: Node | None = None
@@ -81,13 +78,9 @@ def _of_transmissions(root: Node) -> Iterator[Drive]:
         joints, actuators = transmission.findall("joint"), transmission.findall("actuator")
         if not kind.strip().endswith(_SIMPLE) or len(joints) != 1 or len(actuators) > 1:
             continue
-        reductions = [
-            transmission.findtext(path) for path in ("actuator/mechanicalReduction", "mechanicalReduction")
-        ]
-        reduction = next((number for text in reductions if (number := _number(text))), 1.0)
         words = [each.text or "" for each in transmission.iterfind(".//hardwareInterface")]
         names = [each.strip().rpartition("/")[2].removesuffix("JointInterface").lower() for each in words]
-        yield Drive(str(joints[0].get("name")), transmission, dict.fromkeys(names, transmission), reduction)
+        yield Drive(str(joints[0].get("name")), transmission, dict.fromkeys(names, transmission))
 
 
 def _of_all(joints: dict[str, Node], choice: Actuators) -> Iterator[Drive]:
@@ -97,7 +90,10 @@ def _of_all(joints: dict[str, Node], choice: Actuators) -> Iterator[Drive]:
 
 
 def _element(drive: Drive, joint: Node) -> Node:
-    """A servo where the URDF has the gains for it; a motor, which applies what the joint may bear, where not."""
+    """A servo where the URDF has the gains for it; a motor, which applies what the joint may bear, where not.
+
+    All act on the joint itself, as the interfaces of ROS do: `effort` is the joint's, with any reduction.
+    """
     limit = joint.find("limit")
     effort = _number(None if limit is None else limit.get("effort")) or 0.0
     velocity = _number(None if limit is None else limit.get("velocity")) or 0.0
@@ -108,8 +104,7 @@ def _element(drive: Drive, joint: Node) -> Node:
     if "effort" not in drive.interfaces and "velocity" in drive.interfaces and kv:
         span = _range(drive.interfaces["velocity"]) or ((-velocity, velocity) if velocity else None)
         return _servo("velocity", drive, {"kv": kv}, span)
-    most = effort / abs(drive.gear)
-    span = _range(drive.interfaces.get("effort")) or ((-most, most) if most else None)
+    span = _range(drive.interfaces.get("effort")) or ((-effort, effort) if effort else None)
     return _servo("motor", drive, {}, span)
 
 
@@ -117,8 +112,6 @@ def _servo(tag: str, drive: Drive, given: dict[str, float], span: tuple[float, f
     element = etree.Element(tag, name=drive.joint, joint=drive.joint)
     for name, value in given.items():
         element.set(name, _text(value))
-    if drive.gear != 1.0 and tag == "motor":
-        element.set("gear", _text(drive.gear))
     if span is not None:
         element.set("ctrlrange", f"{_text(span[0])} {_text(span[1])}")
     return element

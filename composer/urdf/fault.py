@@ -16,11 +16,12 @@ from composer.tree.files import stem
 from composer.tree.line import line_of
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical")
+_SHAPES = ("box", "cylinder", "sphere", "capsule")
 _SIZES = "sizes are greater than zero"
 FLAT_HELP = "use a box, or a mesh with a thickness"
 _ADVICE = {
-    Topic.INERTIA: 'correct it, or write `<mujoco><compiler balanceinertia="true"/></mujoco>` into the URDF',
-    Topic.MASS: "give the link an `<inertial>`",
+    Topic.INERTIA: "correct it, or write beside `model`: `urdf: {inertia: mend}`",
+    Topic.MASS: "give the link an `<inertial>`, or write beside `model`: `urdf: {inertia: mend}`",
     Topic.MESH_FORMAT: "convert it to STL, OBJ, MSH, Collada, glTF, PLY, OFF or 3MF, which are read",
     Topic.FLAT: FLAT_HELP,
     Topic.GEOM_SIZE: _SIZES,
@@ -160,8 +161,13 @@ def _joint_type(element: Node, robot: Node, place: Place) -> Diagnostic | None:
 
 
 def _no_size(element: Node, robot: Node, place: Place) -> Diagnostic | None:
-    """MuJoCo does not say which: geoms have no names there."""
-    for each in robot.iter("box", "cylinder", "sphere", "capsule"):
+    """MuJoCo does not say which: geoms have no names there. It reads visuals where the file says so."""
+    kept = [each.get("discardvisual") for each in robot.iterfind("mujoco/compiler")]
+    keeps_visuals = [each for each in kept if each is not None][-1:] == ["false"]
+    for each in robot.iterfind("link/*/geometry/*"):
+        shape = each.iterancestors("collision", "visual")
+        if each.tag not in _SHAPES or (next(shape).tag == "visual" and not keeps_visuals):
+            continue
         for name in ("size", "radius", "length"):
             if any(map(_is_none, str(each.get(name) or "").split())):
                 return _error(f"`{name}` of `<{each.tag}>` must be positive", place(each, name), _SIZES)

@@ -17,6 +17,8 @@ CODE = "urdf-inertia"
 _NAMES = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 _SMALLEST, _LIGHTEST = 1e-9, 1e-6
 """What a body gets that has nothing: kg m² and kg, above MuJoCo's own bounds and below what can be felt."""
+_LEAST_MOMENT, _LEAST_MASS = 1e-14, 1e-15
+"""Below these MuJoCo refuses the moments of any body, and the mass of one that moves."""
 _FIXED = "fixed"
 Matrix = list[list[float]]
 
@@ -32,6 +34,7 @@ class Bad:
 
 def bad_inertias(robot: Robot) -> Iterator[Bad]:
     """The links whose inertia MuJoCo refuses."""
+    weightless = list(_weightless(robot.root))
     for link in robot.root.iterchildren("link"):
         inertial = link.find("inertial")
         if inertial is None:
@@ -42,15 +45,17 @@ def bad_inertias(robot: Robot) -> Iterator[Bad]:
         values, _ = eigen(tensor)
         if not mass and not any(any(row) for row in tensor):
             yield Bad(link, inertial, "mass and inertia are zero")
-        elif values[0] <= 0:
-            yield Bad(
-                link, inertial, f"its principal moments are {_shown(values)}, and one of them is not positive"
-            )
+        elif values[0] < _LEAST_MOMENT:
+            wrong = "is not positive" if values[0] <= 0 else f"is below {_LEAST_MOMENT:g}"
+            yield Bad(link, inertial, f"its principal moments are {_shown(values)}, and one of them {wrong}")
         elif values[0] + values[1] < values[2]:
             why = f"its principal moments are {_shown(values)}, and the two small ones are less than the large one"
             yield Bad(link, inertial, why)
-    for link in _weightless(robot.root):
-        yield Bad(link, None, "it moves and has no mass")
+        elif 0 <= mass < _LEAST_MASS and link in weightless:
+            yield Bad(link, inertial, f"it moves and weighs {mass:g} kg")
+    for link in weightless:
+        if link.find("inertial") is None:
+            yield Bad(link, None, "it moves and has no mass")
 
 
 def report(robot: Robot, sink: Sink, notes: tuple[object, ...]) -> bool:
@@ -72,7 +77,7 @@ def report(robot: Robot, sink: Sink, notes: tuple[object, ...]) -> bool:
 
 def mend(robot: Robot, sink: Sink) -> list[str]:
     """Change each as little as MuJoCo allows, with a warning; the links whose mass and inertia are zero as written."""
-    massless = []
+    massless, weightless = [], list(_weightless(robot.root))
     for each in list(bad_inertias(robot)):
         robot.changed = True
         name = str(each.link.get("name"))
@@ -81,22 +86,26 @@ def mend(robot: Robot, sink: Sink) -> list[str]:
         if each.inertial is None:
             _write(etree.SubElement(each.link, "inertial"), _LIGHTEST, _diagonal(_SMALLEST))
             became = f"{_LIGHTEST:g} kg and {_SMALLEST:g} kg m²"
-        elif not _mass(each.inertial):
+        elif (tensor := _tensor(each.inertial)) is None or (
+            not _mass(each.inertial) and not any(map(any, tensor))
+        ):
             each.link.remove(each.inertial)
             massless.append(name)
             became = "left out, and its shapes weigh nothing"
         else:
-            tensor = _tensor(each.inertial)
-            assert tensor is not None
             mended, values = _mended(tensor)
             _write(each.inertial, None, mended)
             became = f"principal moments {_shown(values)}"
+            if 0 <= _mass(each.inertial) < _LEAST_MASS and each.link in weightless:
+                _write(each.inertial, _LIGHTEST, mended)
+                became += f", and {_LIGHTEST:g} kg"
         sink.warning(
             CODE, f"the inertia of the link `{name}` was mended: {each.why}; now: {became}", span,
             cause=Cause(f"mended {robot.unit.file}", f"`{name}`: {each.why}; now: {became}"),
         )  # fmt: skip
     for link in _weightless(robot.root, massless):  # what was held up by a link whose mass is zero
-        _write(etree.SubElement(link, "inertial"), _LIGHTEST, _diagonal(_SMALLEST))
+        if link.find("inertial") is None:
+            _write(etree.SubElement(link, "inertial"), _LIGHTEST, _diagonal(_SMALLEST))
     return massless
 
 
@@ -128,7 +137,10 @@ def _weightless(root: Node, massless: Collection[str] = ()) -> Iterator[Node]:
         if link is None or name in seen:
             return True
         seen.add(name)
-        if link.find("inertial") is not None or (link.find("collision") is not None and name not in massless):
+        inertial = link.find("inertial")
+        if inertial is None and link.find("collision") is not None and name not in massless:
+            return True
+        if inertial is not None and not 0 <= _mass(inertial) < _LEAST_MASS:
             return True
         return any(heavy(each, seen) for each in fixed.get(name, ()))
 
@@ -170,7 +182,9 @@ def _tensor(inertial: Node) -> Matrix | None:
 
 def _write(inertial: Node, mass: float | None, tensor: Matrix) -> None:
     if mass is not None:
-        etree.SubElement(inertial, "mass", value=f"{mass:g}")
+        written = inertial.find("mass")
+        written = etree.SubElement(inertial, "mass") if written is None else written
+        written.set("value", f"{mass:g}")
     inertia = inertial.find("inertia")
     if inertia is None:
         inertia = etree.SubElement(inertial, "inertia")

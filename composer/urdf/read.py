@@ -98,6 +98,7 @@ class UrdfReader:
             and converted.text is None
             and converted.crash is None
             and choices.inertia == "mend"
+            and _is_of_inertia(converted)
         ):
             # Only now: what MuJoCo accepts is left as it is.
             converted = self._converted(robot, meshes.shells, stack, inertia.mend(robot, self.sink))
@@ -327,7 +328,7 @@ class UrdfReader:
             self._unknown_package(name, self._span(mesh, "filename"))
         if self.missing is not None:
             self.missing(robot, converted)
-        if self.sink.error_count == before:
+        if self.sink.error_count == before and _is_of_inertia(converted):
             inertia.report(robot, self.sink, self._asked())
         if self.sink.error_count == before:
             found = explain(parse(converted.error or ""), robot.root, self._span)
@@ -346,3 +347,8 @@ class UrdfReader:
             notes=(*notes, *self._asked()),
             help=f"say beside `model` where it is: `packages: {{{name}: {folder}}}`",
         )
+
+
+def _is_of_inertia(converted: Converted) -> bool:
+    """Whether MuJoCo refuses what it refuses for its masses or inertias: a size of zero is no reason to mend these."""
+    return read_sentence(parse(converted.error or "").message).topic in (Topic.INERTIA, Topic.MASS)

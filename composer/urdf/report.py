@@ -44,6 +44,7 @@ _OF_LINKS_AND_JOINTS = frozenset(
     "origin mass inertia geometry box cylinder sphere capsule mesh parent child axis color texture".split()
 )
 """What belongs to one of those, and is no row of its own."""
+_REDUCTION = "mechanicalReduction"
 _UNREAD = {
     "joint/safety_controller": "the limits of a controller of ROS; `range` of the joint is that of `<limit>`",
     "joint/calibration": "where an encoder has its marks; MuJoCo needs no calibration",
@@ -63,6 +64,7 @@ _UNREAD = {
     "gazebo/plugin": "a program of Gazebo",
     "gazebo/implicitSpringDamper": "a way of Gazebo to integrate; MuJoCo's damping is implicit",
     "transmission": "only SimpleTransmission of one joint that moves is read",
+    f"transmission/{_REDUCTION}": "actuators command the joint and its `effort`; to command the motor, write `gear`",
     "gazebo/provideFeedback": "a setting of Gazebo's joints",
     "gazebo/dampingFactor": "a damping of velocities, which MuJoCo does not have",
     "ros2_control": "what commands no joint: sensors, states, hardware",
@@ -100,6 +102,9 @@ class Reading:
                     self._inner(tag, inner, keeps_visuals, known)
             elif child in known:
                 self.read(tag, child, known[child])
+                for each in child.iter(_REDUCTION):
+                    if not _is_one(each.text):
+                        self.unread(f"transmission/{_REDUCTION}", each)
             elif tag == "gazebo":
                 for inner in child.iterchildren("*"):
                     self._known(f"gazebo/{_name(inner)}", inner, known)
@@ -171,6 +176,13 @@ class Reading:
 def _positive(text: str | None) -> bool:
     try:
         return 0 < float(text or 0) < 1e6
+    except ValueError:
+        return False
+
+
+def _is_one(text: str | None) -> bool:
+    try:
+        return float(text or 1) == 1
     except ValueError:
         return False
 

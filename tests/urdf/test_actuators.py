@@ -65,16 +65,20 @@ def test_the_range_of_an_interface_and_soft_limits_count(reader: Reader) -> None
 
 
 @pytest.mark.parametrize("kind", ["<type>transmission_interface/SimpleTransmission</type>", ""])
-def test_a_transmission_has_a_gear(reader: Reader, kind: str) -> None:
+def test_a_transmission_acts_on_its_joint(reader: Reader, kind: str) -> None:
     attribute = "" if kind else ' type="pr2_mechanism_model/SimpleTransmission"'
     text = robot(
         *ARM,
         f'<transmission name="t"{attribute}>{kind}<joint name="elbow"><hardwareInterface>hardware_interface/EffortJointInterface'
         '</hardwareInterface></joint><actuator name="m"><mechanicalReduction>50</mechanicalReduction></actuator></transmission>',
     )
-    assert actuators(reader("r.urdf", text)) == [
-        {"tag": "motor", "name": "elbow", "joint": "elbow", "gear": "50", "ctrlrange": "-0.4 0.4"}
-    ]
+    read = reader("r.urdf", text)
+    assert actuators(read) == [{"tag": "motor", "name": "elbow", "joint": "elbow", "ctrlrange": "-20 20"}]
+    assert "transmission/mechanicalReduction" in {row.what for row in read.reading.rows.values() if row.why}
+    plain = reader("r.urdf", text.replace(">50<", ">1.0<"))
+    assert actuators(plain) and "transmission/mechanicalReduction" not in {
+        row.what for row in plain.reading.rows.values()
+    }
 
 
 def test_other_transmissions_are_in_the_table(reader: Reader) -> None:

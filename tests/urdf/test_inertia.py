@@ -58,6 +58,53 @@ def test_it_is_mended_with_a_warning(reader: Reader, broken: str) -> None:
     assert found is not None and found.get("mass") == "1"
 
 
+@pytest.mark.parametrize(
+    "small",
+    [inertial(1e-7, 3e-22, 3e-22, 5e-22), inertial(1, 9e-15, 9e-15, 9e-15), inertial(1, 1e-14, 1e-14, 1e-14, xy=1e-15),
+     inertial(1e-20, 0.1, 0.1, 0.1), inertial(0, 0.1, 0.1, 0.1)],
+)  # fmt: skip
+def test_what_is_below_the_bounds_of_mujoco_is_named_and_mended(reader: Reader, small: str) -> None:
+    parts = (ARM[0], link("upper", small), *ARM[2:])
+    read = reader("r.urdf", robot(*parts))
+    assert read.unit() is None
+    (error,) = read.sink.errors
+    assert (error.code, error.span and error.span.line) == ("urdf-inertia", 3)
+    assert "inertia: mend" in str(error.help)
+    assert reader("r.urdf", robot(*parts), inertia="mend").unit() is not None
+
+
+def test_a_light_link_that_is_fixed_is_left_alone(reader: Reader) -> None:
+    tip = link("tip", inertial(1e-20, 0.1, 0.1, 0.1))
+    broken = link("upper", BROKEN["triangle"])
+    parts = (ARM[0], broken, *ARM[2:], tip, joint("tip", "fore", "tip", kind="fixed"))
+    read = reader("r.urdf", robot(*parts), inertia="mend")
+    assert read.unit() is not None
+    assert "`tip`" not in " ".join(each.message for each in read.sink.sorted())
+
+
+ZERO = '<geometry><box size="0 0 0"/></geometry>'
+
+
+@pytest.mark.parametrize("choice", [None, "mend"])
+def test_a_size_of_zero_is_no_inertia(reader: Reader, choice: str | None) -> None:
+    base = link("base", f"<visual>{ZERO}</visual>{inertial(0.001, 0, 0, 0)}")
+    read = reader("r.urdf", robot(base, *ARM[1:]), visuals="keep", inertia=choice)
+    assert read.unit() is None
+    (fault,) = [each for each in read.sink.sorted() if each.severity != "note"]
+    assert fault.code == "mujoco-rejects" and "`size` of `<box>`" in fault.message
+
+
+@pytest.mark.parametrize(("visuals", "tag"), [(None, "sphere"), ("drop", "sphere"), ("keep", "box")])
+def test_a_size_of_zero_is_that_of_a_shape_that_is_read(
+    reader: Reader, visuals: str | None, tag: str
+) -> None:
+    shapes = f'<visual>{ZERO}</visual><collision><geometry><sphere radius="0"/></geometry></collision>'
+    read = reader("r.urdf", robot(link("base", shapes), *ARM[1:]), visuals=visuals)
+    assert read.unit() is None
+    (error,) = read.sink.errors
+    assert f"of `<{tag}>`" in error.message
+
+
 def test_the_axes_stay_and_the_large_moments_too(reader: Reader) -> None:
     read = reader(
         "r.urdf", robot(ARM[0], link("upper", inertial(1, 0.1, 0.2, 0.5)), *ARM[2:]), inertia="mend"
