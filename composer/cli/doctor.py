@@ -39,7 +39,7 @@ def command(form: str) -> None:
 
     The exit code is 1 if something that every build needs is missing.
     """
-    findings = [*_installed(), *_mujoco(), _git(), _store(), *_extras()]
+    findings = [*_installed(), *_mujoco(), _git(), _store(), _templates(), *_extras()]
     if form == "json":
         click.echo(json.dumps([asdict(each) for each in findings], indent=2))
     else:
@@ -108,6 +108,22 @@ def _store() -> Finding:
         return Finding("store", f"{store.folder} {said}", None)
     fetched, built = (sum(each.size for each in found) for found in (store.entries(), blobs_in(store.folder)))
     return Finding("store", f"{store.folder}, {(fetched + built) / 1e6:.1f} MB")
+
+
+def _templates() -> Finding:
+    """Return how the process is confined that expands templates, as it finds out itself."""
+    from composer.processes.confined import call_confined
+
+    what = "templates"
+    with scratch("doctor") as folder:
+        answer = call_confined(
+            "composer.processes.confined:probe", str(folder), (), seconds=60, memory=1 << 30
+        )
+    if not answer["ok"]:
+        return Finding(what, f"cannot be expanded: {answer['error']}", False)
+    ways, can = answer["confined"], [each for each, is_possible in answer["value"].items() if is_possible]
+    by = f"confined by {', '.join(ways)}" if ways else "this system has no way to confine their process"
+    return Finding(what, f"{by}; it can {' and '.join(can)}" if can else by, None if can else True)
 
 
 def _extras() -> Iterator[Finding]:

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 from cli.shell import run
 
-from composer.cli.doctor import Finding, _store
+from composer.cli.doctor import Finding, _store, _templates
+from composer.processes import confined
 from composer.sources.blobs import put
 
 
@@ -40,6 +41,24 @@ def test_mujoco_works_where_pictures_cannot_be_made(monkeypatch: pytest.MonkeyPa
     assert result.exit_code == 0
     assert found["mujoco"]["fine"] and found["OpenGL"]["fine"] is None
     assert "nonsense" in found["OpenGL"]["found"]
+
+
+@pytest.mark.parametrize(
+    ("answer", "found"),
+    [
+        ({"ok": True, "confined": ["limits", "Landlock 7"], "value": {"write": False, "connect": False}},
+         Finding("templates", "confined by limits, Landlock 7")),
+        ({"ok": True, "confined": [], "value": {"write": True, "connect": True}},
+         Finding("templates", "this system has no way to confine their process; it can write and connect", None)),
+        ({"ok": False, "error": "its process cannot be confined: seccomp", "crash": "unconfined"},
+         Finding("templates", "cannot be expanded: its process cannot be confined: seccomp", False)),
+    ],
+)  # fmt: skip
+def test_how_templates_are_confined_is_told(
+    monkeypatch: pytest.MonkeyPatch, answer: dict[str, object], found: Finding
+) -> None:
+    monkeypatch.setattr(confined, "call_confined", lambda *_, **__: answer)
+    assert _templates() == found
 
 
 def test_the_store_is_measured_and_tried(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

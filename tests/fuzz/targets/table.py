@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fuzz.target import Target
-from fuzz.targets import bundle, command, expression, lock, mjcf, recipe, selector, skin, urdf
+from fuzz.targets import bundle, command, expression, lock, mjcf, recipe, selector, skin, urdf, xacro
 
 TARGETS: dict[str, Target] = {
     each.name: each
@@ -13,6 +13,7 @@ TARGETS: dict[str, Target] = {
         selector.TARGET,
         mjcf.TARGET,
         urdf.TARGET,
+        xacro.TARGET,
         bundle.ARCHIVE,
         bundle.MANIFEST,
         lock.TARGET,
