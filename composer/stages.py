@@ -36,7 +36,7 @@ from composer.document.node import locate
 from composer.link.measure import measure_with
 from composer.plan.allowed import acknowledge
 from composer.plan.concrete import Given
-from composer.plan.locked import check_lock
+from composer.plan.locked import check_lock, planned_whole
 from composer.plan.plan import Plan
 from composer.plan.planner import plan_what_remains
 
@@ -106,7 +106,8 @@ def build(
 def planned(request: Request, context: Context) -> Plan | None:
     """Read, merge, expand, validate, resolve and plan a recipe; return what can be built of it, or None."""
     with context.timed("plan"):
-        return plan_what_remains(request.recipe, context, request.given, request.name, request.sample)
+        asked = request.recipe, context, request.given, request.name, request.sample
+        return planned_whole(lambda: plan_what_remains(*asked), context)
 
 
 def built(

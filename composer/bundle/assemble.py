@@ -74,7 +74,10 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
         refused.report(context.sink, None, shown=context.shown)
         return None
     except (OSError, BundleError) as error:
-        context.sink.error("file-unreadable", f"a file of the model cannot be bundled: {error}")
+        file = getattr(error, "filename", None) or getattr(error, "path", None)
+        what = "a file of the model" if file is None else f"`{context.shown(Path(file))}`"
+        why = getattr(error, "strerror", None)
+        context.sink.error("file-unreadable", f"{what} cannot be bundled: {why.lower() if why else error}")
         return None
 
 

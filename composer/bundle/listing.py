@@ -12,6 +12,7 @@ from pathlib import Path, PurePosixPath
 from typing import IO, Any, TypeVar
 
 from composer.bundle.place import Place
+from composer.bundle.rows import unguarded
 from composer.dataclass import dataclass
 from composer.diagnostics.error import DiagnosticError
 from composer.expr.value import Value
@@ -111,7 +112,11 @@ def _records(stream: IO[bytes], file: str) -> Iterator[Mapping[str, Any]]:
         columns, records = _of_parquet(stream, file)
     else:
         reader = csv.DictReader(TextIOWrapper(stream, "utf-8", newline=""), strict=True)
-        columns, records = reader.fieldnames or (), reader
+        reader.fieldnames = columns = list(map(unguarded, reader.fieldnames or ()))
+        records = (
+            {name: unguarded(text) if isinstance(text, str) else text for name, text in each.items()}
+            for each in reader
+        )
     if "path" not in columns:
         raise ListingError("wrong-type", f"`{file}` is no index of models: it has no column `path`")
     yield from records

@@ -74,8 +74,8 @@ def build_cells(
             return finish(made, maker, wanted, context, session)
         return build_one(maker, wanted, given, context, session, why)
     folder, code = _checked_folder(wanted, len(chosen), context)
-    if code:
-        return code
+    if code or _share_a_place(chosen, wanted, context):
+        return code or FINDINGS
     if shard is not None:
         chosen = shard.of(chosen)
     beside = None if picks or only_samples else _folder(wanted.out)
@@ -100,6 +100,30 @@ def build_cells(
     say_details(context)
     results.tally.say(wanted.form)
     return FINDINGS if context.sink.has_errors else 0
+
+
+def _share_a_place(chosen: Sequence[Cell], wanted: Wanted, context: Context) -> bool:
+    """Report two models that some file systems would write to one place, such as `A.zip` and `a.zip`."""
+    from unicodedata import normalize
+
+    taken: dict[str, Cell] = {}
+    for cell in chosen:
+        target = wanted.target(cell.name, "")
+        other = taken.setdefault(normalize("NFC", target).casefold(), cell)
+        if other is not cell:
+            places = dict.fromkeys((wanted.target(other.name, ""), target))
+            where = " and ".join(f"`{each}`" for each in places)
+            if len(places) > 1:
+                where += ", which are one place where the case of letters does not count"
+            context.sink.error(
+                "name-clash",
+                f"the models `{other.name}` and `{cell.name}` would be written to {where}",
+                cell.span,
+                help="write another `name` into `matrix`, or build them with `--pick` into two folders",
+            )
+            report(context, wanted.form)
+            return True
+    return False
 
 
 def _checked_folder(wanted: Wanted, count: int, context: Context) -> tuple[Path | str, int]:

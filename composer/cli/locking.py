@@ -52,7 +52,7 @@ def made_lock(
     """Write the lock; return its place and what is new in it, or None if the sink says why there is none."""
     from composer.bundle.output_error import OutputError
     from composer.bundle.staging import staged_file
-    from composer.plan.locked import changed, lock_of, use_lock
+    from composer.plan.locked import changed, lock_of, planned_whole, use_lock
     from composer.plan.matrix import filled_from_first_cell
     from composer.plan.planner import make_plan
     from composer.reading.regular import read_regular
@@ -75,7 +75,7 @@ def made_lock(
         return None
     given = given or {}
     whole = filled_from_first_cell(recipe, context, given).given
-    plan = make_plan(recipe, context, whole)
+    plan = planned_whole(lambda: make_plan(recipe, context, whole), context)
     if plan is None:
         return None
     plans = [plan, *_plans_of_cells(recipe, context, given), *_plans_of_variants(recipe, context, whole)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from composer.diagnostics.cell_name import CellName
@@ -55,6 +55,19 @@ class Sink:
         errors still stop the work.
         """
         self._lost.update(names)
+
+    def marked(self) -> Callable[[], None]:
+        """Return a function that forgets all that is added from now on."""
+        found = {each: dict(notes) for each, notes in self._found.items()}
+        cells = {each: dict(names) for each, names in self._cells.items()}
+        causes, lost = dict(self._causes), set(self._lost)
+        count, errors = self.error_count, self._errors
+
+        def forget() -> None:
+            self._found, self._causes, self._cells = found, causes, cells
+            self._lost, self.error_count, self._errors = lost, count, errors
+
+        return forget
 
     def fork(self) -> Sink:
         """Return an empty sink that suppresses the same names."""

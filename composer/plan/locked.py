@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from pathlib import Path
 
@@ -17,6 +17,7 @@ from composer.plan.pieces import is_one_choice
 from composer.plan.plan import Place, Plan
 from composer.plan.read import EXTENDS, read_recipe
 from composer.plan.used_files import files_of_recipe, files_of_source
+from composer.reading import sources
 from composer.sources.digest import differences
 from composer.sources.fetching import Fetching
 from composer.sources.kind import PINS
@@ -25,6 +26,7 @@ from composer.sources.lock_file import Disputed, kind_of, read_lock
 from composer.sources.origin import Origin
 from composer.sources.path import KIND as PATH
 from composer.sources.source import Source
+from composer.sources.store import Store
 from composer.version import __version__
 
 _SHOWN = 8
@@ -49,6 +51,9 @@ def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -
         context.sink.error("lock-stale", f"the lock `{context.shown(path)}` does not exist", help=help)
         return None
     fetching.lock_file = path
+    if fetching.lock is not None:  # what it pins is a source, also for variants that are not chosen
+        local = (each.files for each in fetching.lock.sources.values() if kind_of(each).is_local)
+        sources.current().note(os.path.join(path.parent, name) for files in local for name in files)
     if fetching.lock is not None and fetching.locked:
         _report_versions(fetching.lock, context.shown(path), fetching.recipe, context)
     return fetching
@@ -177,6 +182,59 @@ def _report_unused(unused: Iterable[str], shown: str, plan: Plan, context: Conte
     for id in sorted(unused):
         context.sink.error("lock-stale", f"`{id}` is in the lock `{shown}`, and nothing uses it",
                            help=f"run `mjcompose lock {plan.file}` and commit the lock")  # fmt: skip
+
+
+def planned_whole(make: Callable[[], Plan | None], context: Context) -> Plan | None:
+    """Return the plan that `make` makes; if files in the store are damaged, they are fetched again for another one.
+
+    Offline nothing is fetched, and `check_lock` reports them.
+    """
+    forget = context.sink.marked()
+    plan = make()
+    if not _forgot_damaged(plan, context):
+        return plan
+    forget()
+    return make()
+
+
+def _forgot_damaged(plan: Plan | None, context: Context) -> bool:
+    """Remove damaged sources from the store, and from the memory of the run; return whether there were any."""
+    fetching = context.fetching
+    if fetching is None or fetching.offline or not any(each.stored for each in fetching.origins.values()):
+        return False
+    used = [*context.recipes, *(source.path for source in fetching.first.values())]
+    if plan is not None:
+        folder = (fetching.lock_file or lock_path(plan.path)).parent
+        uses = _Gathering(fetching, folder, replace(context, sink=Sink())).of([plan])
+        used += (path for use in uses.values() if use.origin is not None for path in use.files.values())
+    damaged: dict[str, Origin] = {}
+    for path in dict.fromkeys(used):
+        origin = fetching.around(path)
+        if origin is not None and origin.id not in damaged and _is_damaged(path, origin, fetching):
+            damaged[origin.id] = origin
+    if plan is None or context.sink.has_errors:  # perhaps because a file is gone
+        gone = (each for each in fetching.origins.values() if any(_is_gone_from(each.root, each.stored)))
+        damaged.update({each.id: each for each in gone})
+    for origin in damaged.values():
+        fetching.progress(f"`{origin.id}` is damaged in the store, and fetched again")
+        Store.of(context.environment).remove_content(origin.root)
+    if damaged:
+        fetching.forget()
+        context.recipes.clear()
+        context.concrete.clear()
+    return bool(damaged)
+
+
+def _is_gone_from(root: Path, names: Iterable[str]) -> Iterator[bool]:
+    return (not os.path.isfile(root / name) for name in names)
+
+
+def _is_damaged(path: Path, origin: Origin, fetching: Fetching) -> bool:
+    stored = origin.stored.get(_relative(path, origin.root))
+    try:
+        return stored is not None and fetching.digest(path) != stored
+    except OSError:
+        return True
 
 
 def _is_whole(id: str, use: _Use, context: Context) -> bool:

@@ -31,9 +31,9 @@ _KINDS = (
 class TooLarge(OSError):
     """A file with more bytes than allowed; `size` is its size, or how many bytes were read."""
 
-    def __init__(self, size: int, most: int, what: str = "it is") -> None:
+    def __init__(self, size: int, most: int, what: str = "it is", path: str | None = None) -> None:
         super().__init__(f"{what} larger than {written('xml-size', most)}")
-        self.size = size
+        self.size, self.path = size, path
 
 
 def is_irregular(path: str) -> str | None:
@@ -59,7 +59,7 @@ def read_regular(path: str | os.PathLike[str], most: int | None = None, *, is_so
     """
     most = in_force().output_size if most is None else most
     if (kept := unsaved_text(path)) is not None:
-        _bound(len(kept), most)
+        _bound(len(kept), most, path)
         return kept
     file, size = _opened(path, most, is_source)
     try:
@@ -67,7 +67,7 @@ def read_regular(path: str | os.PathLike[str], most: int | None = None, *, is_so
         while (
             pieces[-1] and (so_far := sum(map(len, pieces))) != size
         ):  # it is growing, or too large for one call
-            _bound(so_far, most)
+            _bound(so_far, most, path)
             pieces.append(os.read(file, 1 << 24))
     finally:
         os.close(file)
@@ -107,13 +107,13 @@ def _opened(path: str | os.PathLike[str], most: int, is_source: bool) -> tuple[i
             raise Refused(text, what)
         if stat.S_ISDIR(status.st_mode):
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), text)
-        _bound(status.st_size, most)
+        _bound(status.st_size, most, text)
     except BaseException:
         os.close(file)
         raise
     return file, status.st_size
 
 
-def _bound(size: int, most: int) -> None:
+def _bound(size: int, most: int, path: str | os.PathLike[str]) -> None:
     if size > most:
-        raise TooLarge(size, most)
+        raise TooLarge(size, most, path=os.fspath(path))

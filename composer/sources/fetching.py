@@ -61,6 +61,14 @@ class Fetching:
             self.digests[path] = sha256_of(path)
         return self.digests[path]
 
+    def forget(self) -> None:
+        """Forget what was fetched and read, because it is damaged."""
+        self.origins.clear()
+        self.first.clear()
+        self.digests.clear()
+        self.files.clear()
+        self.doors.clear()
+
     def around(self, path: Path) -> Origin | None:
         """Return the origin that a file or folder belongs to; the innermost if origins are nested."""
         if not self.origins:

@@ -252,6 +252,11 @@ class Store:
         with self.usable():
             self._remove(entry.folder, entry.key)
 
+    def remove_content(self, content: Path) -> None:
+        """Remove the entry with this folder of files, which is damaged, in one step."""
+        with self.usable():
+            self._remove(content.parent, content.parent.name)
+
     def _remove_incomplete(self, folder: Path) -> None:
         """Remove what is left of a MuJoCo, unless a process is making it."""
         from filelock import FileLock, Timeout

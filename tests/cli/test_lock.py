@@ -175,43 +175,46 @@ def test_own_files_that_changed_are_a_warning_and_locked_an_error(work: Path) ->
     assert run("build", "cell.yaml", "-o", "out/", "--locked").exit_code == 0
 
 
-def test_a_store_that_was_tampered_with_is_an_error_that_says_what_changed(work: Path) -> None:
-    run("lock", "cell.yaml")
-    (file,) = (work.parent / "store" / "git").rglob("arm.xml")
+def _tampered(work: Path, name: str = "arm.xml") -> Path:
+    (file,) = (work.parent / "store" / "git").rglob(name)
     file.chmod(0o644)
     file.write_text(ARM.replace("0.02", "0.03"))
-    result = run("build", "cell.yaml", "-o", "out/")
-    assert result.exit_code == 1
-    assert "error[source-changed]" in result.stderr
-    assert "`arm/arm.xml` changed" in result.stderr
-    assert "run `mjcompose cache verify --fix`" in result.stderr
-    before = (work / "cell.lock").read_text()
-    for command in ("lock", "update"):  # what is damaged is not locked, whatever is asked for
-        assert run(command, "cell.yaml").exit_code == 1
-    assert (work / "cell.lock").read_text() == before
+    return file
+
+
+def test_offline_a_store_that_was_tampered_with_is_an_error_that_says_what_changed(work: Path) -> None:
+    run("lock", "cell.yaml")
+    assert run("build", "cell.yaml", "-o", "out/").exit_code == 0
+    before = snapshot(work / "out"), (work / "cell.lock").read_text()
+    _tampered(work)
+    for command in (("build", "cell.yaml", "-o", "out/"), ("check", "cell.yaml")):
+        result = run(*command, "--offline")
+        assert result.exit_code == 1
+        assert result.stderr.count("error[source-changed]: `git+file:") == 1
+        assert "`arm/arm.xml` changed: " in result.stderr and "was stored" in result.stderr
+        assert "run `mjcompose cache verify --fix`" in result.stderr
+    assert run("lock", "cell.yaml", "--offline").exit_code == 1  # what is damaged is not locked
+    assert (snapshot(work / "out"), (work / "cell.lock").read_text()) == before
     assert run("cache", "verify").exit_code == 1
     assert run("cache", "verify", "--fix").exit_code == 0
     assert run("build", "cell.yaml", "-o", "out/", "--locked").exit_code == 0
 
 
-@pytest.mark.parametrize("more", [(), ("--offline",)])
-def test_a_store_that_was_tampered_with_is_an_error_without_a_lock_too(
-    work: Path, more: tuple[str, ...]
-) -> None:
+@pytest.mark.parametrize("is_locked", [True, False])
+@pytest.mark.parametrize("is_gone", [True, False])
+def test_what_is_damaged_in_the_store_is_fetched_again(work: Path, is_locked: bool, is_gone: bool) -> None:
+    if is_locked:
+        run("lock", "cell.yaml")
     assert run("build", "cell.yaml", "-o", "out/").exit_code == 0
     before = snapshot(work / "out")
-    (file,) = (work.parent / "store" / "git").rglob("arm.xml")
-    file.chmod(0o644)
-    file.write_text(ARM.replace("0.02", "0.03"))
-    for command in (("build", "cell.yaml", "-o", "out/"), ("check", "cell.yaml")):
-        result = run(*command, *more)
-        assert result.exit_code == 1
-        assert result.stderr.count("error[source-changed]: `git+file:") == 1
-        assert "`arm/arm.xml` changed: " in result.stderr and "was stored" in result.stderr
-    assert run("lock", "cell.yaml").exit_code == 1 and not (work / "cell.lock").exists()
-    assert snapshot(work / "out") == before
-    assert run("cache", "verify", "--fix").exit_code == 0
-    assert run("build", "cell.yaml", "-o", "out/").exit_code == 0
+    for command in (("build", "cell.yaml", "-o", "out/"), ("check", "cell.yaml"), ("lock", "cell.yaml")):
+        file = _tampered(work)
+        if is_gone:
+            file.unlink()
+        result = run(*command)
+        assert result.exit_code == 0, result.stderr
+        assert file.read_text() == ARM and snapshot(work / "out") == before
+    assert run("cache", "verify").exit_code == 0
 
 
 def test_a_broken_lock_is_one_error_and_stays(work: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 from pathlib import Path
@@ -153,3 +154,46 @@ def test_load_many_raises(
     monkeypatch.chdir(folder)
     with pytest.raises(composer.LoadError):
         list(composer.load_many(words[0], where=words[1]))
+
+
+TEXTS = ("=cmd()|' /C calc'!A0", "-0.5", "'quoted", "@sum(1)", "+1 way", "\t=1", "＝1", "plain")
+
+
+def test_no_text_of_a_table_is_a_formula_and_none_is_lost(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("model.xml").write_text(MODEL)
+    Path("study.yaml").write_text(
+        "recipe: 1\nbase: ./model.xml\nparams: {note: plain, n: 1}\nmatrix:\n  name: ${n}\n  axes: {n: [0]}\n"
+        f"  include: [{', '.join(json.dumps({'n': n, 'note': text}) for n, text in enumerate(TEXTS, 1))}]\n"
+    )
+    assert run("build", "study.yaml", "--all", "--jobs", "1", "-o", "out/{name}.zip").exit_code == 0
+    with open("out/models.csv", newline="", encoding="utf-8") as file:
+        written = [row["note"] for row in csv.DictReader(file)]
+    assert all(not each.startswith(tuple("=+@\t＝")) for each in written)
+    assert written[2] == "-0.5" and written[1] == "'" + TEXTS[0]
+    listed = [json.loads(line) for line in run("ls", "out", "--json").stdout.splitlines()]
+    assert [str(row["note"]) for row in listed[1:]] == list(TEXTS)
+
+
+@pytest.mark.parametrize(
+    ("names", "out"),
+    [
+        ("[A, a]", "out/{name}.zip"),
+        ("[a b, a_b]", "out/{name}/"),
+        ("[straße, STRASSE]", "out/{name}.xml"),
+    ],
+)
+def test_no_two_models_are_written_to_one_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, names: str, out: str
+) -> None:
+    """Also where a file system does not tell them apart."""
+    monkeypatch.chdir(tmp_path)
+    Path("model.xml").write_text(MODEL)
+    Path("study.yaml").write_text(
+        f"recipe: 1\nbase: ./model.xml\nparams: {{n: x}}\nmatrix: {{name: '${{n}}', axes: {{n: {names}}}}}\n"
+    )
+    result = run("build", "study.yaml", "--all", "-o", out)
+    assert result.exit_code == 1 and "study.yaml:4:" in result.output and "error[name-clash]" in result.output
+    assert not Path("out").exists()

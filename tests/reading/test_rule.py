@@ -67,7 +67,7 @@ WRITES_ITSELF = {
         engine/child.py engine/session.py:Session._spawn link/measure.py:folder_of pictures/pairs.py:pictures scratch.py
         scene/blobs.py:Blobs.put scene/describe.py:describe targets/checks.py:placed targets/export.py:_put
         targets/reading.py:read_back urdf/read.py:UrdfReader._written verify/compiles.py:_written
-        verify/world_table.py:with_worlds verify/worlds.py:compute worlds/union_model.py:compose_union""",
+        verify/world_table.py:with_worlds verify/worlds.py:compute view/live.py:_opened worlds/union_model.py:compose_union""",
     "into a folder of ours, in an environment of its own": """
         migrate/dump.py:main targets/readers/drake.py targets/readers/genesis.py targets/readers/newton.py
         targets/readers/pinocchio.py targets/readers/pybullet.py targets/readers/shared/mujoco_facts.py""",
