@@ -41,7 +41,8 @@ class Correspondence:
     """For every element of the part alone, the id of its counterpart, or ``ABSENT``.
 
     With ``by_order=False`` unnamed elements are paired by similarity even if both models have the same number. Keys
-    are not matched here, because they may be merged, kept apart or left out.
+    are not matched here, because they may be merged, kept apart or left out. With ``cut`` what names the world may
+    name it in both.
     """
 
     def __init__(
@@ -53,14 +54,16 @@ class Correspondence:
         mount: Mount,
         renamed: Mapping[str, Mapping[str, str]],
         by_order: bool = True,
+        cut: bool = False,
     ) -> None:
-        self.by_order = by_order
+        self.by_order, self.cut = by_order, cut
         self.alone, self.composed = alone, composed
         self.prefix, self.renamed = prefix, renamed
         self.ids: dict[str, list[int]] = {kind: [ABSENT] * alone.count(kind) for kind in KINDS}
         self.mount, self.pose = mount.index(composed), mount.pose
         self.taken: dict[str, set[int]] = {kind: set() for kind in KINDS}
         self.ids["body"][0] = self.mount
+        self.worlds = {self.mount}
         self._match_named()
         for kind in _ASSETS:
             self._match_global(kind)
@@ -87,9 +90,8 @@ class Correspondence:
         if link.index < 0:
             return {link.index}  # no target; -2 means several
         if link.kind == "body" and link.index == 0:
-            if link.world is World.WORLD:
-                return {0}
-            return self.worlds if link.world is World.MOUNT else {0, *self.worlds}
+            either = link.world is World.EITHER or (link.world is World.WORLD and self.cut)
+            return {0, *self.worlds} if either else self.worlds
         target = self.ids[link.kind][link.index]
         return set() if target == ABSENT else {target}
 
@@ -182,7 +184,7 @@ class Correspondence:
         ]
         if not children:
             return
-        images = self.taken | {"body": {*self.taken["body"], 0}}
+        images = self.taken | {"body": {*self.taken["body"], 0, *self.worlds}}
         taken = self.taken[kind]
         owned = [
             i

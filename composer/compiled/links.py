@@ -15,7 +15,7 @@ class World(StrEnum):
     MOUNT = "mount"
     """The parent of the part's roots."""
     WORLD = "world"
-    """The world: `world` is never prefixed."""
+    """An element names the world: the parent of the part's roots, too."""
     EITHER = "either"
     """Both: vertices and bones pinned to the part's world."""
 

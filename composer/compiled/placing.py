@@ -53,6 +53,10 @@ class Placing:
             body = int(model.body_parentid[body])
         return pose
 
+    def seen_from(self, body: int) -> Pose:
+        """Return the pose of the part's world in a body that holds it; the part's own where nothing says it."""
+        return self._frame(body).inverse() @ (self.transform or Pose())
+
     def differences(self, tolerance: float = 0.0) -> list[Difference]:
         """Return the roots that did not move with the others, for a part that is moved."""
         found: list[Difference] = []

@@ -51,13 +51,13 @@ def compare(
     """
     mount = hung_on or Mount()
     matching = Correspondence(
-        NameTable(alone), NameTable(composed), prefix=prefix, mount=mount, renamed=renamed or {}
+        NameTable(alone), NameTable(composed), prefix=prefix, mount=mount, renamed=renamed or {}, cut=cut
     )
     coupling = Coupling(matching, mount, cut=cut)
     placing = Placing(matching, mount)
     found = presence_differences(matching, others)
     found += reference_differences(matching)
-    found += Values(matching, coupling, tolerance).differences()
+    found += Values(matching, coupling, placing, tolerance).differences()
     if not coupling.in_place:
         found += placing.differences(tolerance)
     in_world = placing.transform if matching.mount == 0 else None

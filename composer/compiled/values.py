@@ -20,9 +20,12 @@ from composer.compiled.fields import (
 from composer.compiled.gains import same_damping, same_dampratio, same_stiffness
 from composer.compiled.kinds import HOLDERS, KINDS, holder
 from composer.compiled.links import links
+from composer.compiled.placing import Placing
 from composer.compiled.ragged import FROM_THE_WORLD, IN_THE_WORLD, runs
 from composer.compiled.rows import DOF, Array, arrays, same_width, unequal
+from composer.numerics.pose import Pose, multiply
 
+_WELD = 1  # mjEQ_WELD
 _SHOWN = 12
 """Longer rows are shown by their first differing entry."""
 
@@ -30,8 +33,10 @@ _SHOWN = 12
 class Values:
     """Compares every array that belongs to an element, by the rules in ``fields``."""
 
-    def __init__(self, matching: Correspondence, coupling: Coupling, tolerance: float) -> None:
-        self.matching, self.coupling, self.tolerance = matching, coupling, tolerance
+    def __init__(
+        self, matching: Correspondence, coupling: Coupling, placing: Placing, tolerance: float
+    ) -> None:
+        self.matching, self.coupling, self.placing, self.tolerance = matching, coupling, placing, tolerance
         self.alone, self.composed = matching.alone.model, matching.composed.model
 
     def differences(self) -> list[Difference]:
@@ -68,7 +73,10 @@ class Values:
         for name, array, how in arrays(self.alone, group):
             other = composed.get(name)
             if other is not None:
-                found += self._array(kind, name, how, pairs, array[mine], other[theirs])
+                expected = array[mine]
+                if name == "eq_data" and not self.coupling.in_place:
+                    expected = np.array([self._moved(*pair, other[pair[1]]) for pair in pairs])
+                found += self._array(kind, name, how, pairs, expected, other[theirs])
         return found
 
     def _array(
@@ -97,6 +105,31 @@ class Values:
             for row in np.flatnonzero(different.any(axis=1)).tolist()
             if not self._excused(treatment, kind, name, *pairs[row])
         ]
+
+    def _moved(self, index: int, target: int, actual: Array) -> Array:
+        """Return the numbers of an equality, with what they measure in the part's world where the part is."""
+        data = np.array(self.alone.eq_data[index])
+        first, second = links(self.alone, "equality", index)
+        of_world = [link.kind == "body" and link.index == 0 for link in (first, second)]
+        if not any(of_world):
+            return data
+        ids = (self.composed.eq_obj1id[target], self.composed.eq_obj2id[target])
+        pose = self.placing.seen_from(int(ids[of_world.index(True)]))
+        # A `connect` has the point in the first body and then that in the second. A `weld` has them the other way
+        # round, and then the rotation of the second body in the first.
+        is_weld = int(self.alone.eq_type[index]) == _WELD
+        at = 3 if of_world[0] == is_weld else 0
+        x, y, z = data[at : at + 3].tolist()
+        data[at : at + 3] = (pose @ Pose((x, y, z))).pos
+        if is_weld:
+            w, a, b, c = data[6:10].tolist()
+            turn = (
+                multiply(pose.quat, (w, a, b, c))
+                if of_world[0]
+                else multiply((w, a, b, c), pose.inverse().quat)
+            )
+            data[6:10] = np.array(turn) * (1.0 if np.dot(turn, actual[6:10]) >= 0 else -1.0)
+        return data
 
     def _bound(self, treatment: Treatment) -> float:
         if treatment in (Treatment.ROUNDED, Treatment.GAIN) and not self.coupling.in_place:
@@ -128,10 +161,6 @@ class Values:
                 same = same_stiffness if name == "jnt_stiffness" else same_damping
                 seen_otherwise = self._acted_on(kind, index) or self._less_simple(kind, index)
                 return seen_otherwise and same(self.alone, self.composed, index, target)
-            case Treatment.ROUNDED if name == "eq_data":
-                return moved and any(
-                    link.kind == "body" and link.index == 0 for link in links(self.alone, kind, index)
-                )
             case Treatment.ROUNDED:
                 return moved and name == "flex_size"
             case _:

@@ -103,6 +103,7 @@ CODES: dict[str, str] = {
     "usd-loss": "USD does not contain all of the model",
     "usd-missing": "the converter to USD is not installed",
     "worker-died": "a process that builds models of a matrix ended without an answer",
+    "world-frame": "an element of a moved part is about the axes or the origin of the world",
     "wrong-keyword": "a word is not one of the allowed ones",
     "wrong-length": "a list has too few or too many entries",
     "wrong-type": "a value has another type than expected",

@@ -27,7 +27,7 @@ from composer.link.replicate_capture import check_replicates
 from composer.link.replicates import replicates
 from composer.link.room import room
 from composer.link.root_rules import check_roots, roots
-from composer.link.sections import sections
+from composer.link.sections import sections, worlds
 from composer.link.submodel_options import submodel_options
 from composer.link.submodels import submodels
 from composer.link.top_level_defaults import top_level_defaults
@@ -229,6 +229,12 @@ PASSES: tuple[Pass, ...] = (
         check_flexes,
         "checked by the linker",
         needs=_all(Fact.JOINED, Fact.FLEXES_NOTED, Fact.CLASSES_WRAPPED),
+        stops=False,
+    ),
+    Pass(
+        worlds,
+        "carried along with its part: it is measured in the world of its file",
+        needs=_all(Fact.JOINED, Fact.NAMES_FINAL, Fact.ANGLES_SHARED, Fact.OWN_SECTIONS),
         stops=False,
     ),
     Pass(

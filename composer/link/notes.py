@@ -54,7 +54,8 @@ class Notes:
     `replicates` has the unit of each `<replicate>`, `copied` the element that each one of a written-out replicate is a
     copy of, and the number of the copy. `inertia_written` are the bodies whose inertia is explicit, so
     that elements added to them add no mass. `drawn` holds the values drawn for an element, by field. `memory` are
-    the requests of the sources, if MuJoCo may need more memory.
+    the requests of the sources, if MuJoCo may need more memory. `attached` are the models that MuJoCo attaches, by
+    their `<model>`.
     """
 
     aligned: bool = False
@@ -67,3 +68,4 @@ class Notes:
     inertia_written: set[Node] = field(default_factory=set)
     drawn: dict[Node, dict[str, object]] = field(default_factory=dict)
     memory: tuple[MemoryRequest, ...] = ()
+    attached: dict[Node, Node] = field(default_factory=dict)

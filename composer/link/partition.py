@@ -34,14 +34,26 @@ class Verdict(NamedTuple):
     lacks: str = ""
 
 
+def side_of_world(element: Node) -> str | None:
+    """Return which body of a `connect` or a `weld` is the world: the second also if it is not named."""
+    if element.tag not in ("connect", "weld") or not (first := element.get("body1")):
+        return None  # it is about sites
+    second = element.get("body2") or WORLD
+    if first == second:
+        return None
+    return "body1" if first == WORLD else "body2" if second == WORLD else None
+
+
 class Concern:
     """Finds the side of elements from the names they refer to, directly or through others.
 
     A sensor may, for example, refer to an actuator that refers to a joint.
     """
 
-    def __init__(self, unit: Unit, inside: Iterable[Node], outside: Iterable[Node]) -> None:
-        self._unit = unit
+    def __init__(
+        self, unit: Unit, inside: Iterable[Node], outside: Iterable[Node], *, in_world: bool = True
+    ) -> None:
+        self._unit, self._in_world = unit, in_world
         self._inside = _Names(inside)
         self._outside = _Names(outside)
         self._verdicts: dict[Node, Verdict] = {}
@@ -69,6 +81,9 @@ class Concern:
             within = within or verdict.side in (Side.INSIDE, Side.BOTH)
             without = without or verdict.side in (Side.OUTSIDE, Side.BOTH)
             lacks = lacks or verdict.lacks
+        # Another body becomes the world of what is taken, which an equality with the world does not follow.
+        if not self._in_world and section == "equality" and side_of_world(element) is not None:
+            without, lacks = True, lacks or "the world"
         side = (
             (Side.BOTH if without else Side.INSIDE) if within else (Side.OUTSIDE if without else Side.NEITHER)
         )

@@ -17,6 +17,8 @@ from composer.numerics.pose import (
     quat_from_zaxis,
 )
 
+_PLACED = ("body", "frame", "replicate")
+
 
 def read_pose(attributes: Node | Mapping[str, str], degrees: bool, sequence: str) -> Pose:
     """Return the pose from `pos` and one orientation attribute, with angles in the model's own unit and sequence."""
@@ -45,8 +47,24 @@ def pose_in_world(element: Node, degrees: bool, sequence: str) -> Pose:
     """Return the pose of a body, frame or the world in the world, with all joints at their reference."""
     pose = Pose()
     node: Node | None = element
-    while node is not None and node.tag in ("body", "frame", "replicate"):
-        if node.tag != "replicate":
+    while node is not None and node.tag in _PLACED:
+        below, node, _ = pose_below(node, degrees, sequence)
+        pose = below @ pose
+        if node.tag == "body":
             pose = read_pose(node, degrees, sequence) @ pose
-        node = node.getparent()
+            node = node.getparent()
     return pose
+
+
+def pose_below(element: Node, degrees: bool, sequence: str) -> tuple[Pose, Node, Node | None]:
+    """Return the pose of a frame in the body or the world that holds it, this one, and a `<replicate>` between them."""
+    pose, node, copied = Pose(), element, None
+    while node.tag in ("frame", "replicate"):
+        if node.tag == "frame":
+            pose = read_pose(node, degrees, sequence) @ pose
+        else:
+            copied = node
+        above = node.getparent()
+        assert above is not None
+        node = above
+    return pose, node, copied

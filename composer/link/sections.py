@@ -1,16 +1,229 @@
-"""Pass: append the sections outside the body tree one by one, parts in their order."""
+"""Passes: the sections outside the body tree name what became of the part's world, and are appended part by part."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.diagnostic import Note
+from composer.grammar import GRAMMAR
+from composer.link import numbers
+from composer.link.angles import model_angle
+from composer.link.layout import joint_type
 from composer.link.linking import Linking
 from composer.link.part import Part
+from composer.link.partition import side_of_world
+from composer.link.placing import pose_below, pose_in_world
+from composer.numerics.pose import Pose, Quat, multiply, normalise, rotate
 from composer.tree.comments import above
+from composer.tree.effective import text_in_effect
+from composer.tree.names import REFERS, REFERS_BY, WORLD, naming_table, object_namespace
 
+_SAME = 1e-9
 _APPENDED = ("asset", "deformable", "contact", "tendon", "equality", "actuator", "sensor", "custom")
 # Read by passes of their own.
 _SETTLED = ("compiler", "option", "size", "statistic", "visual", "default", "worldbody", "keyframe")
+
+
+def worlds(linking: Linking) -> None:
+    """Let each part name what its world became: the body that it hangs on, and carry what is measured in its world.
+
+    MuJoCo's own attach leaves all of this as it is: in 4.0 a `<weld body1="b"/>` pulls an attached part back to where
+    it stands in its file, and on a moving body it nails the part to the world.
+
+    >>> from composer.link.example import after
+    >>> part = (
+    ...     '<worldbody><body name="b"><freejoint/><geom size=".1"/></body></worldbody>'
+    ...     '<equality><connect body1="world" body2="b" anchor="0 0 1"/></equality>'
+    ... )
+    >>> after(worlds, part, '<worldbody><site name="s" pos="3 0 0"/></worldbody>', on="s")
+    part: <equality><connect body1="world" body2="p/b" anchor="3 0 1"/></equality>
+    """
+    degrees, sequence = model_angle(linking) == "degree", linking.base.settings.eulerseq
+    for part in linking.parts:
+        if part.content is not None:
+            pose, holder, copied = pose_below(part.content, degrees, sequence)
+            hung = _Hung(part, pose, holder, copied)
+            if copied is not None or holder.tag == "body" or not pose.is_identity:
+                _rename_world(linking, hung)
+                _check_targets(linking, hung)
+                _check_attached(linking, hung)
+            _check_free_motors(linking, hung, degrees, sequence)
+
+
+class _Hung(NamedTuple):
+    """A part, the pose of its world in the body or the world that holds it, and a `<replicate>` between the two."""
+
+    part: Part
+    pose: Pose
+    holder: Node
+    copied: Node | None
+
+    @property
+    def name(self) -> str:
+        return WORLD if self.holder.tag == "worldbody" else str(self.holder.get("name") or "")
+
+
+def _rename_world(linking: Linking, hung: _Hung) -> None:
+    """Change every reference to the world outside the body tree, and what equalities measure in it."""
+    refused: list[Node] = []
+    for section in hung.part.unit.root.iterchildren(*_APPENDED):
+        for element in section.iterchildren("*"):
+            side = side_of_world(element) if section.tag == "equality" else None
+            named = [*_naming_world(element, str(section.tag))]
+            if (side is not None and hung.copied is not None) or ((named or side) and not hung.name):
+                refused.append(element)
+                continue
+            if side is not None:
+                _carry(element, side, hung)
+            for node, attribute in named if hung.name != WORLD else ():
+                node.set(attribute, hung.name)
+    if refused:
+        _refuse(linking, hung, refused)
+
+
+def _naming_world(top: Node, section: str) -> Iterator[tuple[Node, str]]:
+    """Yield each element and attribute that names the world as one body."""
+    table = naming_table(section)
+    for node in top.iter("*"):
+        for attribute, (kind, namespace) in table.get(str(node.tag), {}).items():
+            if node.get(attribute) != WORLD:
+                continue
+            if (kind, namespace) == (REFERS, "body") or (
+                kind == REFERS_BY and object_namespace(node, namespace) == "body"
+            ):
+                yield node, attribute
+
+
+def _refuse(linking: Linking, hung: _Hung, found: list[Node]) -> None:
+    part, first = hung.part, found[0]
+    named = f" `{first.get('name')}`" if first.get("name") else ""
+    more = f" ({len(found) - 1} more such elements)" if len(found) > 1 else ""
+    if hung.name:
+        why, note = (
+            "a `<replicate>` makes several of it",
+            Note("here", linking.span(linking.base, hung.copied)),
+        )  # type: ignore[arg-type]
+        help = "leave it out (`drop`), or attach the part in the model with the `<replicate>`"
+    else:
+        why, note = "that body has no name", Note("the body", linking.span(linking.base, hung.holder))
+        help = 'give it one: `edit: [{select: {body: "**", where: {name: ""}}, rename: "b${index}"}]` in its part'
+    linking.sink.error(
+        "attach-place",
+        f"{first.tag}{named} of `{part.called}` is about the world, which is what the part hangs on: {why}{more}",
+        linking.span(part.unit, first),
+        notes=(note,),
+        help=help,
+        subjects=(part.called,),
+    )
+
+
+def _carry(element: Node, side: str, hung: _Hung) -> None:
+    """Move what a `connect` or a `weld` measures in the part's world into the frame of the body that holds the part."""
+    pose = hung.pose
+    element.set(side, hung.name)
+    if element.tag == "connect":
+        if side == "body1":  # the anchor is in the frame of the first body
+            element.set("anchor", _moved(element, pose))
+        return
+    relative = numbers.read(str(element.get("relpose") or "")) or [0.0] * 7
+    point, turn = (relative[0], relative[1], relative[2]), relative[3:]
+    # MuJoCo 4.0 takes the pose at the reference where the quaternion of `relpose` is 0. Otherwise it holds the point of
+    # the second body that `anchor` gives at the point of the first that `relpose` gives.
+    if any(turn):
+        quat: Quat = normalise(turn)
+        point, quat = (
+            ((pose @ Pose(point)).pos, multiply(pose.quat, quat))
+            if side == "body1"
+            else (point, multiply(quat, pose.inverse().quat))
+        )
+        element.set("relpose", numbers.text([*point, *quat]))
+    if side == "body2":
+        element.set("anchor", _moved(element, pose))
+
+
+def _moved(element: Node, pose: Pose) -> str:
+    x, y, z = numbers.read(str(element.get("anchor") or "")) or (0.0, 0.0, 0.0)
+    return numbers.text((pose @ Pose((x, y, z))).pos)
+
+
+def _check_attached(linking: Linking, hung: _Hung) -> None:
+    """Report equalities with the world in a model that the part attaches itself: MuJoCo leaves them where they are."""
+    models = {str(each.get("name")): each for each in hung.part.unit.root.iterfind("asset/model")}
+    assert hung.part.content is not None
+    for attach in hung.part.content.iter("attach"):
+        element = models.get(str(attach.get("model")))
+        root = None if element is None else linking.notes.attached.get(element)
+        if root is None or element is None:
+            continue
+        taken = [each for each in root.iterfind("worldbody//body") if each.get("name") == attach.get("body")]
+        names = {each.get("name") for top in taken or [root] for each in top.iter("body")}
+        for equality in root.iterfind("equality/*"):
+            side = side_of_world(equality)
+            if side is None or equality.get("body2" if side == "body1" else "body1") not in names:
+                continue
+            linking.sink.error(
+                "not-supported",
+                f"the {equality.tag} `{equality.get('name') or ''}` of a model that `{hung.part.called}` attaches"
+                " itself is about the world, and MuJoCo does not carry it along",
+                linking.span(hung.part.unit, attach),
+                help="attach that model in a recipe, or leave the equality out of it",
+                subjects=(hung.part.called,),
+            )
+            break
+
+
+def _check_targets(linking: Linking, hung: _Hung) -> None:
+    """Warn of cameras and lights that look at the world's origin, which no longer is that of the part."""
+    assert hung.part.content is not None
+    for element in hung.part.content.iter("camera", "light"):
+        if element.get("target") != WORLD:
+            continue
+        if hung.name:
+            element.set("target", hung.name)
+        if hung.pose.pos != (0.0, 0.0, 0.0) or not hung.name:
+            at = "the origin of the world" if hung.name in ("", WORLD) else f"the body `{hung.name}`"
+            _warn(linking, hung.part, element, f"looks at {at}, and not at the origin of `{hung.part.called}`",
+                  "add a body there in the part, and let it look at that")  # fmt: skip
+
+
+def _check_free_motors(linking: Linking, hung: _Hung, degrees: bool, sequence: str) -> None:
+    """Warn of actuators that push a free body of a turned part along the axes of the world."""
+    assert hung.part.content is not None
+    found = hung.part.unit.root.findall("actuator/*")
+    joints = [each for each in found if each.get("joint") or each.get("jointinparent")]
+    turn = pose_in_world(hung.part.content, degrees, sequence).quat if joints else (1.0, 0.0, 0.0, 0.0)
+    if abs(turn[0]) == 1.0:
+        return
+    unit, kind = linking.base, GRAMMAR.element("actuator/general")
+    for actuator in joints:
+        joint = linking.names.find("joint", str(actuator.get("joint") or actuator.get("jointinparent")))
+        if joint is None or not _is_free(joint, linking):
+            continue
+        gear = numbers.read(str(text_in_effect(actuator, kind, "gear", unit.classes) or "1"))
+        push, twist = ([*gear, *[0.0] * 6][at : at + 3] for at in (0, 3))
+        # MuJoCo 4.0 turns a free body about its own axes, or about those of the world with `jointinparent`.
+        along = [push, twist] if actuator.get("jointinparent") else [push]
+        if any(
+            math.dist(rotate(turn, each), each) > _SAME * max(map(abs, each)) for each in along if any(each)
+        ):
+            _warn(linking, hung.part, actuator,
+                  f"pushes along the axes of the world, which is another way for `{hung.part.called}`: it is turned",
+                  "let it act on a site of the body: its `gear` is in the axes of the site")  # fmt: skip
+
+
+def _is_free(joint: Node, linking: Linking) -> bool:
+    return joint_type(joint, linking.base.classes) == "free"
+
+
+def _warn(linking: Linking, part: Part, element: Node, what: str, help: str) -> None:
+    named = f" `{element.get('name')}`" if element.get("name") else ""
+    linking.sink.warning(
+        "world-frame", f"{element.tag}{named} {what}", linking.span(part.unit, element), help=help
+    )
 
 
 def sections(linking: Linking) -> None:

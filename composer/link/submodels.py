@@ -105,6 +105,7 @@ def _bundle(
     for section in list(sub.root.iterchildren("keyframe")) if not keyed else ():
         sub.root.remove(section)
     _own_files(linking, sub, path, keyed, (*above, source))
+    linking.notes.attached[element] = sub.root
     sub.origins.own(sub.root, shown)
     unit.origins.adopt(sub.origins)  # a file that it lacks is reported where it names it
     element.set("file", f"{path}.xml")
@@ -174,6 +175,8 @@ def _bundled_before(linking: Linking, unit: Unit, element: Node, file: str, mode
         number += 1
         free = f"{folder}-{number}"
     element.set("file", free + file.removeprefix(folder))
+    if (again := parse_held(unit, file, model, Sink())) is not None:
+        linking.notes.attached[element] = again.root
     for path, content in files.items():
         data = content if isinstance(content, bytes) else None
         source = held(folder + path if isinstance(content, bytes) else content)

@@ -93,7 +93,8 @@ def take_subtree(
     outside = [
         each for top in unit.root.iterchildren("worldbody") for each in top.iter("*") if each not in kept
     ]
-    concern = Concern(unit, inside, outside)
+    in_world = next(body.iterancestors("body"), None) is None
+    concern = Concern(unit, inside, outside, in_world=in_world)
     left = [*_named(outside), *_cut_in_the_tree(concern, unit, inside)]
     _make_root(unit, body)
     left += _leave_sections(unit, concern)

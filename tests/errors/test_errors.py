@@ -63,6 +63,7 @@ SEVERAL = {
     "draw_table",
     "trust_faults",
     "trust_in_variant",
+    "world_frame",
 }
 # Not wrong: something is told, and the model is built.
 BUILT = {
@@ -75,6 +76,7 @@ BUILT = {
     "collision_millimetres",
     "not_held_plugin",
     "stiff_actuator",
+    "world_frame",
     "conflict_warning",
     "copies_warning",
     "edit_convert_keys",

@@ -1,7 +1,14 @@
 from __future__ import annotations
 
+from typing import Any
+
+import mujoco
+import numpy as np
 import pytest
-from link.workshop import BASE, Piece, Workshop
+from link.workshop import BASE, Piece, Workshop, placed
+
+from composer.link.part import Joint, Place
+from composer.numerics.pose import Pose, normalise, rotate
 
 PARTS = """
 <mujoco>
@@ -72,3 +79,212 @@ def test_what_moved_is_told_from_its_own_file(workshop: Workshop, tag: str) -> N
         assert span.file == str(expected)
         line = expected.read_text().splitlines()[span.line - 1]
         assert line[span.column - 1 :].startswith(f"<{tag}")
+
+
+# -- the part's world -------------------------------------------------------------------------------------------
+
+TOP = """<mujoco><option gravity="{gravity}" timestep="0.002"><flag contact="disable"/></option>
+  <worldbody>
+    <geom size=".05"/><site name="here" pos=".1 .2 .3" euler="10 20 30"/>
+    <body name="a" pos=".4 .1 1" euler="20 0 5">{joint}<geom type="box" size=".1 .05 .02" pos=".1 .05 .03"/><site name="of_a" pos=".1 0 0"/>
+      <body name="c" pos="0 0 .2"><joint axis="1 0 0" damping=".01"/><geom size=".04" pos=".1 .05 0"/></body>
+    </body>
+  </worldbody>
+  <equality>{equality}</equality>
+</mujoco>"""
+TURNED = 'relpose="-.3 .2 -.9 .9 .1 -.2 .3"'
+EQUALITIES = [
+    '<weld body1="a"/>',
+    '<weld body1="a" body2="world" anchor=".2 -.1 .4" torquescale=".3"/>',
+    f'<weld body1="a" {TURNED}/>',
+    f'<weld body1="a" {TURNED} anchor=".2 -.1 .4"/>',
+    '<weld body1="a" relpose="5 5 5 0 0 0 0" anchor=".2 0 0"/>',
+    f'<weld body1="world" body2="a" {TURNED}/>',
+    f'<weld body1="world" body2="c" {TURNED} anchor=".05 .1 0"/>',
+    '<weld body1="world" body2="a" anchor=".05 .1 0"/>',
+    '<connect body1="a" anchor=".05 .1 0"/>',
+    '<connect body1="c" body2="world" anchor=".05 .1 0"/>',
+    '<connect body1="world" body2="c" anchor=".4 .1 1.3"/>',
+    '<connect site1="of_a" site2="here"/>',
+    '<weld site1="here" site2="of_a"/>',
+]
+POSE = Pose((3.0, -1.0, 0.5), normalise((0.8, 0.3, -0.2, 0.4)))
+FREE, HINGE = "<freejoint/>", '<joint axis="0 1 0" damping=".02"/>'
+CART = """<mujoco><worldbody><body name="cart" pos="0 1 0" euler="0 0 40"><joint type="slide" axis="1 0 0"/>
+  <joint type="hinge" axis="0 1 1"/><geom size=".1" mass="5"/>
+  <frame euler="0 50 0"><site name="deck" pos=".1 .2 .3" euler="15 0 0"/></frame></body></worldbody></mujoco>"""
+
+
+def follows(alone: mujoco.MjModel, composed: mujoco.MjModel, pose: Pose, seconds: float) -> None:
+    """The part moves as it does alone, in a world that is moved by `pose`; it starts at another pose than the reference."""
+    mine, theirs = mujoco.MjData(alone), mujoco.MjData(composed)
+    for data in (mine, theirs):
+        data.qpos[-1] += 0.2
+        data.qvel[-1] = 0.4
+    for _ in range(round(seconds / 0.002)):
+        mujoco.mj_step(alone, mine)
+        mujoco.mj_step(composed, theirs)
+    for body in range(1, alone.nbody):
+        there = composed.body("part/" + alone.body(body).name).id
+        x, y, z = mine.xpos[body].tolist()
+        assert theirs.xpos[there] == pytest.approx((pose @ Pose((x, y, z))).pos, abs=1e-6)
+    assert mine.nefc == theirs.nefc
+    assert np.linalg.norm(theirs.efc_force) == pytest.approx(
+        np.linalg.norm(mine.efc_force), rel=1e-4, abs=1e-5
+    )
+
+
+@pytest.mark.parametrize("joint", [FREE, HINGE])
+@pytest.mark.parametrize("equality", EQUALITIES)
+def test_an_equality_with_the_world_moves_with_its_part(
+    workshop: Workshop, equality: str, joint: str
+) -> None:
+    """The part alone is the judge, for 2 s, where gravity points the same way."""
+    down = rotate(POSE.quat, (0.5, 0.0, -9.81))
+    text = TOP.format(gravity="0.5 0 -9.81", joint=joint, equality=equality)
+    composed = workshop.link(BASE, Piece(text, place=placed(pos=POSE.pos, quat=POSE.quat))).check()
+    composed.opt.gravity[:] = down
+    follows(mujoco.MjModel.from_xml_string(text), composed, POSE, 2.0)
+
+
+@pytest.mark.parametrize("equality", EQUALITIES)
+@pytest.mark.parametrize("piece", [{}, {"joints": (Joint("joint", {"name": "lift", "type": "slide"}),)}])
+def test_below_a_body_its_world_is_that_body(
+    workshop: Workshop, equality: str, piece: dict[str, Any]
+) -> None:
+    """Wherever that body is, the residuals are those of the part alone."""
+    text = TOP.format(gravity="0 0 0", joint=HINGE, equality=equality)
+    at = placed("site", "deck", pos=(0.1, 0.0, 0.2), quat=POSE.quat)
+    composed = workshop.link(CART, Piece(text, place=at, options=piece)).check()
+    alone = mujoco.MjModel.from_xml_string(text)
+    mine, theirs = mujoco.MjData(alone), mujoco.MjData(composed)
+    for turns in ([0.3, -0.4], [1.1, 0.7]):
+        mine.qpos[:] = theirs.qpos[-2:] = turns
+        theirs.qpos[:-2] = np.array([0.7, -0.5, 0.3])[: composed.nq - 2]
+        for model, data in ((alone, mine), (composed, theirs)):
+            mujoco.mj_forward(model, data)
+        residuals = [
+            np.linalg.norm(data.efc_pos[data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)])
+            for data in (mine, theirs)
+        ]
+        assert residuals[0] > 1e-3 and residuals[1] == pytest.approx(residuals[0])
+
+
+def test_attached_twice_it_moves_twice(workshop: Workshop) -> None:
+    """A composition is a part as any other: what was carried once is carried on."""
+    text = TOP.format(gravity="0 0 0", joint=FREE, equality="".join(EQUALITIES[2:7]))
+    inner = workshop.link(BASE, Piece(text, place=placed("site", "mark", quat=POSE.quat)))
+    outer = workshop.link("<mujoco/>", Piece(inner.xml, "", place=placed(pos=POSE.pos, quat=POSE.quat)))
+    place = POSE @ Pose((1, 2, 3), POSE.quat)
+    direct = workshop.link(BASE, Piece(text, place=placed(pos=place.pos, quat=place.quat)))
+    quats = [np.abs(model.check().eq_data[:, 6:10]) for model in (outer, direct)]
+    assert quats[0] == pytest.approx(quats[1])
+    assert outer.check().eq_data[:, :6] == pytest.approx(direct.check().eq_data[:, :6])
+
+
+NAMING = """<mujoco><worldbody><geom size=".1"/><body name="b" pos=".15 0 0"><joint type="slide" axis="1 0 0"/>
+    <geom size=".1"/></body><camera name="eye" pos="0 0 1" mode="targetbody" target="world"/></worldbody>
+  <contact><exclude name="e" body1="world" body2="b"/></contact>
+  <sensor><framepos name="p" objtype="body" objname="b" reftype="body" refname="world"/>
+    <distance name="d" body1="world" body2="b" cutoff="9"/></sensor>
+  <custom><tuple name="t"><element objtype="body" objname="world" prm="1"/></tuple></custom></mujoco>"""
+
+
+def test_whoever_names_the_world_names_the_body_that_holds_it(workshop: Workshop) -> None:
+    linked = workshop.link(CART, Piece(NAMING, place=placed("body", "cart")))
+    model = linked.check()
+    data = mujoco.MjData(model)
+    data.qpos[:] = [0.4, 0.3, 0.1]
+    mujoco.mj_forward(model, data)
+    assert data.ncon == 0
+    assert data.sensor("part/p").data == pytest.approx([0.25, 0, 0])
+    assert model.cam_targetbodyid[0] == model.body("cart").id
+    assert 'objname="cart"' in linked.xml
+    assert not linked.linking.sink.diagnostics
+
+
+def test_in_the_world_the_world_keeps_its_name(workshop: Workshop) -> None:
+    linked = workshop.link(BASE, Piece(NAMING.replace("<camera", "<!--").replace('"world"/></worldbody>', '"--></worldbody>'),
+                                       place=placed(pos=(1, 0, 0))))  # fmt: skip
+    assert 'body1="world"' in linked.xml and 'refname="world"' in linked.xml
+    linked.check()
+
+
+@pytest.mark.parametrize(
+    ("where", "code"), [((0, 0, 0), []), ((0, 0, 1), ["world-frame"])], ids=["at the origin", "moved"]
+)
+def test_who_looks_at_the_origin_of_a_moved_part_is_reported(
+    workshop: Workshop, where: tuple[float, float, float], code: list[str]
+) -> None:
+    linked = workshop.link(BASE, Piece(NAMING, place=placed(pos=where)))
+    assert [each.code for each in linked.linking.sink.diagnostics] == code
+
+
+@pytest.mark.parametrize(
+    ("base", "place", "words"),
+    [
+        (CART.replace('name="cart" ', ""), placed("site", "deck"), "has no name"),
+        (
+            '<mujoco><worldbody><replicate count="2" offset="1 0 0"><frame name="f"/></replicate></worldbody></mujoco>',
+            placed("frame", "f"),
+            "makes several",
+        ),
+    ],
+)
+def test_a_world_that_cannot_be_named_is_an_error(
+    workshop: Workshop, base: str, place: Place, words: str
+) -> None:
+    text = TOP.format(gravity="0 0 0", joint=HINGE, equality=EQUALITIES[8])
+    (fault,) = workshop.link(base, Piece(text, place=place)).linking.sink.diagnostics
+    assert fault.code == "attach-place" and words in fault.message and fault.span is not None
+
+
+@pytest.mark.parametrize(
+    ("transmission", "gear", "turn", "warns"),
+    [
+        ('joint="f"', "2 0 0", (0.6, 0, 0, 0.8), True),
+        ('joint="f"', "0 0 3", (0.6, 0, 0, 0.8), False),  # turned about the axis along which it pushes
+        ('joint="f"', "0 0 0 1 0 0", (0.6, 0, 0, 0.8), False),  # a free body is turned about its own axes
+        ('jointinparent="f"', "0 0 0 1 0 0", (0.6, 0, 0, 0.8), True),
+        ('joint="f" class="side"', "", (0.6, 0.8, 0, 0), True),
+        ('joint="f"', "1 0 0", (1, 0, 0, 0), False),
+        ('joint="h"', "1", (0.6, 0, 0, 0.8), False),
+        ('site="s"', "1 0 0", (0.6, 0, 0, 0.8), False),
+    ],
+)
+def test_a_motor_on_a_free_joint_pushes_along_the_world(
+    workshop: Workshop, transmission: str, gear: str, turn: tuple[float, ...], warns: bool
+) -> None:
+    gear = f'gear="{gear}"' if gear else ""
+    text = f"""<mujoco><default><default class="side"><motor gear="0 1 0"/></default></default>
+      <worldbody><body><freejoint name="f"/><geom size=".1"/><site name="s"/>
+      <body><joint name="h"/><geom size=".1" pos=".2 0 0"/></body></body></worldbody>
+      <actuator><motor name="push" {transmission} {gear}/></actuator></mujoco>"""
+    linked = workshop.link(BASE, Piece(text, place=placed(quat=turn)))  # type: ignore[arg-type]
+    found = [each for each in linked.linking.sink.diagnostics if each.code == "world-frame"]
+    assert bool(found) is warns
+    # MuJoCo says so: in the part's own axes it is another force.
+    forces = []
+    for model, back in ((mujoco.MjModel.from_xml_string(text), (1.0, 0.0, 0.0, 0.0)), (linked.model(), turn)):
+        data = mujoco.MjData(model)
+        data.ctrl[:] = 1
+        mujoco.mj_forward(model, data)
+        forces.append(rotate((back[0], -back[1], -back[2], -back[3]), data.qfrc_actuator[:3]))
+    if 'joint="f"' in transmission and "jointin" not in transmission:
+        assert (forces[0] != pytest.approx(forces[1], abs=1e-9)) is warns
+
+
+@pytest.mark.parametrize(("body", "told"), [("b", 1), ("c", 0)])
+def test_what_mujoco_attaches_is_not_carried(workshop: Workshop, body: str, told: int) -> None:
+    """Its equality would stay where it is in its own file, 3 m away."""
+    sub = """<mujoco model="sub"><worldbody><body name="b"><joint/><geom size=".1"/></body>
+      <body name="c"><joint/><geom size=".1"/></body></worldbody>
+      <equality><connect name="pin" body1="world" body2="b" anchor="0 0 1"/></equality></mujoco>"""
+    text = f"""<mujoco><asset><model name="s" file="s.xml"/></asset>
+      <worldbody><body name="o"><attach model="s" body="{body}" prefix="q"/></body></worldbody></mujoco>"""
+    assert not workshop.link(BASE, Piece(text, files={"s.xml": sub})).sink.diagnostics
+    moved = workshop.link(BASE, Piece(text, place=placed(pos=(3, 0, 0)), files={"s.xml": sub}))
+    assert [each.code for each in moved.sink.diagnostics] == ["not-supported"] * told
+    twice = workshop.link(BASE, Piece(text, files={"s.xml": sub}))
+    again = workshop.link(BASE, Piece(twice.xml, "n/", placed(pos=(3, 0, 0)), twice.bundled()))
+    assert [each.code for each in again.sink.diagnostics] == ["not-supported"] * told

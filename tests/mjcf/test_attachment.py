@@ -477,3 +477,29 @@ def test_a_body_between_has_the_least_mass_that_its_parent_asks_for(compiled: Co
     assert model.body("walker/").mass[0] == 2e-5 and model.body("walker/").inertia.tolist() == [1e-6] * 3
     alone = mujoco.MjModel.from_xml_string(child.to_xml_string())
     assert model.body("walker/b").mass[0] == alone.body("b").mass[0]
+
+
+def test_an_equality_with_the_world_moves_with_its_model(compiled: Compiled) -> None:
+    """What MuJoCo's own attach leaves behind: the child would be pulled back to where it stands in its own file."""
+    child = mjcf.from_xml_string(
+        '<mujoco model="c"><worldbody><body name="b" pos="0 0 1"><freejoint/><geom size=".1"/></body></worldbody>'
+        '<equality><weld body1="b" anchor="0 .1 0"/><connect body1="world" body2="b" anchor="0 .2 1"/></equality></mujoco>'
+    )
+    parent = mjcf.RootElement()
+    parent.worldbody.add("site", name="s", pos=[3, 0, 0], euler=[0, 0, 90]).attach(child)
+    model = compiled(parent)
+    assert model.eq_data[0, :3] == pytest.approx([2.9, 0, 0])
+    assert model.eq_data[1, :3] == pytest.approx([2.8, 0, 1])
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert np.abs(data.efc_pos).max() < 1e-9
+
+
+def test_below_a_body_the_world_of_a_model_is_that_body(arm: mjcf.RootElement, compiled: Compiled) -> None:
+    child = mjcf.from_xml_string(
+        '<mujoco model="c"><worldbody><body name="b"><joint/><geom size=".1"/></body></worldbody>'
+        '<equality><weld body1="b"/></equality></mujoco>'
+    )
+    arm.find("site", "flange").attach(child)
+    model = compiled(arm)
+    assert model.body(model.eq_obj2id[0]).name == "fore"
