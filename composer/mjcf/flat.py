@@ -10,6 +10,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 
+from lxml import etree
+
 from composer.bundle.collect import collect, read
 from composer.context import Context
 from composer.dataclass import dataclass
@@ -53,11 +55,15 @@ _HELP = {
 
 @dataclass(frozen=True, slots=True)
 class Flat:
-    """One model without attachments, the files it names, and the warnings from linking."""
+    """One model without attachments, the files it names, and the warnings from linking.
+
+    `is_measured` says that MuJoCo was asked for values, which depend on the bytes of files.
+    """
 
     unit: Unit
     files: list[FileUse]
     warnings: list[Diagnostic]
+    is_measured: bool
 
 
 def copied(model: Model) -> Unit:
@@ -99,7 +105,8 @@ def linked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], *, che
     for unit in (mounting.base, *(part.unit for part in mounting.parts)):
         prune(unit)
     with ExitStack() as ending:
-        measure = _measure(sink, prefixes, ending) if mounting.parts else None
+        started: list[Measure] = []
+        measure = _measure(sink, prefixes, ending, started) if mounting.parts else None
         linking = Linking(mounting.base, mounting.parts, sink, Request(conflict=conflict), measure)
         if not mounting.parts:
             if check_keys:
@@ -117,7 +124,7 @@ def linked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], *, che
             prune(linking.base)
     if sink.has_errors:
         raise MjcfError(map(_for_python, sink.errors))
-    return Flat(linking.base, linking.files, list(map(_for_python, sink.diagnostics)))
+    return Flat(linking.base, linking.files, list(map(_for_python, sink.diagnostics)), bool(started))
 
 
 def _check(model: Model, conflict: Policy) -> None:
@@ -132,13 +139,22 @@ def _check(model: Model, conflict: Policy) -> None:
 
 def issue_warnings(flat: Flat) -> None:
     """Issue the warnings from linking as `MjcfWarning`s, at the line of the caller's program."""
-    for each in flat.warnings:
+    _issue(flat.warnings)
+
+
+def _issue(told: list[Diagnostic]) -> None:
+    for each in told:
         place = call_site()
         warnings.warn_explicit(render(each), MjcfWarning, place.file, place.line)
 
 
 def text(model: Model, conflict: Policy) -> str:
     """Return the composition as MJCF text. See `RootElement.to_xml_string`."""
+    state = _state(model, conflict) if model.attachments else None
+    if model.written is not None and model.written[0] == state:
+        _, found, told = model.written
+        _issue(told)
+        return found
     _check(model, conflict)
     known = relocated_text(model, label(model))
     if known is not None:
@@ -146,7 +162,32 @@ def text(model: Model, conflict: Policy) -> str:
     flat = linked(model, conflict, copied, check_keys=False)
     name_files(flat)
     issue_warnings(flat)
-    return to_text(flat.unit.root)
+    found = to_text(flat.unit.root)
+    model.written = None if state is None or flat.is_measured else (state, found, flat.warnings)
+    return found
+
+
+def _state(model: Model, conflict: Policy) -> list[object] | None:
+    """Return everything on which the text of a composition depends; None if it also depends on what is on disk.
+
+    The text of a tree takes a tenth of the time of linking it.
+    """
+    state: list[object] = [conflict]
+    folders: dict[str, Path] = {}
+    for each in model.composition():
+        unit, root = each.unit, each.unit.root
+        # Files of one path are the same where links say so, and a skin is read to give its bodies other names.
+        if folders.setdefault(label(each), unit.directory) != unit.directory or unit.contents:
+            return None
+        if next(root.iter("skin", "model", "attach"), None) is not None:
+            return None
+        hung = [
+            (prefix, root.getroottree().getelementpath(to.host), etree.tostring(to.frame))
+            for prefix, to in each.attachments.items()
+        ]
+        awaited = [(text, *target) for target, text in each.awaited.values()]
+        state.append((etree.tostring(root), unit.file, label(each), unit.directory, unit.door, hung, awaited))
+    return state
 
 
 def name_files(flat: Flat) -> None:
@@ -198,12 +239,11 @@ class _NamesChecked(Sink):
             super().add(diagnostic, cause)
 
 
-def _measure(sink: Sink, prefixes: tuple[str, ...], ending: ExitStack) -> Measure:
+def _measure(sink: Sink, prefixes: tuple[str, ...], ending: ExitStack, started: list[Measure]) -> Measure:
     """Return a function that measures a unit alone with MuJoCo, for values that the tree does not contain.
 
     MuJoCo runs in a separate process, which starts with the first call and ends with `ending`.
     """
-    started: list[Measure] = []
 
     def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
         if not started:

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from lxml.etree import _Element as Node
 
 from composer.dataclass import dataclass
+from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.span import Span
 from composer.grammar import GRAMMAR
 from composer.tree.classes import MAIN
@@ -93,6 +94,8 @@ class Model:
     hung: Attachment | None = None
     awaited: dict[tuple[Node, str], tuple[Target, str]] = field(default_factory=dict)
     lock: Lock = field(default_factory=Lock)
+    written: tuple[list[object], str, list[Diagnostic]] | None = None
+    """The text of the composition, the state of which it is the text, and the warnings about it."""
 
     @cached_property
     def names(self) -> NameIndex:

@@ -4,13 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import field
+from functools import cache
+from typing import Any
 
 from lxml.etree import _Element as Node
 
 from composer.dataclass import dataclass
 from composer.tree.classes import MAIN
 from composer.tree.files import NAMED_AFTER_FILE, stem
-from composer.tree.names import LISTS, WORLD, declaring, naming_table, own_references
+from composer.tree.names import (
+    DECLARES,
+    LISTS,
+    REFERS,
+    REFERS_BY,
+    WORLD,
+    declaring,
+    naming_table,
+    object_namespace,
+    own_references,
+)
 
 SEPARATOR = "/"
 UP = "../"
@@ -42,11 +54,27 @@ class NameIndex:
     def of(cls, root: Node) -> NameIndex:
         """Return the names of a whole `<mujoco>` tree."""
         index = cls()
+        declared, uses = index.declared, index.uses
         for section in root.iterchildren("*"):
-            tag = str(section.tag)
-            tags = tuple(naming_table(tag))
-            for node in section.iterdescendants(*tags) if tags else ():
-                index.note(node, tag)
+            rows = _rows(str(section.tag))
+            for node in (
+                section.iterdescendants(*rows) if rows else ()
+            ):  # as `note` does, in a third of the time
+                values = dict(node.items())
+                for attribute, kind, namespace in rows[node.tag] if values else ():
+                    value = values.get(attribute)
+                    if kind == DECLARES:
+                        own = value or (own_name(node, attribute) if node.tag in NAMED_AFTER_FILE else None)
+                        if own:
+                            declared.setdefault(namespace, {}).setdefault(own, node)
+                        continue
+                    if not value:
+                        continue
+                    target = namespace if kind != REFERS_BY else object_namespace(node, namespace)
+                    for name in value.split() if kind == LISTS else (value,):
+                        if target and (name not in _ALWAYS_NAMES or (target, name) not in ALWAYS):
+                            uses.setdefault(target, {}).setdefault(name, {})[node, attribute] = None
+        index.leads_out = any(name.startswith(UP) for names in uses.values() for name in names)
         return index
 
     def find(self, namespace: str, name: str) -> Node | None:
@@ -95,6 +123,16 @@ class NameIndex:
             node.set(attribute, " ".join(names.get(each, each) for each in str(node.get(attribute)).split()))
         for old, users in moved.items():
             uses.setdefault(names[old], {}).update(users)
+
+
+@cache
+def _rows(section: str) -> dict[Any, tuple[tuple[str, int, str], ...]]:
+    """Return for each tag the attributes that declare names, and then those that refer to names."""
+    kinds = (DECLARES,), (REFERS, LISTS, REFERS_BY)
+    return {
+        tag: tuple((name, *each) for of in kinds for name, each in actions.items() if each[0] in of)
+        for tag, actions in naming_table(section).items()
+    }
 
 
 def own_name(node: Node, attribute: str) -> str | None:

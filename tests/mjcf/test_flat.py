@@ -13,6 +13,7 @@ from composer.diagnostics.sink import Sink
 from composer.link.defaults import choose_classes
 from composer.link.link import finish, link
 from composer.link.linking import Linking
+from composer.mjcf import flat
 from composer.mjcf.flat import copied
 from composer.tree.write import to_text
 
@@ -172,3 +173,57 @@ def test_a_key_that_ends_within_a_joint_stays_as_it_is() -> None:
       <keyframe><key name="up" qpos="0 0 1"/></keyframe></mujoco>""")
     assert model.assets == {}
     assert model.compile_model().model.key_qpos.tolist() == [[0, 0, 1, 1, 0, 0, 0]]
+
+
+def test_the_text_is_linked_anew_after_any_edit() -> None:
+    arm = mjcf.from_xml_string(
+        '<mujoco model="arm"><option timestep="0.001"/><worldbody><body name="a"><geom name="g" size="1"/>'
+        '<site name="one"/><site name="two"/></body></worldbody></mujoco>'
+    )
+    hand, other = mjcf.RootElement("hand"), mjcf.RootElement("other")
+    frame = arm.find("site", "one").attach(hand)
+    geom = hand.worldbody.add("geom", name="g", size=[1])
+    places = arm.worldbody.add("body", name="b")
+
+    def hang_elsewhere() -> None:
+        hand.detach()
+        arm.find("site", "two").attach(hand)
+
+    edits: list[Callable[[], object]] = [
+        lambda: setattr(geom, "size", [2]),
+        lambda: setattr(geom, "name", "h"),
+        lambda: setattr(frame, "pos", [1, 2, 3]),
+        lambda: frame.add("freejoint"),
+        lambda: frame.all_children()[0].remove(),
+        lambda: hand.worldbody.add("site", name="s"),
+        lambda: arm.actuator.add("motor", site="hand/s"),
+        lambda: setattr(hand, "model", "paw"),
+        lambda: places.attach(other),
+        lambda: other.worldbody.add("light"),
+        lambda: other.compiler.__setattr__("angle", "radian"),
+        hang_elsewhere,
+        lambda: geom.remove(),
+        lambda: other.detach(),
+    ]
+    before = arm.to_xml_string()
+    for edit in edits:
+        edit()
+        after = arm.to_xml_string()
+        arm._model.written = None
+        assert after == arm.to_xml_string() == arm.to_xml_string()
+        before = after
+    assert before
+
+
+def test_the_second_text_is_not_linked_and_has_the_same_warnings(monkeypatch: pytest.MonkeyPatch) -> None:
+    arm, hand = (mjcf.from_xml_string(f'<mujoco model="{name}"><option timestep="{step}"/></mujoco>')
+                 for name, step in (("arm", 0.001), ("hand", 0.002)))  # fmt: skip
+    arm.attach(hand)
+    with pytest.warns(mjcf.MjcfWarning) as first:
+        text = arm.to_xml_string(conflict="warning")
+    monkeypatch.setattr(flat, "linked", None)
+    with pytest.warns(mjcf.MjcfWarning) as second:
+        assert arm.to_xml_string(conflict="warning") == text
+    assert [str(each.message) for each in first] == [str(each.message) for each in second]
+    with pytest.raises(TypeError):  # another policy is another text
+        arm.to_xml_string(conflict="merge")

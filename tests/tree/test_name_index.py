@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+from pathlib import Path
+
+import pytest
 from lxml import etree
 
 from composer.tree.name_index import NameIndex, is_list, own_name
@@ -12,6 +15,27 @@ ROOT = etree.fromstring(
     '<deformable><flex name="f" body="b b world"/></deformable>'
     '<sensor><framepos name="s" objtype="geom" objname="g"/></sensor></mujoco>'
 )
+
+
+@pytest.mark.parametrize(
+    "file",
+    sorted(Path(__file__).parents[1].glob("golden/*/*.xml")),
+    ids=lambda file: f"{file.parent.name}/{file.stem}",
+)
+def test_a_whole_tree_is_indexed_as_node_by_node(file: Path) -> None:
+    root = etree.parse(file).getroot()
+    index, whole = NameIndex(), NameIndex.of(root)
+    for section in root.iterchildren("*"):
+        for node in section.iterdescendants("*"):
+            index.note(node, str(section.tag))
+    assert (index.declared, index.leads_out) == (whole.declared, whole.leads_out)
+    assert _in_order(index) == _in_order(whole)
+
+
+def _in_order(index: NameIndex) -> dict[str, list[tuple[str, list[object]]]]:
+    return {
+        space: [(name, list(users)) for name, users in names.items()] for space, names in index.uses.items()
+    }
 
 
 def test_names_are_found_by_namespace() -> None:
