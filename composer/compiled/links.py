@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from enum import StrEnum
 
 from composer.compiled.kinds import OF_OBJECT_TYPE, Model
+from composer.compiled.rows import Array
 from composer.dataclass import dataclass
 
 
@@ -47,7 +48,9 @@ def _one(model: Model, array: str, kind: str, index: int, world: World = World.W
 
 
 def _body(model: Model, index: int) -> Iterator[Link]:
-    yield from _one(model, "body_parentid", "body", index, World.MOUNT)
+    # MuJoCo 4.0 puts the bodies in which a rod is twisted into the world, wherever its `<flexcomp>` is.
+    world = World.EITHER if twists_a_rod(model, index) else World.MOUNT
+    yield from _one(model, "body_parentid", "body", index, world)
     yield from _one(model, "body_plugin", "plugin", index)
 
 
@@ -109,6 +112,50 @@ def _flex(model: Model, index: int) -> Iterator[Link]:
         bodies = getattr(model, array)[start : start + int(getattr(model, number)[index])].tolist()
         for place, body in enumerate(bodies):
             yield Link(f"{array}[{place}]", "body", body, World.EITHER)
+    rows = bending(model, index)
+    if rows is not None:
+        for place in twists(rows):
+            yield Link(f"flex_bending[{place}]", "joint", int(rows[place]))
+
+
+BEND = 10
+"""The numbers of one bend of a rod, a flex of one dimension, in `flex_bending` since MuJoCo 4.0."""
+_NO_VERTEX, _TWIST = 3, 7
+
+
+def twists(bending: Array) -> list[int]:
+    """Return the places in a rod's `flex_bending` where the id of a joint stands: that of a bend's second twist."""
+    # Their number comes first, then for each bend of three vertices the vertices, -1, a stiffness and two angles, the
+    # joint (-1 if the rod is not twisted), and a stiffness and an angle for the twist. Bends of four vertices have no
+    # joint: those of `<flexcomp type="circle" count="5 1 1" dim="1" …/>` begin with 3 0 1 2.
+    rows = bending.ravel()
+    if not len(rows) or len(rows) != 1 + BEND * int(rows[0]):
+        return []
+    return [at + _TWIST for at in range(1, len(rows), BEND) if rows[at + _NO_VERTEX] == -1]
+
+
+def bending(model: Model, index: int) -> Array | None:
+    """Return the bends of a flex if it is a rod, else None."""
+    addresses = getattr(model, "flex_bendingadr", None)
+    if addresses is None or model.flex_dim[index] != 1 or addresses[index] < 0:
+        return None
+    later = addresses[addresses > addresses[index]]
+    rows: Array = model.flex_bending.ravel()[addresses[index] : int(later.min()) if len(later) else None]
+    return rows
+
+
+def twists_a_rod(model: Model, body: int) -> bool:
+    """Return whether a body is one of those in which a rod is twisted."""
+    if not model.nflex or model.body_parentid[body] or model.body_jntnum[body] != 1:
+        return False
+    joint = int(model.body_jntadr[body])
+    for flex in range(model.nflex):
+        rows = bending(model, flex)
+        if rows is not None:
+            seconds = {int(rows[at]) for at in twists(rows)} - {-1}
+            if joint in seconds or joint + 1 in seconds:  # the twist of the first edge is right before
+                return True
+    return False
 
 
 def _flex_materials(model: Model, index: int) -> Iterator[Link]:

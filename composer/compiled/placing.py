@@ -8,6 +8,7 @@ from composer.compiled.correspondence import ABSENT, Correspondence
 from composer.compiled.difference import Difference
 from composer.compiled.fields import ROUNDING
 from composer.compiled.kinds import HOLDERS, Model, holder
+from composer.compiled.links import twists_a_rod
 from composer.compiled.mount import Mount
 from composer.numerics.pose import Pose, rotate
 
@@ -30,7 +31,8 @@ class Placing:
             found = matching.ids[kind]
             roots += [
                 i for i, parent in enumerate(parents.tolist())
-                if parent == 0 and found[i] != ABSENT and not (kind == "body" and i == 0)
+                if parent == 0 and found[i] != ABSENT
+                and not (kind == "body" and (i == 0 or twists_a_rod(alone, i)))
             ]  # fmt: skip
         self.transform = mount.pose if mount.pose is not None else self._first()
 

@@ -10,7 +10,7 @@ from composer.compiled.addresses import RUNS, counted, span
 from composer.compiled.addresses import Run as Rows
 from composer.compiled.joints import FREE
 from composer.compiled.kinds import Model
-from composer.compiled.links import WRAPS_A_GEOM
+from composer.compiled.links import WRAPS_A_GEOM, twists
 from composer.compiled.rows import Array
 
 Run = tuple[str, Array]
@@ -118,7 +118,11 @@ def _flex(model: Model, index: int) -> Iterator[Run]:
         addresses, array = getattr(model, address, None), getattr(model, name, None)
         if addresses is not None and array is not None and addresses[index] >= 0:
             later = addresses[addresses > addresses[index]]
-            yield name, array[addresses[index] : int(later.min()) if len(later) else len(array)]
+            rows = array[addresses[index] : int(later.min()) if len(later) else len(array)]
+            if name == "flex_bending" and model.flex_dim[index] == 1 and (ids := twists(rows)):
+                rows = rows.ravel().copy()
+                rows[ids] = 0  # references, which `links` has
+            yield name, rows
 
 
 def _tendon(model: Model, index: int) -> Iterator[Run]:

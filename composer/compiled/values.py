@@ -19,7 +19,7 @@ from composer.compiled.fields import (
 )
 from composer.compiled.gains import same_damping, same_dampratio, same_stiffness
 from composer.compiled.kinds import HOLDERS, KINDS, holder
-from composer.compiled.links import links
+from composer.compiled.links import links, twists_a_rod
 from composer.compiled.placing import Placing
 from composer.compiled.ragged import FROM_THE_WORLD, IN_THE_WORLD, runs
 from composer.compiled.rows import DOF, Array, arrays, same_width, unequal
@@ -145,6 +145,8 @@ class Values:
             return True
         match treatment:
             case Treatment.ROOT_POSE:
+                if kind == "body" and twists_a_rod(self.alone, index):
+                    return True  # it has no place: only its angle counts
                 return moved and self._at_root(kind, index)
             case Treatment.HOST:
                 on_host = self._body(kind, index) in coupling.hosts

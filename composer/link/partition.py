@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
+from composer.tree.editable import is_rod, twisted_by
 from composer.tree.files import written_path
 from composer.tree.names import GENERATORS, WORLD, declaration, references, word
 from composer.tree.skin_file import bones
@@ -76,7 +77,14 @@ class Concern:
         if element.tag == "skin" and element.get("file"):
             bones = self._bones(element)
             within = bones is None  # it is reported when its file is read
-        for namespace, name in (*references(element, section), *(("body", bone) for bone in bones or ())):
+        others = [("body", bone) for bone in bones or ()]
+        if is_rod(element):
+            twists = self._inside.names | self._outside.names
+            rod = str(element.get("name") or "")
+            others += sorted(
+                each for each in twists if each[0] == "joint" and rod and twisted_by(each[1]) == rod
+            )
+        for namespace, name in (*references(element, section), *others):
             verdict = self._of_name(namespace, name)
             within = within or verdict.side in (Side.INSIDE, Side.BOTH)
             without = without or verdict.side in (Side.OUTSIDE, Side.BOTH)

@@ -63,26 +63,63 @@ class Reference(NamedTuple, Generic[M]):
 
 
 def referrers(model: M, namespace: str, name: str) -> Iterator[Reference[M]]:
-    """Yield the references to a name of the model: in its own tree, and in the models that it is attached to."""
-    for here, _, used in uses_of(model, namespace, name):
-        for node, attribute in here.names.users(namespace, used):
-            yield Reference(here, node, attribute, namespace, used)
+    """Yield the references to a name of the model: in its own tree, and in the models that it is attached to.
+
+    A rod, a `<flex>` of one dimension, refers to its twists by their names.
+    """
+    for here, _, kind, used in uses_of(model, namespace, name):
+        for node, attribute in here.names.users(kind, used):
+            yield Reference(here, node, attribute, kind, used)
+    rod = model.find_node("flex", twisted_by(name)) if namespace == "joint" and twisted_by(name) else None
+    if rod is not None and is_rod(rod):
+        yield Reference(model, rod, "name", namespace, name)
 
 
-def uses_of(model: M, namespace: str, name: str) -> Iterator[tuple[M, str, str]]:
-    """Yield the texts by which models refer to a name: each model, the prefix there, and the whole text.
+def uses_of(model: M, namespace: str, name: str) -> Iterator[tuple[M, str, str, str]]:
+    """Yield the texts by which models refer to a name: each model, the prefix there, the namespace and the whole text.
 
-    Besides the name itself these are the names of the copies that MuJoCo makes.
+    Besides the name itself these are the names of the copies that MuJoCo makes, and of the bodies and joints that it
+    makes of a `<flexcomp>`.
     """
     node = model.find_node(namespace, name)
     has_copies = node is not None and multiplies(node)
+    kinds = (namespace, "body", "joint") if node is not None and node.tag == "flexcomp" else (namespace,)
     for here, prefix in model.levels():
         full = prefix + name
-        yield here, prefix, full
-        if has_copies:
-            for used in list(here.names.uses.get(namespace, ())):
-                if is_copy(used, full) and here.find_node(namespace, used) is None:
-                    yield here, prefix, used
+        yield here, prefix, namespace, full
+        for kind in kinds if has_copies else ():
+            for used in list(here.names.uses.get(kind, ())):
+                of_it = is_copy(used, full) if kind == namespace else _is_of_flex(here, used, full)
+                if of_it and here.find_node(kind, used) is None:
+                    yield here, prefix, kind, used
+
+
+def _is_of_flex(model: Editable, used: str, flex: str) -> bool:
+    """Return whether MuJoCo makes the name of a body or joint for a `<flexcomp>`, and not for another one."""
+    # It calls them `cloth_0`, `rod_twist_0` and `rod_twist`; in a `<replicate>` the number of the copy follows.
+    end = used.removeprefix(f"{flex}_")
+    if end == used or not (end == "twist" or end[-1:].isdigit()):
+        return False
+    return not any(
+        len(other) > len(flex) and used.startswith(f"{other}_")
+        for other in model.names.declared.get("flex", ())
+    )
+
+
+def twisted_by(joint: str) -> str:
+    """Return the name of the rod that a joint twists if there is such a rod, judged by its name, or an empty text.
+
+    >>> twisted_by("rope_twist_0"), twisted_by("rope_twist"), twisted_by("twist")
+    ('rope', 'rope', '')
+    """
+    # MuJoCo 4.0 finds the joints in which a `<flex name="rope" dim="1">` is twisted by these names alone.
+    start, _, end = joint.rpartition("_twist")
+    return start if not end or end[1:].isdigit() else ""
+
+
+def is_rod(flex: Node) -> bool:
+    """Return whether this is a `<flex>` of one dimension."""
+    return flex.tag == "flex" and str(flex.get("dim") or "").strip() == "1"
 
 
 def multiplies(node: Node) -> bool:

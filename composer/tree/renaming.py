@@ -33,12 +33,12 @@ class Renaming(Generic[M]):
 
     @classmethod
     def of(cls, names: Iterable[NewName[M]]) -> Renaming[M]:
-        """Return the references to these names, including those to the copies that MuJoCo makes."""
+        """Return the references to these names, including those to what MuJoCo makes of it."""
         renaming: Renaming[M] = cls()
         for model, namespace, old, new in names:
-            for here, prefix, used in uses_of(model, namespace, old):
+            for here, prefix, kind, used in uses_of(model, namespace, old):
                 meant = prefix + new + used[len(prefix) + len(old) :]
-                renaming.followed.setdefault((here, namespace), {})[used] = meant
+                renaming.followed.setdefault((here, kind), {})[used] = meant
         return renaming
 
     @classmethod

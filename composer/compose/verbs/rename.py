@@ -11,6 +11,7 @@ from composer.compose.verbs.entry import Entry
 from composer.diagnostics.diagnostic import Note
 from composer.document.node import locate
 from composer.recipe.fault import Path
+from composer.tree.editable import is_rod, twisted_by
 from composer.tree.kinds import kind_of, naming_attribute
 from composer.tree.name_index import MAY_REPEAT, own_name
 from composer.tree.names import WORLD
@@ -24,6 +25,8 @@ def carry_out(entry: Entry, written: str, at: Path) -> None:
     new: dict[Node, str] = {}
     for index, node in enumerate(entry.found):
         new[node] = _new_name(editing, node, index, written, at)
+    _take_twists_along(editing, new)
+    _check_twists(editing, new, at)
     _check(editing, new, at)
     renaming = _renaming(editing, new)
     for reference, name in renaming.unlistable():
@@ -82,6 +85,34 @@ def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) 
         )
         raise Unusable
     return name
+
+
+def _take_twists_along(editing: Editing, new: dict[Node, str]) -> None:
+    """Rename the joints in which a rod is twisted with it: they belong to it by their names."""
+    for rod, name in list(new.items()):
+        old = str(rod.get("name") or "")
+        for joint, node in editing.names.declared.get("joint", {}).items() if old and is_rod(rod) else ():
+            if twisted_by(joint) == old:
+                new.setdefault(node, name + joint.removeprefix(old))
+
+
+def _check_twists(editing: Editing, new: dict[Node, str], at: Path) -> None:
+    """Report joints that would not belong to their rod any more."""
+    for node, name in new.items():
+        rod = twisted_by(str(node.get("name") or "")) if node.tag == "joint" else ""
+        flex = editing.find_node("flex", rod) if rod else None
+        if flex is None or not is_rod(flex) or twisted_by(name) == new.get(flex, rod):
+            continue
+        editing.sink.error(
+            "bad-name",
+            f"{editing.called(node)} cannot be called `{name}`: MuJoCo finds the joints in which the flex `{rod}` is "
+            "twisted by their names",
+            editing.span(at),
+            notes=(Note("the flex", editing.span_of(flex)),),
+            help=f"rename the flex, which takes its joints along: `select: {{flex: {rod}}}`",
+            subjects=editing.subjects(node),
+        )
+        raise Unusable
 
 
 def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
