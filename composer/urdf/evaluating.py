@@ -18,7 +18,7 @@ from typing import Any
 
 LONGEST, DEEPEST = 10_000, 100
 """The characters of an expression, and how deep it nests."""
-STEPS, LARGEST, BITS = 5_000_000, 1_000_000, 4096
+STEPS, LARGEST, BITS = 500_000, 1_000_000, 4096
 """The steps of all expressions of a template, the characters and values in one value, the bits of a whole number."""
 Names = Callable[[str], Any]
 """What a name stands for. Raises KeyError."""
@@ -108,6 +108,7 @@ class Evaluator:
         self._names: Names = dict[str, Any]().__getitem__
         self._mappings, self._lists = (*_MAPPINGS, *mappings), (*_LISTS, *lists)
         self._is_namespace = is_namespace
+        self._kinds = {*_SCALARS, str, bytes, range, *self._mappings, *self._lists, *_VIEWS, Function, Space}
         self._parsed = functools.lru_cache(2048)(self._tree)
 
     def value(self, text: str, names: Names) -> Any:
@@ -149,8 +150,15 @@ class Evaluator:
         if self.steps < 0:
             raise Stopped("costly", f"the expressions of the template take more than {STEPS} steps")
 
+    def known(self, value: Any) -> Any:
+        """The value, if it is of a kind that expressions know; what is in it was looked at when it was made."""
+        kind = type(value)
+        if kind not in self._kinds and not self._is_namespace(value):
+            raise Stopped("unsafe", f"an expression has no values of the kind `{kind.__name__}`")
+        return value
+
     def admitted(self, value: Any) -> Any:
-        """The value, if it is of a kind that expressions know, and not too large."""
+        """The value, if it and all that is in it is of a kind that expressions know, and not too large."""
         if type(value) not in (Function, Space) and not self._is_namespace(value):
             self.spend(self.weight(value) // 8)
         return value
@@ -201,7 +209,7 @@ class Evaluator:
     def _offered(self, name: str, value: Any) -> Any:
         if value is _NOT_OFFERED:
             raise Stopped("unsafe", f"`{name}` is not allowed in an expression", name)
-        return self.admitted(value)
+        return self.known(value)
 
     def _attribute(self, node: ast.Attribute) -> Any:
         value, name = self._of(node.value), _allowed(node.attr)
@@ -221,7 +229,7 @@ class Evaluator:
         if name in METHODS.get(plain, ()):
             return Function(name, functools.partial(self._method, value, name))
         if kind in self._mappings[1:] and not hasattr(dict, name):
-            return self.admitted(value[name])
+            return self.known(value[name])
         if plain in METHODS and not hasattr(plain, name):
             raise AttributeError(f"'{kind.__name__}' object has no attribute '{name}'")
         raise Stopped("unsafe", f"`.{name}` is not allowed in an expression", name)
@@ -243,6 +251,8 @@ class Evaluator:
         for each in node.args:
             if isinstance(each, ast.Starred):
                 given += self.items(self._of(each.value))
+            elif isinstance(each, ast.GeneratorExp):  # elsewhere a generator is a value of another kind
+                given.append(self._comprehension(each))
             else:
                 given.append(self._of(each))
         named: dict[str, Any] = {}
@@ -268,7 +278,7 @@ class Evaluator:
         """The items of what can be gone through."""
         if type(value) not in (str, range, *self._mappings, *self._lists, *_VIEWS):
             raise TypeError(f"'{type(value).__name__}' object is not iterable")
-        self.spend(self.weight(value))
+        self.spend(len(value))
         return list(value)
 
     def _binary(self, node: ast.BinOp) -> Any:
@@ -338,7 +348,7 @@ class Evaluator:
         if isinstance(node.slice, ast.Slice):
             ends = (node.slice.lower, node.slice.upper, node.slice.step)
             return self.admitted(value[slice(*(None if each is None else self._of(each) for each in ends))])
-        return self.admitted(value[self._of(node.slice)])
+        return self.known(value[self._of(node.slice)])
 
     def _list(self, node: ast.List | ast.Tuple) -> Any:
         found: list[Any] = []
@@ -382,7 +392,7 @@ class Evaluator:
 
     def _assign(self, target: ast.expr, value: Any, scope: dict[str, Any]) -> None:
         if isinstance(target, ast.Name):
-            scope[_allowed(target.id)] = self.admitted(value)
+            scope[_allowed(target.id)] = self.known(value)
         elif isinstance(target, ast.Tuple | ast.List):
             values = self.items(value)
             if len(values) != len(target.elts):
@@ -443,8 +453,9 @@ class Evaluator:
             raise Stopped("costly", "`round` keeps at most 400 digits")
         return round(value) if ndigits is None else round(value, ndigits)
 
-    def _mapped(self, function: Any, *values: Any) -> list[Any]:
-        return [self.called(function, each, {}) for each in zip(*map(self.items, values), strict=False)]
+    def _mapped(self, function: Any, first: Any, *others: Any) -> list[Any]:
+        rows = zip(*map(self.items, (first, *others)), strict=False)
+        return [self.called(function, each, {}) for each in rows]
 
     def _filtered(self, function: Any, values: Any) -> list[Any]:
         items = self.items(values)
@@ -521,10 +532,10 @@ _STEPS: Mapping[type, Callable[[Evaluator, Any], Any]] = {
     ast.Call: Evaluator._call, ast.BinOp: Evaluator._binary, ast.UnaryOp: Evaluator._unary, ast.BoolOp: Evaluator._both,
     ast.Compare: Evaluator._comparison, ast.IfExp: Evaluator._choice, ast.Subscript: Evaluator._item,
     ast.List: Evaluator._list, ast.Tuple: Evaluator._list, ast.Dict: Evaluator._mapping,
-    ast.ListComp: Evaluator._comprehension, ast.GeneratorExp: Evaluator._comprehension,
+    ast.ListComp: Evaluator._comprehension,
     ast.DictComp: Evaluator._mapping_of,
 }  # fmt: skip
 _WORDS: Mapping[type, str] = {
     ast.Lambda: "lambda", ast.Await: "await", ast.Yield: "yield", ast.YieldFrom: "yield", ast.NamedExpr: ":=",
-    ast.JoinedStr: "f'…'", ast.Set: "{…}", ast.SetComp: "{… for …}", ast.Starred: "*",
+    ast.JoinedStr: "f'…'", ast.Set: "{…}", ast.SetComp: "{… for …}", ast.GeneratorExp: "(… for …)", ast.Starred: "*",
 }  # fmt: skip

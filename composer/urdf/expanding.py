@@ -10,6 +10,7 @@ from __future__ import annotations
 import io
 import keyword
 import os
+import re
 import sys
 import traceback
 import unicodedata
@@ -58,7 +59,7 @@ def _forget() -> None:
 
 _HOOKS = tuple(
     "safe_eval eval_text eval_all eval_extension is_valid_name parse warning get_include_files load_yaml"
-    " abs_filename_spec YamlDictWrapper YamlListWrapper NameSpace".split()
+    " abs_filename_spec parse_macro_arg re_macro_arg YamlDictWrapper YamlListWrapper NameSpace".split()
 )
 _SUBSTITUTIONS = ("_eval", "_eval_find", "_eval_env", "_eval_optenv", "convert_value")
 """What is used of xacro and replaced in it: a version without one of them may evaluate in another way."""
@@ -83,6 +84,9 @@ class _Work:
             for name in names:
                 if not hasattr(module, name):
                     return name
+        if (parsed := _with_ends(xacro.parse_macro_arg, xacro.re_macro_arg.pattern)) is None:
+            return "re_macro_arg"
+        xacro.parse_macro_arg = parsed
         for module in (xacro, substitution):
             for name in ("eval", "exec", "compile", "open"):
                 setattr(module, name, _no_way)
@@ -368,6 +372,26 @@ def _names(table: Any) -> list[str]:
 
 def _no_way(*_: Any, **__: Any) -> Any:
     raise Stopped("unsafe", "xacro does something here that is not known")
+
+
+def _with_ends(parse: Callable[[str], Any], pattern: str) -> Callable[[str], Any] | None:
+    """Parse `params` as xacro does, which takes for ever where quotes have no ends: it tries all ways to pair them."""
+    steady = (
+        pattern.replace("'.*?'", "'[^']*'").replace('\\".*?\\"', '\\"[^\\"]*\\"').replace("]+)+", "]++)++")
+    )
+    if ".*?'" in steady or "]++)++" not in steady:
+        return None  # another version of xacro
+
+    def parsed(text: str) -> Any:
+        if (
+            re.match(r"\s*[^\s:=]+\s*:?=", text)
+            and re.match(steady, text) is None
+            and re.search("['\"]", text)
+        ):
+            raise Stopped("unsafe", "a quote in `params` has no end")
+        return parse(text)
+
+    return parsed
 
 
 def _is_name(name: str) -> bool:

@@ -186,3 +186,23 @@ def test_names_of_comprehensions_end_with_them() -> None:
 
 def test_the_table_of_steps_has_no_way_to_run_code() -> None:
     assert not {ast.Lambda, ast.Await, ast.Yield, ast.NamedExpr, ast.JoinedStr} & evaluating._STEPS.keys()
+
+
+@pytest.mark.parametrize(
+    "text", ["odd", "[odd]", "size['odd']", "[i for i in odds]", "str(odd)", "odds + [1]"]
+)
+def test_a_value_of_another_kind_does_not_come_in(text: str) -> None:
+    odd = object()
+    with pytest.raises(Stopped, match="kind"):
+        value(text, odd=odd, size={"odd": odd}, odds=[odd])
+
+
+@pytest.mark.parametrize("text", ["__x", "[__x for __x in [1]]", "dict(__x=1)", "dict(**size)"])
+def test_names_with_two_underscores_are_nobodys(text: str) -> None:
+    with pytest.raises(Stopped, match="__x"):
+        value(text, __x=1, size={"__x": 1})
+
+
+def test_a_method_of_a_mapping_is_no_key_of_it() -> None:
+    with pytest.raises(Stopped):
+        value("size.pop", size={"pop": 1})

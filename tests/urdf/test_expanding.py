@@ -90,6 +90,21 @@ def test_a_fault_in_a_guard_gives_no_text(
     assert "text" not in expanded(tmp_path, parts)
 
 
+def test_texts_and_parameters_that_grow_are_stopped(tmp_path: Path) -> None:
+    doubled = "".join(
+        f'<xacro:property name="p{i}" value="${{p{i - 1}}}${{p{i - 1}}}"/>' for i in range(1, 40)
+    )
+    for text in (
+        f'<xacro:property name="p0" value="abcdefgh"/>{doubled}<link name="${{p39}}"/>',
+        f'<link name="{"$" * 300_000}"/>',
+        f"""<xacro:macro name="m" params="a={"x" * 60}'"/>""",
+        f"""<xacro:macro name="m" params="a={"'b" * 61}"/>""",
+    ):
+        assert expanded(tmp_path, text)["error"]["code"] in ("costly", "unsafe")
+    text = """<xacro:macro name="m" params="a:='x y' b:=${1 + 1} c:=^|it's'z"><a b="${a}${b}${c}"/></xacro:macro><xacro:m/>"""
+    assert """b="x y2it's'z\"""" in expanded(tmp_path, text)["text"]
+
+
 CHANGES = ["${math.update(python.dict(pi=7))}", "${xacro.update(python.dict(q=1))}", "${python.clear()}", "${load_yaml('v.yaml').update(a=2)}",
            "${load_yaml('v.yaml').l.append(2)}", "${xacro.root.update(pi=7)}", "${[1].append(2)}"]  # fmt: skip
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from cli.shell import run
 from urdf.parts import ARM, robot
 
 from composer.reading.door import ALL, Door
@@ -120,3 +121,56 @@ def test_a_search_whose_judgement_fails_finds_nothing(
     (tmp_path / "arm").mkdir()
     with pytest.raises(error):
         named(tmp_path / "arm", "<a filename='part_${x}.xml'/>", Door.of([tmp_path]))
+
+
+LINK = '<link name="b"><collision><geometry><sphere radius="${{{}}}"/></geometry></collision></link></robot>'
+
+
+def recipe(folder: Path, **parts: str) -> Path:
+    """A recipe that attaches templates, and checks that each is unchanged."""
+    for name, text in parts.items():
+        (folder / f"{name}.urdf.xacro").write_text(text)
+    lines = [f"  {name}: {{model: ./{name}.urdf.xacro}}" for name in parts]
+    path = folder / "cell.yaml"
+    path.write_text(
+        "\n".join(
+            [
+                "recipe: 1",
+                "attach:",
+                *lines,
+                "check: {whole: {unchanged: {}}}",
+                "allow: [licence-missing]",
+                "",
+            ]
+        )
+    )
+    return path
+
+
+def test_the_check_reads_a_template_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the first expansion got wrong, whatever did that, is found: the check has a process of its own."""
+    path, given, count = recipe(tmp_path, a=DECLARED + LINK.format("2 * 3")), template.call_confined, []
+
+    def once(*arguments: Any, **options: Any) -> dict[str, Any]:
+        answer = given(*arguments, **options)
+        count.append(answer)
+        if len(count) == 1:
+            answer["value"]["text"] = answer["value"]["text"].replace('radius="6"', 'radius="7"')
+        return answer
+
+    assert run("check", str(path), "--no-cache").exit_code == 0
+    monkeypatch.setattr(template, "call_confined", once)
+    result = run("check", str(path), "--no-cache")
+    assert len(count) > 1
+    assert result.exit_code == 1 and "unchanged" in result.output
+
+
+def test_a_template_beside_another_is_what_it_is_alone(tmp_path: Path) -> None:
+    changes = '<xacro:property name="pi" value="7" scope="global"/><xacro:property name="m" value="5"/>'
+    first = DECLARED + changes + LINK.format("pi")
+    second = DECLARED + LINK.format("pi + math.pi")
+    path = recipe(tmp_path, a=first, b=second)
+    result = run("build", str(path), "--no-cache", "-o", str(tmp_path / "out"))
+    assert result.exit_code == 0, result.output
+    written = (tmp_path / "out" / "model.xml").read_text()
+    assert 'size="7"' in written and 'size="6.283185307179586"' in written
