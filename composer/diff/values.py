@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -30,8 +31,10 @@ _SHAPES = ("mesh_", "hfield_", "tex_", "skin_", "flex_", "oct_")
 
 
 def close(a: float, b: float, tolerance: float) -> bool:
-    """Return whether two numbers count as equal. NaN equals NaN."""
-    return a == b or (a != a and b != b) or abs(a - b) <= tolerance * max(abs(a), abs(b), FLOOR)
+    """Return whether two numbers count as equal. NaN equals NaN, and nothing else is near an infinite number."""
+    if a == b or (a != a and b != b):
+        return True
+    return math.isfinite(a - b) and abs(a - b) <= tolerance * max(abs(a), abs(b), FLOOR)
 
 
 class Values:

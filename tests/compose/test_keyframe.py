@@ -558,3 +558,28 @@ def test_the_twists_of_a_rod_keep_their_numbers(built: Built, recipe: str) -> No
     for at in (1, 2, 3):
         first = model.jnt_qposadr[model.body(f"{prefix}rod_{at}").jntadr[0]]
         assert list(reset.data.qpos[first : first + 3]) == [3 * at - 1, 3 * at, 3 * at + 1]
+
+
+@pytest.mark.parametrize("attribute", ["joint", "jointinparent"])
+def test_a_control_by_the_joint_of_its_actuator(built: Built, attribute: str) -> None:
+    motor = '<motor name="shoulder" joint="shoulder"/>'
+    arm = ARM.replace(motor, f'<motor name="first" {attribute}="hip"/>')
+    model = built("base: ./arm.xml\nkeyframe: {k: {ctrl: {joint: {hip: 3, slide: 4}}}}\n", arm__xml=arm)
+    assert model.key("k").ctrl.tolist() == [3, 4]
+
+
+def test_an_actuator_in_the_frame_of_the_parent_is_one_of_its_joint(tmp_path: Path) -> None:
+    arm = """<mujoco><worldbody><body><joint name="turn"/><geom size=".1"/></body></worldbody>
+      <actuator><position name="servo" jointinparent="turn" kp="1"/><position jointinparent="turn" kp="1"/></actuator></mujoco>"""
+
+    def told(ctrl: str) -> str:
+        (tmp_path / "arm.xml").write_text(arm)
+        (tmp_path / "r.yaml").write_text(f"recipe: 1\nbase: ./arm.xml\nkeyframe: {{k: {{ctrl: {ctrl}}}}}\n")
+        context = Context(environment={}, folder=tmp_path)
+        assert build(Request(tmp_path / "r.yaml", verified=False), context) is None
+        (fault,) = context.sink.errors
+        return " ".join([fault.message, *(note.message for note in fault.notes), fault.help or ""])
+
+    assert "joints with an actuator: turn" in told("{joint: {tun: 1}}")
+    assert "which moves the hinge `turn`, is" in told("{servo: 1}")
+    assert "write it by its joint: `ctrl: {joint: {turn: …}}`" in told("{turn: 1rad}")

@@ -30,3 +30,13 @@ def test_a_mass_under_rules_for_the_whole_model(tmp_path: Path) -> None:
     after = arm.edited("{select: {body: link2}, scale: {mass: 2}}")
     assert after.body("link2").mass == pytest.approx(2 * before.body("link2").mass)
     assert after.body("base").mass == pytest.approx(before.body("base").mass)
+
+
+def test_a_full_inertia_follows_the_mass(tmp_path: Path) -> None:
+    inertial = '<inertial pos="0 0 0" mass="2" fullinertia="1 2 2.5 .1 .2 .3"/>'
+    arm = Case(tmp_path, f'<mujoco><worldbody><body name="b"><joint/>{inertial}</body></worldbody></mujoco>')
+    before = arm.model("recipe: 1\nbase: ./arm.xml\n").body("b")
+    for verb, factor in (("scale: {mass: 3}", 3), ("set: {mass: 5}", 2.5)):
+        after = arm.edited(f"{{select: {{body: b}}, {verb}}}").body("b")
+        assert after.mass == pytest.approx(factor * before.mass)
+        assert after.inertia == pytest.approx(factor * before.inertia)

@@ -13,6 +13,8 @@ from worlds.test_building import run
 
 import composer
 from composer import worlds
+from composer.compiled.kinds import NameTable
+from composer.worlds.union_references import bodies, references, words
 
 RECIPES = Path(__file__).resolve().parents[2] / "recipes"
 ARM = """\
@@ -267,3 +269,34 @@ def test_what_emit_of_a_matrix_can_be(tmp_path: Path) -> None:
         tmp_path, MATRIX.replace("emit: union", "emit: worlds"), "--all", "-o", "each/{name}/", model=ARM
     )
     assert result.exit_code == 1 and "`emit` of a matrix is `models` or `union`" in result.output
+
+
+def test_what_elements_refer_to_is_what_is_written() -> None:
+    model = mujoco.MjModel.from_xml_string("""<mujoco><worldbody>
+      <body name="a"><joint name="ja"/><geom name="ga" size=".1"/><site name="sa"/><camera name="ca"/>
+        <body name="b" pos="1 0 0"><joint name="jb"/><geom name="gb" size=".1"/><site name="sb"/></body></body>
+      </worldbody>
+      <contact><pair geom1="ga" geom2="gb"/><exclude body1="a" body2="b"/></contact>
+      <tendon><fixed name="tf"><joint joint="jb" coef="1"/><joint joint="ja" coef="2"/></fixed>
+        <spatial name="ts"><site site="sa"/><geom geom="gb"/><site site="sb"/><pulley divisor="2"/><site site="sb"/><site site="sa"/></spatial></tendon>
+      <equality><connect body1="b" body2="a" anchor="0 0 0"/><weld site1="sb" site2="sa"/>
+        <joint joint1="jb" joint2="ja"/><joint joint1="jb"/><tendon tendon1="ts" tendon2="tf"/></equality>
+      <actuator><motor joint="jb"/><motor jointinparent="ja"/><motor tendon="ts"/><motor site="sb" refsite="sa"/>
+        <motor cranksite="sa" slidersite="sb" cranklength="1"/><adhesion body="b" ctrlrange="0 1"/></actuator>
+      <sensor><jointpos joint="jb"/><framepos objtype="site" objname="sb" reftype="camera" refname="ca"/><clock/></sensor>
+    </mujoco>""")
+    table = NameTable(model)
+
+    def of(kind: str, count: int) -> list[str]:
+        return [
+            " ".join(table.names[each][number] for each, number in references(model, kind, at))
+            for at in range(count)
+        ]
+
+    assert of("pair", 1) == ["ga gb"] and of("exclude", 1) == ["a b"]
+    assert of("tendon", 2) == ["jb ja", "sa gb sb sb sa"]
+    assert of("equality", 5) == ["b a", "sb sa", "jb ja", "jb", "ts tf"]
+    assert of("actuator", 6) == ["jb", "ja", "ts", "sb sa", "sa sb", "b"]
+    assert of("sensor", 3) == ["jb", "sb ca", ""]
+    assert [*bodies(model, "actuator", 2)] == [1, 2, 2, 2, 1] and [*bodies(model, "sensor", 1)] == [2, 1]
+    assert words(model, "equality", 0, lambda kind, at: table.names[kind][at]) == "equality 0 body b body a"

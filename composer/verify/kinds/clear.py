@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from composer.diagnostics.fault import Fault
-from composer.verify.kinds.failure import failed
+from composer.verify.kinds.failure import beside, failed
 from composer.verify.kinds.keys import at_keys, keys_named, unmet
 from composer.verify.kinds.scope import SOLVED, Scope
 
@@ -35,7 +35,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
             if distance < asked["distance"]:
                 where = f" in `{name}`" if name else ""
                 pair = f"{scope.called('geom', one)} and {scope.called('geom', other)}"
-                close.append((distance, f"{pair}{where}: {distance:.4g} m"))
+                close.append((distance, f"{pair}{where}: {beside(distance, asked['distance'])} m"))
     if np.isfinite(least):
         scope.found("distance", float(least), SOLVED)
     if not close:

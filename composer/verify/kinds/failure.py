@@ -27,6 +27,19 @@ def failed(
     return Fault("check-failed", message, at, notes=tuple(map(Note, notes)), help=help)
 
 
+def beside(value: float, *bounds: float, digits: int = 4) -> str:
+    """Return a number in as many digits as it takes to see that it is none of the bounds, and no fewer than `digits`.
+
+    >>> beside(0.05, 0.001), beside(0.00100002, 0.001), beside(0.001, 0.001)
+    ('0.05', '0.00100002', '0.001')
+    """
+    for count in range(digits, 17):
+        text = f"{value:.{count}g}"
+        if all(float(text) != bound for bound in bounds if bound != value):
+            return text
+    return repr(value)
+
+
 def unknown(kind: str, name: str, known: Iterable[str], *at: str | int) -> Fault:
     """Return a finding for an unknown name. `known` are the existing names as the recipe would write them."""
     found = unknown_name(kind, name, [each for each in known if each])

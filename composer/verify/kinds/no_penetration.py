@@ -6,7 +6,7 @@ from typing import Any
 
 from composer.diagnostics.fault import Fault
 from composer.diagnostics.suggest import did_you_mean, exists_note
-from composer.verify.kinds.failure import failed
+from composer.verify.kinds.failure import beside, failed
 from composer.verify.kinds.scope import SOLVED, Scope
 
 _NAMED = ("geom", "body", "flex")
@@ -50,15 +50,17 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     if not deepest:
         return []
     ranked = sorted(deepest.items(), key=lambda item: -item[1])
+    depths = [f"{beside(depth, asked['max'])} m" for _, depth in ranked]
     described = [
-        f"{scope.called(*pair[0])} and {scope.called(*pair[1])}: {depth:.4g} m" for pair, depth in ranked
+        f"{scope.called(*one)} and {scope.called(*other)}: {depth}"
+        for ((one, other), _), depth in zip(ranked, depths, strict=True)
     ]
     more = described[1:_SHOWN] + (
         [f"and {len(described) - _SHOWN} more pairs"] if len(described) > _SHOWN else []
     )
-    pair, depth = ranked[0]
-    message = f"{scope.called(*pair[0])} is {depth:.4g} m inside of {scope.called(*pair[1])}"
-    return [failed(message, f"at most {asked['max']:g} m", f"{depth:.4g} m", more=more)]
+    pair, _ = ranked[0]
+    message = f"{scope.called(*pair[0])} is {depths[0]} inside of {scope.called(*pair[1])}"
+    return [failed(message, f"at most {asked['max']:g} m", depths[0], more=more)]
 
 
 def _collide(scope: Scope, data: Any) -> None:

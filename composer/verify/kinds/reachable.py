@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from composer.diagnostics.fault import Fault
-from composer.verify.kinds.failure import failed
+from composer.verify.kinds.failure import beside, failed
 from composer.verify.kinds.inverse_kinematics import STARTS, Solver
 from composer.verify.kinds.scope import SOLVED, Scope
 
@@ -39,8 +39,9 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
             names = ", ".join(scope.written("joint", joint) for joint in solver.at_limits)
             more.append(f"where it comes nearest, joints are at their limits: {names}")
     point = ", ".join(f"{each:g}" for each in asked["target"])
-    message = f"site `{asked['site']}` comes no nearer to [{point}] than {distance:.4g} m"
-    return [failed(message, f"within {asked['tolerance']:g} m", f"{distance:.4g} m", "target", more=more)]
+    nearest = beside(distance, asked["tolerance"])
+    message = f"site `{asked['site']}` comes no nearer to [{point}] than {nearest} m"
+    return [failed(message, f"within {asked['tolerance']:g} m", f"{nearest} m", "target", more=more)]
 
 
 def _in_the_world(scope: Scope, data: Any, target: list[float], frame: dict[str, Any]) -> Any:

@@ -11,7 +11,7 @@ from composer.compiled.addresses import span
 from composer.compiled.joints import JOINT_TYPES
 from composer.compiled.stepping import Divergence, steps_in
 from composer.diagnostics.fault import Fault
-from composer.verify.kinds.failure import failed
+from composer.verify.kinds.failure import beside, failed
 from composer.verify.kinds.scope import SOLVED, Scope
 
 _AT_THE_END = 0.1
@@ -51,8 +51,9 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
         return [] if asked["within"] is None else _near(scope, data, asked)
     joint = int(model.dof_jntid[dof])
     unit = _unit(model, dof, joint)
-    message = f"{scope.called('joint', joint)} still moves at {fastest:.4g} {unit} after {at:.4g} s"
-    return [failed(message, f"at most {limit:g} {unit}", f"{fastest:.4g} {unit}", "max_speed")]
+    speed = beside(fastest, limit)
+    message = f"{scope.called('joint', joint)} still moves at {speed} {unit} after {at:.4g} s"
+    return [failed(message, f"at most {limit:g} {unit}", f"{speed} {unit}", "max_speed")]
 
 
 def _near(scope: Scope, data: Any, asked: dict[str, Any]) -> list[Fault]:
@@ -79,9 +80,10 @@ def _near(scope: Scope, data: Any, asked: dict[str, Any]) -> list[Fault]:
         if asked["near"] or asked["key"]
         else "the reference configuration"
     )
-    message = f"{scope.called('joint', joint)} is {farthest:.4g} {unit} from where it is in {where}"
+    off = beside(farthest, asked["within"])
+    message = f"{scope.called('joint', joint)} is {off} {unit} from where it is in {where}"
     wanted = f"at most {asked['within']:g} {unit}"
-    return [failed(message, wanted, f"{farthest:.4g} {unit}", "near", "within")]
+    return [failed(message, wanted, f"{off} {unit}", "near", "within")]
 
 
 def _unit(model: Any, dof: int, joint: int) -> str:

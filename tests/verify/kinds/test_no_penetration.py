@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import mujoco
 import pytest
 
 from tests.verify.kinds.conftest import notes
@@ -67,3 +68,25 @@ def test_what_is_excluded_must_be_there(ask) -> None:
     (finding,) = ask(MODEL, 'no_penetration: {exclude: [["a/*", "/.*thre+/"], ["b/*", "c/**"]]}')
     assert (finding.code, finding.at) == ("unknown-name", ("exclude", 1, 1))
     assert finding.message == "`c/**` names no geom and no body"
+
+
+@pytest.mark.parametrize("euler", ["3 5 0", "-3 5 0", "3 -5 0", "-3 -5 0"])
+def test_of_the_contacts_of_a_pair_the_deepest_counts(ask, euler: str) -> None:
+    """A tilted box is below the floor with its corners, each at another depth."""
+    model = f"""<mujoco><worldbody><geom name="floor" type="plane" size="2 2 .1"/><body pos="0 0 .09" euler="{euler}">
+      <freejoint/><geom name="box" type="box" size=".5 .3 .1"/></body></worldbody></mujoco>"""
+    compiled = mujoco.MjModel.from_xml_string(model)
+    mujoco.mj_forward(compiled, data := mujoco.MjData(compiled))
+    depths = sorted(-contact.dist for contact in data.contact)
+    (finding,) = ask(model, "no_penetration: {}")
+    assert (
+        len(depths) > 1
+        and notes(finding)[1] == f"actual: {depths[-1]:.4g} m" != f"actual: {depths[-2]:.4g} m"
+    )
+
+
+def test_a_depth_that_is_hardly_too_much_is_shown_with_the_digits_that_differ(ask) -> None:
+    (finding,) = ask(MODEL, "no_penetration: {max: 0.0499999}")
+    assert finding.message.startswith("geom `a/ball` is 0.05 m inside")
+    (finding,) = ask(MODEL.replace(".15 0 0", ".1499999 0 0"), "no_penetration: {max: 0.05}")
+    assert notes(finding) == ("expected: at most 0.05 m", "actual: 0.0500001 m")
