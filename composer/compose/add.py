@@ -12,6 +12,7 @@ from composer.link.linking import Linking
 from composer.plan.steps.add_element import AddElement
 from composer.tree.classes import NESTED, own
 from composer.tree.references import unresolved
+from composer.tree.scaled import all_scaled_above
 
 
 def add(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
@@ -39,8 +40,29 @@ def add(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
                 node.set("childclass", linking.base_class)
         elif node.tag in ("geom", "site", "camera", "light") and node.get("class") is None:
             node.set("class", linking.base_class)
+    _check_scale(step, holder, linking, making)
     holder.append(node)
     _check_mass(step, node, linking, making)
+
+
+def _check_scale(step: AddElement, holder: Node, linking: Linking, making: ElementBuilder) -> None:
+    """Report what a frame of a source would scale: the recipe writes metres and kilograms."""
+    base = linking.base
+    for frame in all_scaled_above(holder):
+        if isinstance(base.origins.owner(frame, base.file), str):
+            making.sink.error(
+                "not-supported",
+                f"`{step.to}` is inside a frame that scales: what is added there would have other sizes and masses",
+                step.to_span,
+                notes=(
+                    Note(
+                        "the frame", linking.span(base, frame, "scale" if frame.get("scale") else "massscale")
+                    ),
+                ),
+                help="add it outside of the frame, or write the frame's content in its final size",
+                subjects=(step.to,),
+            )
+            return
 
 
 def _check_mass(step: AddElement, node: Node, linking: Linking, making: ElementBuilder) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
+from itertools import product
 from typing import Any
 
 from lxml import etree
@@ -17,6 +18,7 @@ from composer.context import Context
 from composer.diagnostics.suggest import did_you_mean, exists_note
 from composer.document.node import locate
 from composer.link.linking import Linking
+from composer.link.multiplied import names_of_copies
 from composer.plan.plan import Place, Plan
 from composer.plan.steps.set_collisions import SetCollisions
 from composer.recipe.contact import BETWEEN
@@ -51,8 +53,14 @@ def set_collisions(
             continue
         sides = [_bodies(step, index, plan, linking, making) for index in range(2)]
         if step.collisions.what == "exclude":
-            pairs = [(one, other) for one in sides[0] for other in sides[1] if one is not other]
-            named = [(_name(one), _name(other)) for one, other in pairs]
+            named = [
+                (first, second)
+                for one in sides[0]
+                for other in sides[1]
+                for first in _names(one)
+                for second in _names(other)
+                if first != second
+            ]
             _append(linking, making, step, "exclude", ("body1", "body2"), named)
         else:
             _collide(step, sides, linking, making)
@@ -192,7 +200,7 @@ def _collide(
                         subjects=(_name(body),),
                     )
                     return
-                named.append((str(first.get("name")), str(second.get("name"))))
+                named += product(names_of_copies(first), names_of_copies(second))
     if len(named) > _MOST:
         making.sink.error(
             "out-of-range", f"these are {len(named)} pairs of geoms, of which MuJoCo checks each", step.span,
@@ -208,6 +216,11 @@ def _geoms(body: Node, linking: Linking) -> Iterator[Node]:
 
 def _name(body: Node) -> str:
     return "world" if body.tag == "worldbody" else str(body.get("name") or "")
+
+
+def _names(body: Node) -> list[str]:
+    """Return the names of a body in the compiled model: several if it is in a `<replicate>`."""
+    return ["world"] if body.tag == "worldbody" else names_of_copies(body)
 
 
 def _append(

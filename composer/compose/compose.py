@@ -42,6 +42,7 @@ from composer.link.key_meaning import KeyNotes
 from composer.link.layout import joint_type
 from composer.link.link import finish, link
 from composer.link.linking import FileUse, Linking, Measure
+from composer.link.replicates import spare_added
 from composer.link.request import Request
 from composer.link.source_check import STUMBLES, check_source, put_right
 from composer.link.submodels import add_named_file
@@ -281,6 +282,7 @@ class Composer:
         if self.context.sink.error_count > before:
             return None
         finish(linking)
+        spare_added(linking)
         hold_poses(plan, linking, making, self.context, self.loader.session)
         linking.watch(linking.units, hold_poses)
         session = self.loader.session

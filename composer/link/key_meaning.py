@@ -10,7 +10,6 @@ from __future__ import annotations
 import copy
 from collections.abc import Mapping
 from dataclasses import field
-from itertools import product
 
 from lxml.etree import _Element as Node
 from lxml.etree import tostring
@@ -19,7 +18,7 @@ from composer.dataclass import dataclass
 from composer.link.key_layouts import VECTORS, keys_of
 from composer.link.key_table import Written
 from composer.link.linking import Linking
-from composer.link.multiplied import suffixes
+from composer.link.multiplied import ends_of_copies
 from composer.numerics.pose import Pose
 from composer.tree.settings import read_settings
 from composer.tree.unit import Unit
@@ -110,6 +109,7 @@ class KeyNotes:
         """Note what a recipe has written into keys, and has edited in them."""
         self.written |= linking.keys.noted
         self.edited |= linking.keys.edited_keys
+        self.copied |= linking.notes.copied
 
     def origin(self, node: Node, within: Within) -> tuple[Node, Within]:
         """Return the element that a node is a copy of, and which copy."""
@@ -263,20 +263,10 @@ def _name(source: Node, made: Node, kind: str, found: Bare, around: tuple[Node, 
 
 
 def _note_copies(source: Node, name: str, kind: str, found: Bare, around: tuple[Node, ...]) -> None:
-    for end, within in _ends(around).items():
-        found.named.setdefault((kind, name + end), (source, within))
+    for end, within in ends_of_copies(around).items():
+        found.named.setdefault((kind, name + end), (source, frozenset(within)))
 
 
 def _copies(element: Node) -> dict[str, Within]:
-    return _ends(tuple(element.iterancestors("replicate")))
-
-
-def _ends(around: tuple[Node, ...]) -> dict[str, Within]:
-    """Return the end of the name of each copy, in these replicates, innermost first."""
-    if not around:
-        return {}
-    copies = product(*(enumerate(suffixes(replicate)) for replicate in around))
-    return {
-        "".join(end for _, end in each): frozenset(zip(around, (number for number, _ in each), strict=True))
-        for each in copies
-    }
+    ends = ends_of_copies(list(element.iterancestors("replicate")))
+    return {end: frozenset(within) for end, within in ends.items()}

@@ -7,9 +7,10 @@ second, and so on. Elements that also refer to something outside the replicate a
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache
+from itertools import product
 from typing import NamedTuple
 
 from lxml.etree import _Element as Node
@@ -136,6 +137,24 @@ def _kinds() -> dict[str, str]:
         for name, (action, namespace) in actions.items()
         if action == DECLARES and name == "name"
     }
+
+
+def ends_of_copies(around: Sequence[Node]) -> dict[str, Within]:
+    """Return the copies that these replicates, innermost first, make of what is in them, by the ends of their names."""
+    if not around:
+        return {}
+    copies = product(*(enumerate(suffixes(replicate)) for replicate in around))
+    return {
+        "".join(end for _, end in each): tuple(zip(around, (number for number, _ in each), strict=True))
+        for each in copies
+    }
+
+
+def names_of_copies(element: Node) -> list[str]:
+    """Return the names that MuJoCo gives to an element: its own, or those of its copies."""
+    name = str(element.get("name") or "")
+    ends = ends_of_copies(list(element.iterancestors("replicate")))
+    return [name + end for end in ends or [""]] if name else []
 
 
 def suffixes(replicate: Node) -> list[str]:

@@ -52,7 +52,7 @@ def check_replicates(linking: Linking) -> None:
             if other is unit or (unit, other) in reported:
                 continue
             thing = next(
-                (each for each in waiting[other] if _resolves(linking, each, replicate, places, made)), None
+                (each for each in waiting[other] if resolves(linking, each, replicate, places, made)), None
             )
             if thing is not None:
                 reported.add((unit, other))
@@ -65,7 +65,7 @@ def things(unit: Unit) -> Iterator[Node]:
         yield from (each for each in section.iterchildren("*") if each.tag not in _OF_NOTHING)
 
 
-def _resolves(
+def resolves(
     linking: Linking, thing: Node, replicate: Node, places: Mapping[Node, int], made: Set[Name]
 ) -> bool:
     """Return whether MuJoCo also finds the thing's reference with a number appended when it reads the replicate."""

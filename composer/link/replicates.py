@@ -9,19 +9,21 @@ to its contents: MuJoCo multiplies such references, so those are left to it.
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import cache
 
 from lxml.etree import _Element as Node
 
+from composer.diagnostics.diagnostic import Cause, Note
 from composer.link import numbers
 from composer.link.linking import Linking
 from composer.link.multiplied import inner_first, names_made, suffixes
-from composer.link.replicate_capture import made_from, referred, things
+from composer.link.replicate_capture import made_from, referred, resolves, things
 from composer.link.replicate_poses import row
 from composer.tree.name_index import NameIndex
 from composer.tree.names import DECLARES, naming_table
 from composer.tree.scaled import scaled_above
+from composer.tree.settings import read_settings
 from composer.tree.unit import Unit
 
 
@@ -46,6 +48,50 @@ def replicates(linking: Linking) -> None:
         linking.notes.replicates.extend((unit, replicate) for replicate in unit.root.iter("replicate"))
 
 
+def spare_added(linking: Linking) -> None:
+    """Write out the replicates of the finished model that would multiply what the recipe adds; report the others."""
+    base = linking.base
+    nests = list(_outermost(base))
+    added = (
+        {each for each in things(base) if not isinstance(base.origins.owner(each, base.file), str)}
+        if nests
+        else ()
+    )
+    if not added:
+        return
+    index_of = cache(lambda unit: NameIndex.of(unit.root))
+    places = {element: at for at, element in enumerate(base.root.iter("*"))}
+    made = names_made(base.root)
+    linking.names.declared = index_of(base).declared
+    for nest in nests:
+        inside = list(inner_first(nest))
+        multiplied = [
+            each
+            for each in added
+            if any(resolves(linking, each, replicate, places, made) for replicate in inside)
+        ]
+        if multiplied and _stands_alone(base, index_of, nest, inside, multiplied):
+            for each in inside:
+                _write_out(linking, base, each)
+            linking.names.declared = NameIndex.of(base.root).declared
+        elif multiplied:
+            _refuse_added(linking, nest, sorted(multiplied, key=places.__getitem__))
+
+
+def _refuse_added(linking: Linking, replicate: Node, multiplied: Sequence[Node]) -> None:
+    for thing in multiplied:
+        called = f"`{thing.get('name')}`" if thing.get("name") else "without a name"
+        linking.sink.error(
+            "not-supported",
+            f"MuJoCo would multiply the `<{thing.tag}>` {called} with what is in a `<replicate>`",
+            linking.span(linking.base, thing),
+            notes=(Note("the `<replicate>`", linking.span(linking.base, replicate)),),
+            help="write the copies out instead of `<replicate>`",
+            cause=Cause(f"multiplied by line {linking.span(linking.base, replicate)}", called),
+            subjects=(str(thing.get("name") or ""),),
+        )
+
+
 _EXPANDED = ("flexcomp", "composite", "attach")
 _IN_TREE = "worldbody"
 _IndexOf = Callable[[Unit], NameIndex]
@@ -64,7 +110,7 @@ def _unroll(linking: Linking, holding: list[Unit]) -> None:
             )
             if (
                 turns or any(_multiplies(other, index_of, inside) for other in units if other is not unit)
-            ) and (_stands_alone(unit, index_of, nest, inside)):
+            ) and _stands_alone(unit, index_of, nest, inside):
                 for other in units:  # as they are before anything is written out
                     index_of(other)
                 for each in inside:
@@ -98,9 +144,11 @@ def _rounds_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
     )
 
 
-def _multiplies(unit: Unit, index_of: _IndexOf, replicates: list[Node]) -> bool:
-    """Return whether one of the replicates may multiply any element of the unit."""
-    found = list(things(unit))
+def _multiplies(
+    unit: Unit, index_of: _IndexOf, replicates: list[Node], spared: Collection[Node] = ()
+) -> bool:
+    """Return whether one of the replicates may multiply any element of the unit, except for those that are spared."""
+    found = [each for each in things(unit) if each not in spared]
     if not found:
         return False
     index = index_of(unit)
@@ -118,7 +166,9 @@ def _multiplies(unit: Unit, index_of: _IndexOf, replicates: list[Node]) -> bool:
     return False
 
 
-def _stands_alone(unit: Unit, index_of: _IndexOf, nest: Node, inside: list[Node]) -> bool:
+def _stands_alone(
+    unit: Unit, index_of: _IndexOf, nest: Node, inside: list[Node], spared: Collection[Node] = ()
+) -> bool:
     """Return whether only its own content is multiplied, so that the copies can be written in the tree."""
     if next(nest.iter(*_EXPANDED), None) is not None or scaled_above(nest) is not None:
         return False
@@ -127,7 +177,7 @@ def _stands_alone(unit: Unit, index_of: _IndexOf, nest: Node, inside: list[Node]
         for namespace, name in _names(node):
             if any(nest not in user.iterancestors() for user, _ in index.users(namespace, name)):
                 return False
-    return not _multiplies(unit, index_of, inside)
+    return not _multiplies(unit, index_of, inside, spared)
 
 
 def _names(node: Node) -> Iterator[tuple[str, str]]:
@@ -142,7 +192,7 @@ def _write_out(linking: Linking, unit: Unit, replicate: Node) -> None:
     """Replace the replicate by a frame for each copy. The names in it get the number of the copy."""
     holder = replicate.getparent()
     assert holder is not None
-    settings = unit.settings
+    settings = read_settings(unit.root)
     x, y, z = [*numbers.read(str(replicate.get("offset") or "")), 0.0, 0.0, 0.0][:3]
     angles = tuple(numbers.read(str(replicate.get("euler") or "0 0 0")))
     ends = suffixes(replicate)

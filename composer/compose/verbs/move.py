@@ -20,6 +20,7 @@ from composer.tree.classes import MAIN, NESTED, childclass_of, through_frames
 from composer.tree.kinds import kind_of
 from composer.tree.names import WORLD
 from composer.tree.references import unresolved
+from composer.tree.scaled import all_scaled_above
 
 
 def carry_out(entry: Entry, value: Mapping[str, Any], at: Path) -> None:
@@ -54,6 +55,7 @@ def _move(editing: Editing, node: Node, index: int, written: Mapping[str, Any], 
         )
         raise Unusable
     _check_free(editing, node, target, at)
+    _check_scale(editing, node, target, at)
     _keep_class(editing, node, target)
     origins = editing.making.origins
     owner = origins.owner(node, editing.making.base_file)
@@ -105,6 +107,24 @@ def _check_free(editing: Editing, node: Node, target: Node, at: Path) -> None:
         if is_mocap
         else "remove its free joint first, or move it to the world",
         subjects=(*editing.subjects(node), *editing.subjects(outer)),
+    )
+    raise Unusable
+
+
+def _check_scale(editing: Editing, node: Node, target: Node, at: Path) -> None:
+    """Report a move into or out of a frame that scales: all lengths and masses would be others."""
+    here, there = (list(all_scaled_above(each)) for each in (node.getparent(), target))
+    if here == there:
+        return
+    frame = next(each for each in (*here, *there) if (each in here) != (each in there))
+    way = "out of" if frame in here else "into"
+    editing.sink.error(
+        "not-supported",
+        f"{editing.called(node)} cannot be moved {way} a frame that scales: its sizes and masses would change",
+        editing.span((*at, "to")),
+        notes=(Note("the frame", editing.span_of(frame, "scale" if frame.get("scale") else "massscale")),),
+        help="write the frame's content in its final size, without `scale` and `massscale`",
+        subjects=(*editing.subjects(node), *editing.subjects(target)),
     )
     raise Unusable
 
