@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import gc
+import subprocess
+import sys
 from collections.abc import Iterator
 
 import pytest
@@ -33,3 +35,13 @@ def test_callbacks_of_others_are_called() -> None:
     rarely_collecting()
     gc.collect(0)
     assert called == ["start", "stop"]
+
+
+def test_the_last_collection_has_nothing_to_look_at() -> None:
+    program = (
+        "import atexit, gc; from composer.processes.collecting import rarely_collecting; rarely_collecting();"
+        "kept = [[] for _ in range(1000)]; atexit._run_exitfuncs(); print(gc.get_freeze_count(), gc.collect())"
+    )
+    said = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
+    frozen, found = map(int, said.split())
+    assert frozen > 1000 and found == 0
