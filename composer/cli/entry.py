@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from composer.cli.interruption import INTERRUPTED, end_in_order
+from composer.cli.interruption import INTERRUPTED, end_in_a_second, end_in_order
 from composer.processes.collecting import rarely_collecting
 
 NO_MEMORY = "not enough memory; `--limit memory=16G` allows more than 8 GiB, where the machine has it"
@@ -13,6 +13,7 @@ NO_MEMORY = "not enough memory; `--limit memory=16G` allows more than 8 GiB, whe
 def main() -> None:
     """Run the command with the arguments of this process."""
     end_in_order()
+    end_in_a_second()
     rarely_collecting()
     try:
         from composer.cli.own_memory import bound, too_little

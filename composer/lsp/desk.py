@@ -241,6 +241,10 @@ class Desk:
                 document.timer.cancel()
         self._analysing.shutdown(wait=False, cancel_futures=True)
         self._verifying.shutdown(wait=False, cancel_futures=True)
+        self.end()
+
+    def end(self) -> None:
+        """End the processes that work for this one, and remove their folders."""
         self.workspace.close()
         self.verifier.close()
 

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import functools
+import os
+import signal
 import sys
 import traceback
 from collections.abc import Awaitable, Callable
@@ -310,6 +313,17 @@ for _verb in COMMANDS:
 
 
 def serve() -> None:
-    """Serve one editor until it disconnects."""
+    """Serve one editor until it disconnects, or a signal ends the process."""
     sys.setswitchinterval(_TURN)
+    for number in (signal.SIGTERM, signal.SIGINT):
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, _leave)
     server.start_io()
+
+
+def _leave(number: int, frame: object) -> None:
+    """End at once: threads that read from the editor or wait for MuJoCo do not hear signals."""
+    with contextlib.suppress(Exception):
+        server.errands.end()
+        server.desk.end()
+    os._exit(128 + number)

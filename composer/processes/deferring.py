@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -22,6 +23,9 @@ class _State(threading.local):
 
 
 _state = _State()
+_heard: list[float] = []
+_SECONDS = 0.3
+"""How long others may take to end once a signal has asked this process to."""
 
 
 @contextmanager
@@ -53,9 +57,15 @@ def hear_signals() -> None:
 
 def deferred(number: int) -> bool:
     """Return whether a signal is to be deferred, and remember it if so. A handler calls this first."""
+    _heard.append(time.monotonic())
     waits = _state.defers[-1] and not _state.waiting
     _state.waiting[:] = [number] if waits else []
     return waits
+
+
+def patience(most: float) -> float:
+    """Return how many seconds to wait for others to end: `most`, or what is left of less if a signal has come."""
+    return min(most, max(0.0, _heard[0] + _SECONDS - time.monotonic())) if _heard else most
 
 
 def with_deferring(

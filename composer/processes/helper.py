@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from composer.dataclass import dataclass
+from composer.processes.deferring import patience
 from composer.processes.process import Process, module_path
 
 Task = TypeVar("Task")
@@ -95,7 +96,7 @@ class Helper:
         """End the process, after a short wait at most."""
         if self._process is not None:
             with contextlib.suppress(subprocess.TimeoutExpired):
-                self._process.wait(_SECONDS_TO_END)
+                self._process.wait(patience(_SECONDS_TO_END))
             self._process.end()
 
     def close(self) -> None:

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from types import TracebackType
 from typing import Any, Generic
 
-from composer.processes.deferring import hear_signals
+from composer.processes.deferring import hear_signals, patience
 from composer.processes.helper import Died, Helper, Opening, Result, Task, Undone
 
 _AHEAD = 8
@@ -131,7 +131,7 @@ class _Worker:
 
     def end(self) -> None:
         self._helper.end()
-        self._thread.join(_SECONDS_TO_END)
+        self._thread.join(patience(_SECONDS_TO_END))
         self._helper.close()
 
     def _serve(self) -> None:

@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import weakref
 from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
@@ -14,6 +15,7 @@ from typing import Any
 
 _GUARD = str(Path(__file__).with_name("guard.py"))
 _POSIX = os.name == "posix"
+_begun: weakref.WeakSet[Process] = weakref.WeakSet()
 
 
 class Process(subprocess.Popen[Any]):
@@ -50,6 +52,7 @@ class Process(subprocess.Popen[Any]):
             raise
         finally:
             os.close(reading)
+        _begun.add(self)
 
     def end(self) -> None:
         """Kill the program and all its children, and wait for it."""
@@ -80,6 +83,14 @@ class Process(subprocess.Popen[Any]):
             with contextlib.suppress(OSError):
                 self.release()
         super().__del__(*arguments)
+
+
+def kill_all() -> None:
+    """Kill every program that this process has started, as the last thing that it does."""
+    for process in list(_begun):
+        if process.returncode is None:
+            with contextlib.suppress(OSError):
+                os.killpg(process.pid, signal.SIGKILL)
 
 
 def module_path() -> list[str]:

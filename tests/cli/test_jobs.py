@@ -21,6 +21,7 @@ from composer.cli import build_cells, interruption
 from composer.cli.interruption import end_in_order
 from composer.cli.main import main
 from composer.cli.writing import put
+from composer.processes import deferring
 
 
 @pytest.fixture
@@ -137,7 +138,8 @@ def test_what_is_written_is_counted(folder: Path, monkeypatch: pytest.MonkeyPatc
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-        interruption._asked.clear()  # which is for a process that ends
+        interruption._asked.clear()  # which are for a process that ends
+        deferring._heard.clear()
     assert result.exit_code == 130 and "interrupted: 2 of 3 are written and whole" in result.stderr
     assert len(list(folder.glob("out/ball*"))) == 2
 
