@@ -102,11 +102,20 @@ def _compiled_there(request: dict[str, Any], mujoco: Any) -> Any:
 
 def _spec(request: dict[str, Any], mujoco: Any) -> Any:
     path = Path(request["folder"], request["model"])
+    if not _is_utf8(path):
+        raise ValueError("MuJoCo opens only files whose whole path is UTF-8: rename it")
     if request["text"] is not None:
         return mujoco.MjSpec.from_file(str(path), include={str(path): request["text"].encode()})
     if path.suffix.lower() in {".zip", ".mjz"}:
         return mujoco.MjSpec.from_zip(str(path))
     return mujoco.MjSpec.from_file(str(path))
+
+
+def _is_utf8(path: Path) -> bool:
+    try:
+        return bool(str(path).encode())
+    except UnicodeEncodeError:
+        return False
 
 
 def _described(request: dict[str, Any], mujoco: Any, model: Any) -> dict[str, Any]:

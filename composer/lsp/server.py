@@ -5,13 +5,14 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import functools
+import json
 import os
 import signal
 import sys
 import traceback
 from collections.abc import Awaitable, Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO, cast
 
 from lsprotocol import types as lsp
 from pygls.capabilities import get_capability
@@ -27,6 +28,7 @@ from composer.lsp.analysis import Analysis
 from composer.lsp.completion.table import complete
 from composer.lsp.desk import Desk
 from composer.lsp.errands import Errands
+from composer.lsp.frames import Frames
 from composer.lsp.hover.table import hover
 from composer.lsp.lines import lines_of
 from composer.lsp.navigation.definition import definition
@@ -318,7 +320,20 @@ def serve() -> None:
     for number in (signal.SIGTERM, signal.SIGINT):
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, _leave)
-    server.start_io()
+    server.start_io(cast(BinaryIO, Frames(sys.stdin.buffer, _structured, _answer)))
+
+
+def _structured(body: bytes) -> object:
+    return json.loads(body, object_hook=server.protocol.structure_message)
+
+
+def _answer(number: int | str | None, code: int, words: str) -> None:
+    """Send an error. A message is written in one piece, so other threads may write too."""
+    said = {"jsonrpc": "2.0", "id": number, "error": {"code": code, "message": words}}
+    body = json.dumps(said).encode()
+    with contextlib.suppress(BrokenPipeError):
+        sys.stdout.buffer.write(b"Content-Length: %d\r\n\r\n" % len(body) + body)
+        sys.stdout.buffer.flush()
 
 
 def _leave(number: int, frame: object) -> None:

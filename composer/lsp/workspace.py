@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 
 from composer.compose.compose import Composer
 from composer.context import Context
-from composer.diagnostics.diagnostic import Diagnostic
+from composer.diagnostics.diagnostic import Diagnostic, Severity
 from composer.diagnostics.sink import Sink, TooManyFaults
+from composer.diagnostics.span import Span
 from composer.document import load
 from composer.engine import Session
 from composer.explain.trace import Trace
@@ -43,6 +44,16 @@ def is_recipe(path: Path, text: str) -> bool:
     return path.suffix.lower() in RECIPES and bool(_RECIPE.search(text) or path.stem.endswith(".recipe"))
 
 
+_MOST_TEXT = 1_000_000
+"""Characters of a recipe: the analysis of so many takes up to 20 seconds, for every letter that is typed."""
+
+
+def _too_large(text: str, file: str) -> Diagnostic:
+    message = f"the recipe has {len(text) / 1e6:.1f} MB, and the editor shows no errors above {_MOST_TEXT / 1e6:g} MB"
+    help = "`mjcompose check` shows them"
+    return Diagnostic("yaml-too-large", message, Span(file, 1, 1), severity=Severity.WARNING, help=help)
+
+
 class Workspace:
     """Analyses recipes one after another, in one thread. Paths are shown relative to `folder`.
 
@@ -64,6 +75,8 @@ class Workspace:
         self, path: Path, text: str, texts: Mapping[str, bytes], before: Analysis | None = None
     ) -> Analysis:
         """Return the analysis of a recipe with the texts of the editor. What it lacks now is taken from `before`."""
+        if len(text) > _MOST_TEXT:
+            return Analysis(path, self.folder, text, found=(_too_large(text, shown(path, self.folder)),))
         with unsaved({**texts, os.path.realpath(path): text.encode("utf-8", "replace")}):
             return self._analysed(path, text, texts, before or Analysis(path, self.folder, text))
 
