@@ -24,8 +24,8 @@ Answer = Callable[[Any, int, str], None]
 class Frames:
     """A stream of valid frames, as `readline` and `read` of a binary file give it.
 
-    `structure` makes the objects of a message, and raises an exception for what the protocol does not have; `answer` takes
-    the id of a request (None where there is none), a code and a sentence.
+    `structure` makes the objects of a message, and raises an exception for what the protocol does not have. `answer`
+    takes the id of a request (None where there is none), a code and a sentence.
     """
 
     def __init__(self, stream: BinaryIO, structure: Structure, answer: Answer) -> None:
