@@ -18,7 +18,7 @@ from typing import Any
 
 LONGEST, DEEPEST = 10_000, 100
 """The characters of an expression, and how deep it nests."""
-STEPS, LARGEST, BITS = 500_000, 1_000_000, 4096
+STEPS, LARGEST, BITS = 500_000, 200_000, 4096
 """The steps of all expressions of a template, the characters and values in one value, the bits of a whole number."""
 Names = Callable[[str], Any]
 """What a name stands for. Raises KeyError."""
