@@ -238,7 +238,8 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _key(self) -> str | None:
         """Return what is asked for, as it was sent: `self.path` is not that."""
-        target = self.requestline.split()[1]
+        words = self.requestline.split(" ")  # Python splits at other spaces too
+        target = words[1] if len(words) == 3 else ""
         hosts, origins = (self.headers.get_all(name, []) for name in ("host", "origin"))
         key = self.owner.guard.key_of(target, hosts, origins)
         if key is None:

@@ -119,7 +119,8 @@ def test_the_token_stands_at_the_beginning(served: Server, before: str) -> None:
 def test_lines_that_are_no_request_are_forbidden(served: Server) -> None:
     own = token(served)
     for sent in (
-        b"GET " + own + b"\r\n\r\n", b"GET " + own + b" HTTP/1.0\r\n\r\n", b"GET " + own + b" x HTTP/1.1\r\n\r\n",
+        b"GET " + own + b"\r\n\r\n", b"GET " + own + b" HTTP/1.0\r\n\r\n", b"GET " + own + b" x HTTP/1.1\r\n\r\n",b"GET \xa0 " + own + b" HTTP/1.1\r\n\r\n",
+        b"GET\t" + own + b" HTTP/1.1\r\n\r\n", b"GET  " + own + b" HTTP/1.1\r\n\r\n",
         b"GET " + own + b" HTTP/9\r\n\r\n", b"\r\n\r\n", b"\0\r\n\r\n", b"GET\r\n\r\n", b"GET /" + b"x" * 100_000 + b" HTTP/1.1\r\n\r\n",
         b"GET " + own + b" HTTP/1.1\r\n" + b"a: b\r\n" * 200 + b"\r\n",
     ):  # fmt: skip

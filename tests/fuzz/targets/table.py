@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fuzz.target import Target
-from fuzz.targets import bundle, command, expression, lock, mjcf, recipe, selector, skin, urdf, xacro
+from fuzz.targets import bundle, command, expression, lock, mjcf, recipe, selector, serving, skin, urdf, xacro
 
 TARGETS: dict[str, Target] = {
     each.name: each
@@ -19,5 +19,7 @@ TARGETS: dict[str, Target] = {
         lock.TARGET,
         skin.TARGET,
         command.TARGET,
+        serving.REQUEST,
+        serving.FRAMES,
     )
 }
