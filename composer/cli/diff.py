@@ -22,6 +22,7 @@ from composer.cli.reporting import (
     report,
     say,
 )  # fmt: skip
+from composer.diagnostics.text import printable
 
 if TYPE_CHECKING:
     from composer.diff.change import Diff
@@ -110,11 +111,11 @@ def command(
         sys.exit(USAGE)
     clear_progress()
     if form == "json":
-        click.echo(json.dumps(as_data(found), indent=2, ensure_ascii=False))
+        click.echo(json.dumps(as_data(found), indent=2))
     elif form == "markdown":
         click.echo(in_markdown(found), nl=False)
     else:
-        click.echo(in_text(found))
+        click.echo(printable(in_text(found), colors=True))
     if html is not None:
         say(f"wrote {html}: open it in a browser", err=True, form="text")
     sys.exit(0 if found.same else _DIFFERENT)

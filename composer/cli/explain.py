@@ -24,6 +24,7 @@ from composer.cli.reporting import (
     source_reader,
     use_color,
 )
+from composer.diagnostics.text import printable
 
 
 @click.command()
@@ -99,10 +100,11 @@ def command(
         sys.exit(exit_code(context.folder, [model]))
     clear_progress()
     if form == "json":
-        click.echo(json.dumps(as_data(explained), indent=2, ensure_ascii=False))
+        click.echo(json.dumps(as_data(explained), indent=2))
     else:
         color = use_color(out=True)
-        click.echo(render(explained, source_reader(context.folder), color), color=color)
+        words = render(explained, source_reader(context.folder), color)
+        click.echo(printable(words, colors=True), color=color)
     sys.exit(FINDINGS if context.sink.has_errors else 0)
 
 

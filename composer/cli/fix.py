@@ -24,6 +24,7 @@ from composer.cli.reporting import (
     use_color,
 )
 from composer.diagnostics.paint import Paint
+from composer.diagnostics.text import printable
 
 if TYPE_CHECKING:
     from composer.context import Context
@@ -90,7 +91,9 @@ def _show(found: Fixed, context: Context) -> None:
     for path, (before, after) in found.files.items():
         for line in difference(before, after, context.shown(path), "fixed").splitlines():
             style = {"+": "added", "-": "removed", "@": "gutter"}.get(line[:1])
-            click.echo(paint(style, line) if style else line, color=use_color(out=True))
+            click.echo(
+                printable(paint(style, line) if style else line, colors=True), color=use_color(out=True)
+            )
 
 
 def _written(found: Fixed, context: Context) -> bool:

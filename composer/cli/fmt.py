@@ -15,6 +15,7 @@ import click
 
 from composer.cli.reporting import FINDINGS, exit_code, report, reporting_options, say
 from composer.diagnostics import github
+from composer.diagnostics.text import printable
 from composer.limits import in_force
 from composer.reading.regular import read_regular
 
@@ -77,7 +78,7 @@ def _report(file: str, difference: str | None, form: str) -> None:
     elif form == "github":
         click.echo(github.command("error", f"`mjcompose fmt` would change {file}", {"file": file}))
     else:
-        click.echo(difference, nl=False)
+        click.echo(printable(difference, colors=True), nl=False)
 
 
 def _read(recipe: str, context: Context) -> bytes | None:

@@ -17,6 +17,7 @@ from composer.cli.fetching import fetching, fetching_options
 from composer.cli.limits import limit_option
 from composer.cli.matrix import cell_options, chosen_cell
 from composer.cli.reporting import FINDINGS, USAGE, exit_code, report, reporting_options
+from composer.diagnostics.text import printable
 
 if TYPE_CHECKING:
     from composer.context import Context
@@ -88,7 +89,7 @@ def command(
     elif form == "json":
         click.echo(json.dumps(_data(plan, foreseen, filled, cells), indent=2))
     else:
-        click.echo(describe(plan, foreseen))
+        click.echo(printable(describe(plan, foreseen), colors=True))
         _say_cells(plan, filled, cells)
     if context.sink.has_errors:
         sys.exit(FINDINGS)

@@ -16,6 +16,7 @@ from composer.cli.noted import note_reported
 from composer.context import Context
 from composer.diagnostics import github, json_format, text
 from composer.diagnostics.diagnostic import Diagnostic
+from composer.diagnostics.text import printable
 
 FINDINGS, USAGE, INTERRUPTED = 1, 2, 130
 ARGUMENTS = "composer.arguments"
@@ -105,7 +106,7 @@ def say(words: str, *, err: bool = False, form: str = "text") -> None:
     if form != "json" and is_quiet():
         return
     clear_progress()
-    click.echo(words, err=err)
+    click.echo(words if form == "json" else printable(words, colors=True), err=err)
 
 
 def is_quiet() -> bool:

@@ -14,6 +14,7 @@ from composer.cli.fetching import fetching, fetching_options
 from composer.cli.limits import limit_option
 from composer.cli.matrix import cell_options, chosen_cell
 from composer.cli.reporting import USAGE, clear_progress, exit_code, report, reporting_options, use_color
+from composer.diagnostics.text import printable
 
 
 @click.command()
@@ -67,6 +68,7 @@ def command(
     clear_progress()
     color = use_color(out=True)
     if form == "json":
-        click.echo(json.dumps(as_data(found, depth), indent=2, ensure_ascii=False))
+        click.echo(json.dumps(as_data(found, depth), indent=2))
     else:
-        click.echo((render_places if places else render)(found, depth, color), color=color)
+        words = (render_places if places else render)(found, depth, color)
+        click.echo(printable(words, colors=True), color=color)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from composer.diagnostics.cell_name import CellName, listed
 from composer.diagnostics.diagnostic import Diagnostic, Severity
+from composer.diagnostics.text import printable
 
 _COMMAND = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
 
@@ -53,7 +54,7 @@ def _counted(cells: Sequence[CellName]) -> str:
 
 
 def _data(text: str) -> str:
-    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+    return printable(text).replace("%", "%25").replace("\n", "%0A")
 
 
 def _property(text: str) -> str:

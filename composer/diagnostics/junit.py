@@ -10,7 +10,7 @@ from xml.etree import ElementTree as Xml
 from composer.dataclass import dataclass
 from composer.diagnostics.cell_name import CellName
 from composer.diagnostics.diagnostic import Diagnostic
-from composer.diagnostics.text import ReadSource, render
+from composer.diagnostics.text import ReadSource, printable, render
 
 _NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
@@ -68,5 +68,5 @@ def report(suites: Iterable[Suite], read: ReadSource) -> str:
 
 
 def _text(text: str) -> str:
-    """Replace characters that XML does not allow."""
-    return _NO_XML.sub("\ufffd", text)
+    """Replace characters that act on whoever shows them, and those that XML does not allow."""
+    return _NO_XML.sub("\ufffd", printable(text))

@@ -21,7 +21,10 @@ _TAB = " " * 4
 _WINDOW = 160  # screen columns of source shown at most
 _BEFORE = 60  # of these, columns before the span
 _NEAR = 2000  # characters on each side of a span that are read: a line may be as long as a file
-_BIDIRECTIONAL = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+_BIDIRECTIONAL = "\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
+_CONTROL = f"\\x00-\\x08\\x0b-\\x1a\\x1c-\\x1f\\x7f-\\x9f\u2028\u2029{_BIDIRECTIONAL}"
+_UNSAFE = re.compile(f"[\\x1b\ud800-\udfff{_CONTROL}]")
+_UNSAFE_WITH_COLORS = re.compile(f"\\x1b(?!\\[[0-9;]*m)|[{_CONTROL}]")
 
 
 def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color: bool = False) -> str:
@@ -67,6 +70,18 @@ def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color:
     if diagnostic.help is not None:
         lines += remark("help", diagnostic.help)
     return "\n".join(lines)
+
+
+def printable(text: str, colors: bool = False) -> str:
+    r"""Return a text in which no character acts on a terminal, a log or the order of others; lines and tabs stay.
+
+    With `colors`, codes of colours stay too, and bytes of file names that are no text in this locale.
+
+    >>> printable("a\x9b2Jb\u202ec")
+    'a\ufffd2Jb\ufffdc'
+    """
+    unsafe = _UNSAFE_WITH_COLORS if colors else _UNSAFE
+    return unsafe.sub(lambda found: _stand_in(found[0]), text.replace("\r\n", "\n"))
 
 
 def summary(diagnostics: Iterable[Diagnostic]) -> str:

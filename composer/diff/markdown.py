@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from composer.diagnostics.text import printable
 from composer.diff.change import Diff, Group
 from composer.diff.text import at_defaults, following, place, verdict
 from composer.diff.words import count, moved, sentences, view
@@ -16,7 +17,7 @@ _LONGEST = 60_000
 
 def render(diff: Diff) -> str:
     """Return headings by line, the lines as a diff, the changes as a list; cut to the length of a comment."""
-    text = "\n".join(_lines(diff)).strip() + "\n"
+    text = printable("\n".join(_lines(diff))).strip() + "\n"
     if len(text) <= _LONGEST:
         return text
     kept = text[:_LONGEST].rpartition("\n#### ")[0]

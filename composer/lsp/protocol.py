@@ -11,6 +11,7 @@ from lsprotocol import types as lsp
 from composer.diagnostics.diagnostic import Diagnostic, Severity
 from composer.diagnostics.page import address
 from composer.diagnostics.span import Span
+from composer.diagnostics.text import printable
 from composer.lsp.answers import Action, Change, Completion, Fold, Hint, Hover, Item, Lens, Symbol
 from composer.lsp.lines import column_of, units
 
@@ -165,7 +166,7 @@ def _words(found: Diagnostic) -> str:
     """Return the message, the notes and the help on lines of their own, as in a terminal."""
     notes = [note.message for note in found.listed() if note.span is None]
     help = [f"help: {found.help}"] if found.help else []
-    return "\n".join([found.message, *notes, *help])
+    return printable("\n".join([found.message, *notes, *help]))
 
 
 def _word_end(text: str, start: int) -> int:

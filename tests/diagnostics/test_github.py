@@ -35,7 +35,7 @@ def test_escapes() -> None:
     )
     assert line == (
         "::error file=C%3A\\a%2Cb%25%0A.yaml,line=1,col=1,title=bad-name"
-        "::50%25 a,b: c%0D%0Ad%0Anote: n%0Ahelp: h%0Ai"
+        "::50%25 a,b: c%0Ad%0Anote: n%0Ahelp: h%0Ai"
     )
     assert "\n" not in line and "\r" not in line
 

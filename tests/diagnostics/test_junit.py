@@ -31,7 +31,7 @@ def test_what_xml_cannot_hold_is_replaced() -> None:
     fault = Diagnostic("check-failed", "a\x00b\x1b", None)
     root = Xml.fromstring(report([Suite("a", [Case("n", "k", [fault])])], lambda _: None))
     failure = root.find(".//failure")
-    assert failure is not None and failure.get("message") == "a�b�"
+    assert failure is not None and failure.get("message") == "a␀b␛"
 
 
 def test_the_cell_of_a_suite_is_a_property() -> None:

@@ -1,13 +1,15 @@
 from __future__ import annotations
 
 import re
-import time
+import unicodedata
 from dataclasses import replace
 
 import pytest
 
 from composer.diagnostics import Diagnostic, Note, Severity, Span, render, summary
+from composer.diagnostics import text as shown_text
 from composer.diagnostics.cell_name import CellName
+from composer.diagnostics.text import printable
 
 
 def lines(diagnostic: Diagnostic, source: str, color: bool = False) -> list[str]:
@@ -163,12 +165,54 @@ def test_cells_are_named() -> None:
     assert "a-s0000" in "".join(lines(fault, "", color=True))
 
 
-def test_a_line_as_long_as_a_file_costs_no_more_than_a_short_one() -> None:
+def test_a_line_as_long_as_a_file_costs_no_more_than_a_short_one(monkeypatch: pytest.MonkeyPatch) -> None:
     line = "<!-- " + "a-b " * 2_000_000 + "-->"
-    begun = time.monotonic()
+    counted: list[str] = []
+    cell = shown_text._cell
+    monkeypatch.setattr(shown_text, "_cell", lambda character: counted.append(character) or cell(character))
     for column in (1, 3_000_001, len(line)):
         shown = render(Diagnostic("bad-name", "m", Span("f", 1, column, 1, column + 2)), lambda _: line)
         _, _, excerpt, underline = shown.splitlines()
         at = underline.index("^")
         assert excerpt[at] == line[column - 1] and len(excerpt) < 200
-    assert time.monotonic() - begun < 2
+    assert 200 < len(counted) < 20_000
+
+
+HOSTILE = "\x07\x1b]0;a\x1b[2J\x7f\x85\x9b31m\u061c\u200e\u202a\u202e\u2066\u2069\u2028\u2029\ud800"
+"""Every character is one that acts, with some that do not after it."""
+
+
+@pytest.mark.parametrize("form", ["text", "github", "junit", "markdown", "line"])
+def test_no_character_acts_on_who_shows_it(form: str) -> None:
+    from composer.diagnostics import github, junit
+
+    places = tuple(Note(f"note {HOSTILE}", Span(f"a{HOSTILE}.xml", 1, 1)) for _ in range(2))
+    found = Diagnostic(
+        "bad-name",
+        f"a {HOSTILE} b",
+        Span(f"a{HOSTILE}.xml", 1, 1),
+        notes=places,
+        help=HOSTILE,
+        cells=(CellName(HOSTILE),),
+    )
+    if form == "text":
+        said = render(found, lambda file: f"<a name='{HOSTILE}'/>")
+    elif form == "github":
+        said = github.render(found)
+    elif form == "junit":
+        case = junit.Case(f"case {HOSTILE}", HOSTILE, [found], f"a{HOSTILE}.xml", 1)
+        said = junit.report([junit.Suite(HOSTILE, [case], CellName(HOSTILE))], lambda file: HOSTILE)
+    else:
+        said = printable(f"a{HOSTILE}\r\nb\tc\rd\né", colors=form == "line").replace("\ud800", "")
+        assert said.count("\n") == 2 and "b\tc" in said and said.endswith("é")
+    acts = [
+        each for each in said if unicodedata.category(each) in ("Cc", "Cs", "Zl", "Zp") and each not in "\n\t"
+    ]
+    assert acts == [] and not set(said) & set(
+        "\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
+    )
+
+
+def test_colors_stay_where_they_are_meant() -> None:
+    assert printable("\x1b[1;31mred\x1b[0m\x1b[2J", colors=True) == "\x1b[1;31mred\x1b[0m\u241b[2J"
+    assert printable("\x1b[1;31mred") == "\u241b[1;31mred"
