@@ -13,7 +13,7 @@ from composer.cache.cache_key import BuildOptions, CacheKey
 from composer.cache.cells import text_of
 from composer.cache.entry import Record
 from composer.cache.files import Seen
-from composer.cache.result import Made, files_of
+from composer.cache.result import Made, files_of, recalled
 from composer.context import Context
 from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Diagnostic
@@ -100,13 +100,25 @@ class CellMaker:
         self, made: MadeCell, record: Record, inputs: Sequence[Seen], packages: Iterable[Package]
     ) -> None:
         """Store what other processes made, if its inputs are the same here, and record that it is written."""
-        cache, key = self.maker.cache, self._key(made.cell)
-        if cache is None or key is None or made.made is None:
+        if made.made is not None:
+            self.keep_record(made.cell, record, inputs, packages, made.made)
+
+    def keep_record(
+        self,
+        cell: Cell,
+        record: Record,
+        inputs: Sequence[Seen],
+        packages: Iterable[Package],
+        made: Made | None = None,
+    ) -> None:
+        """Store the record of a cell that was written elsewhere, if its inputs are the same here."""
+        cache, key = self.maker.cache, self._key(cell)
+        if cache is None or key is None:
             return
         here = [cache.files.look(each.path) for each in inputs]
         if all(mine.state == each.state for mine, each in zip(here, inputs, strict=True)):
             cache.keep(key, record, here, packages)
-            self.maker.note_written(made.made)
+            self.maker.note_written(recalled(record, ()) if made is None else made)
 
     def _key(self, cell: Cell) -> CacheKey | None:
         values = {f"`{name}`": text_of(node) for name, node in cell.given.items()}

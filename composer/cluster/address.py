@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from typing import Any, TypeAlias
 
 from composer.cluster.error import ClusterError
+from composer.scratch import scratch
 
 Client: TypeAlias = Any
 """A `distributed.Client`."""
@@ -111,8 +112,9 @@ def _local(distributed: Any, workers: int) -> Iterator[Any]:
         security = Security.temporary()
     except ImportError:  # Dask installs without it
         raise _missing("cryptography") from None
-    with config.set(_IDLE), distributed.LocalCluster(
+    # Dask leaves its folders and lock files where it is killed; the next run sweeps those of ours.
+    with scratch("dask") as folder, config.set(_IDLE), distributed.LocalCluster(
         n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, memory_limit=0,
-        security=security, silence_logs=logging.CRITICAL, worker_dashboard_address=None,
+        security=security, silence_logs=logging.CRITICAL, worker_dashboard_address=None, local_directory=str(folder),
     ) as cluster:  # fmt: skip
         yield cluster

@@ -22,6 +22,8 @@ from composer.processes.helper import Died
 
 _MOST_CELLS = 32
 """Cells in a part: Dask takes some milliseconds for each part."""
+_SECONDS = 0.5
+"""How long a part may take: its results come at once, and are lost at once."""
 _AHEAD = 2
 """Parts for each thread that are started before the first result is taken."""
 _TRIES = 2
@@ -49,6 +51,9 @@ class Crew:
         self._again: deque[Part] = deque()
         self._ready: dict[int, Any] = {}
         self._threads, self._counted, self._lost = 0, 0.0, 0
+        self._workers: set[str] = set()
+        self._pace = _SECONDS
+        self._cells: Sequence[Cell] = ()
 
     def __enter__(self) -> Crew:
         return self
@@ -66,17 +71,20 @@ class Crew:
         """
         self._client = self._held.enter_context(client_of(self._address, self._count))
         self._stations = stations = Stations(making, cells, self._out, self._away, self._held)
+        self._cells = cells
         self._count_threads()
         stations.begin(self._client, list(self._client.nthreads()))
-        parts = self._parts(making, cells)
+        parts = self._parts(stations, cells)
         for taken in range(len(cells)):
             while taken not in self._ready:
                 self._go_on(parts)
             yield stations.home(self._ready.pop(taken), self._tell)
+        self._count_threads()  # to say which workers died
 
     def finished(self) -> Iterator[MadeCell]:
         """End the work of an interrupted run, and yield the results that were not taken."""
         running, self._running = self._running, {}
+        taken = {number for part in (*running.values(), *self._again) for number in part.numbers}
         with contextlib.suppress(Exception):  # a lost cluster cannot answer
             for future in running:
                 if future.status != "finished":
@@ -85,6 +93,11 @@ class Crew:
             for future, part in running.items():
                 if future.status == "finished":
                     self._note(part, future.result())
+        # Workers have written more than they could report.
+        for number in taken - self._ready.keys():
+            assert self._stations is not None
+            if (known := self._stations.known(self._cells[number])) is not None:
+                self._ready[number] = known
         for number in sorted(self._ready):
             result = self._ready.pop(number)
             if isinstance(result, MadeCell) or (isinstance(result, Away) and result.cell.made is not None):
@@ -93,14 +106,15 @@ class Crew:
                 assert isinstance(found, MadeCell)
                 yield found
 
-    def _parts(self, making: CellMaker, cells: Sequence[Cell]) -> Iterator[Part]:
-        """Yield parts that are large, but keep all threads busy to the end, without cells that the cache has."""
+    def _parts(self, stations: Stations, cells: Sequence[Cell]) -> Iterator[Part]:
+        """Yield parts of half a second each, the first of one cell, without cells that are made already."""
         at = 0
         while at < len(cells):
-            size = max(1, min(_MOST_CELLS, (len(cells) - at) // (2 * self._threads)))
+            size = min(_MOST_CELLS, (len(cells) - at) // (2 * self._threads), int(_SECONDS / self._pace))
+            size = max(1, size)
             unknown = []
             for number in range(at, min(at + size, len(cells))):
-                known = making.known(cells[number])
+                known = stations.known(cells[number])
                 if known is None:
                     unknown.append(number)
                 else:
@@ -135,6 +149,10 @@ class Crew:
                 said = True
             with contextlib.suppress(TimeoutError):
                 self._client.wait_for_workers(1, timeout=_LOOK_AGAIN)
+        there = set(self._client.nthreads())
+        for gone in sorted(self._workers - there):
+            self._tell(f"the worker `{gone}` has ended; its cells go to others")
+        self._workers = there
         self._threads, self._counted = threads, time.monotonic()
 
     def _submit(self, part: Part) -> None:
@@ -164,6 +182,11 @@ class Crew:
 
     def _note(self, part: Part, answer: Sequence[Any]) -> None:
         self._ready.update(zip(part.numbers, answer, strict=True))
+        for each in answer:
+            cell = each.cell if isinstance(each, Away) else each
+            if isinstance(cell, MadeCell):
+                took = sum(seconds for _, seconds in cell.timings)
+                self._pace = max(0.9 * self._pace + 0.1 * took, _SECONDS / _MOST_CELLS)
 
     def _failed(self, part: Part, error: BaseException) -> None:
         """Try each cell of a part alone, once, after its workers have died one after the other."""
@@ -174,8 +197,10 @@ class Crew:
             self._ready[part.numbers[0]] = Died(f"ended with its worker: {' '.join(str(error).split())}")
 
     def _end_run(self) -> None:
-        if self._stations is not None and self._client.status == "running":
-            self._stations.close(self._client)
+        if self._stations is not None:
+            if self._client.status == "running":
+                self._stations.close(self._client)
+            self._stations.end()
 
     def _connect_again(self, error: Exception) -> None:
         """Reconnect, and submit unfinished parts again. Raises ClusterError."""

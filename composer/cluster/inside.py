@@ -12,6 +12,7 @@ from typing import Any
 
 from composer.cache.entry import Record
 from composer.cache.files import Seen
+from composer.cluster.journal import Journal
 from composer.cluster.mirror import loaded, without_root
 from composer.cluster.order import Away, Canary
 from composer.processes.guard import limit
@@ -28,7 +29,9 @@ def opened(memory: int, job: bytes) -> Iterator[Callable[[Any], Any]]:
 
 
 @contextmanager
-def opened_away(memory: int, job: bytes, root: str, store: str) -> Iterator[Callable[[Any], Any]]:
+def opened_away(
+    memory: int, job: bytes, root: str, store: str, journal: Journal | None = None
+) -> Iterator[Callable[[Any], Any]]:
     """Open a job whose files are a mirror below `root`; cached results go to a store of this worker."""
     limit(memory, 0)
     here = loaded(job, root)
@@ -48,7 +51,11 @@ def opened_away(memory: int, job: bytes, root: str, store: str) -> Iterator[Call
                 return None if found.made is None else found.made.sha256
             kept.clear()
             cell = without_root(make(task), root)
-            record, inputs = kept[-1] if kept else (None, ())
-            return Away(cell, without_root(record, root), without_root(inputs, root))
+            # Kept for the cell, with its recipes, and then for its plan; of sources that may move, for the plan alone.
+            record, inputs = kept[0] if len(kept) > 1 else (None, ())
+            away = Away(cell, without_root(record, root), without_root(inputs, root))
+            if journal is not None and away.record is not None and not cell.failed:
+                journal.note(cell.cell.name, away.record, away.inputs)
+            return away
 
         yield made

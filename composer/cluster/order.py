@@ -5,6 +5,7 @@ from __future__ import annotations
 from composer.cache.entry import Record
 from composer.cache.files import Seen
 from composer.cache.making import MadeCell
+from composer.cluster.journal import Journal
 from composer.cluster.mirror import Layout
 from composer.dataclass import dataclass
 from composer.expand.matrix import Cell
@@ -26,7 +27,8 @@ class Order:
     (`cache/files.py`). `seen` are files of this run that a worker sees only if it shares the disk: in the store,
     and where the models go, which may be an `address`. A worker that sees them works like a process of this
     machine. Others get the files in `layout`, and `away`, another Job; `canary` checks that this gives the same
-    model, and `is_tried` says that a canary was looked for. `memory` limits each process that makes models, in
+    model, and `is_tried` says that a canary was looked for. It notes in `journal` what it
+    has written. `memory` limits each process that makes models, in
     bytes.
     """
 
@@ -42,6 +44,7 @@ class Order:
     address: str | None = None
     canary: Canary | None = None
     is_tried: bool = False
+    journal: Journal | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,6 +19,7 @@ from composer.cluster import station
 from composer.cluster.address import Client
 from composer.cluster.error import ClusterError
 from composer.cluster.freight import away_job, batches, freight_of
+from composer.cluster.journal import journal_of
 from composer.cluster.order import Away, Canary, Lacks, Order, Refused
 from composer.cluster.versions import check_versions
 from composer.expand.matrix import Cell
@@ -43,10 +44,13 @@ class Stations:
         away: Finish | None,
         held: ExitStack,
     ) -> None:
-        self._making, self._first = making, cells[0]
+        self._making = making
         store = making.maker.cache.store.folder if making.maker.cache is not None else None
         freight = freight_of(making, cells)
         self._packages = freight.packages
+        self._journal = journal_of(making, out)
+        written = {each.name for each in cells if self._has_written(each)}
+        self._first = next((each for each in cells if each.name not in written), cells[0])
         seen = None
         with contextlib.suppress(OSError):  # a read-only folder, which is reported where it is needed
             seen = None if store is None else _token(store, held)
@@ -57,7 +61,7 @@ class Stations:
         self.order = Order(
             os.urandom(8).hex(), pickle.dumps(Job.of(making)), away_job(making, away),
             os.fspath(making.maker.context.folder), int(in_force().memory), freight.files, freight.layout,
-            seen, out_seen, out if isinstance(out, str) else None,
+            seen, out_seen, out if isinstance(out, str) else None, journal=self._journal,
         )  # fmt: skip
 
     def begin(self, client: Client, workers: list[str]) -> None:
@@ -75,6 +79,19 @@ class Stations:
                     workers.append(worker)
                 elif answer is not None and not isinstance(answer, OSError):  # an OSError: it is gone
                     raise ClusterError("cluster-worker", f"the worker `{worker}` cannot begin: {answer}")
+
+    def known(self, cell: Cell) -> MadeCell | None:
+        """Return a cell that the cache has, or that an earlier run has written whole on another machine."""
+        self._has_written(cell)
+        return self._making.known(cell)
+
+    def end(self) -> None:
+        """Remove the journal, if the cache has all that was written."""
+        if self._journal is not None:
+            self._journal.end()
+
+    def _has_written(self, cell: Cell) -> bool:
+        return self._journal is not None and self._journal.take(cell, self._making, self._packages)
 
     def close(self, client: Client) -> None:
         """End all work of the run on all workers."""
@@ -95,6 +112,8 @@ class Stations:
             return made
         if result.record is not None:
             self._making.keep(result.cell, result.record, result.inputs, self._packages)
+            if self._journal is not None:
+                self._journal.forget(result.cell.cell.name)
         return result.cell
 
     def _send(self, client: Client, worker: str, lacks: Lacks) -> None:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from cluster.dask_cluster import Cluster
-from cluster.test_crew import MODEL, RECIPE, digests, run
+from cluster.dask_cluster import Cluster, wait_for
+from cluster.test_crew import MODEL, RECIPE, digests, run, start
 
 pytest.importorskip("distributed", reason="needs `mjcompose[cluster]`")
 pytestmark = [
@@ -75,8 +76,30 @@ def test_what_was_made_elsewhere_is_known_here(folder: Path, cluster: Cluster) -
     words = ("build", "r.yaml", "--pick", "size=1", "-o", "out/{name}/")
     assert run(*words, "--cluster", str(cluster.file))[0] == 0
     assert run(*words)[1].count("is up to date") == 4
+    recipe = (folder / "base.yaml").read_text()
+    (folder / "base.yaml").write_text(recipe.replace("${size}", "${size / 2}"))
+    assert run(*words)[1].count("wrote out/ball") == 4
+    (folder / "base.yaml").write_text(recipe)
     (folder / "far" / "tool.obj").write_text(MESH.replace("v 1 0 0", "v 2 0 0"))
     assert run(*words, "--cluster", str(cluster.file))[1].count("wrote out/ball") == 4
+
+
+def test_what_a_killed_run_has_written_is_not_built_again(folder: Path, cluster: Cluster) -> None:
+    """The client is gone; the workers finish what they have."""
+    many = RECIPE.replace("./model.xml", "./parts/model.xml").replace("[1, 2, -1]", "[1]")
+    (folder / "base.yaml").write_text(many.replace("samples: 3", "samples: 60"))
+    words = ("build", "r.yaml", "--all", "-o", "out/{name}/", "--cluster", str(cluster.file))
+    process = start(*words)
+    manifests = "out/ball*/manifest.json"
+    wait_for(lambda: len(list(folder.glob(manifests))) >= 9)
+    process.kill()
+    process.communicate()
+    time.sleep(3)
+    before = {path: path.stat().st_ino for path in folder.glob(manifests)}
+    assert run(*words)[0] == 0
+    after = {path: path.stat().st_ino for path in folder.glob(manifests)}
+    assert len(after) == 61 and before.items() <= after.items()
+    assert not (folder / "out" / ".mjcompose-cluster").exists()
 
 
 def test_a_file_that_is_not_foreseen_is_used_here(folder: Path, cluster: Cluster) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -58,7 +59,11 @@ def test_it_listens_on_this_machine_and_to_nobody_without_its_key(tmp_path: Path
 
     (tmp_path / "hold.py").write_text(HOLD)
     command = [sys.executable, str(tmp_path / "hold.py")]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+    (tmp_path / "temporary").mkdir()
+    environment = {**os.environ, "TMPDIR": str(tmp_path / "temporary")}
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment, cwd=tmp_path
+    ) as process:
         assert process.stdout is not None
         address = process.stdout.readline().strip()
         assert address.startswith("tls://127.0.0.1:")
@@ -68,3 +73,5 @@ def test_it_listens_on_this_machine_and_to_nobody_without_its_key(tmp_path: Path
         with pytest.raises(OSError):
             distributed.Client(address, timeout=5, security=distributed.security.Security.temporary())
         process.kill()
+    left = [*(tmp_path / "temporary").iterdir(), *tmp_path.glob("dask*")]
+    assert all(each.name.startswith("mjcompose-dask-") for each in left)  # which the next run sweeps
