@@ -77,9 +77,27 @@ def layout_of(linking: Linking, unit: Unit) -> Layout | None:
     Rows that end in the middle of a joint then end behind it.
     """
     layout = _layout_of(linking, unit)
+    linking.keys.shapes |= {flex: _shape(flex) for flex in unit.root.iter("flexcomp")}
     if layout is not None:
         _complete_rows(linking, unit, layout)
     return layout
+
+
+_SHAPING = ("type", "count", "dim", "dof", "rigid", "file", "mesh", "point", "element", "cellcount")
+
+
+def reshaped_flexes(linking: Linking) -> set[Node]:
+    """Return the flexes that edits give other vertices, so that their numbers in keys mean nothing any more."""
+    shapes = linking.keys.shapes
+    return {
+        flex for flex in linking.base.root.iter("flexcomp") if _shape(flex) != shapes.get(flex, _shape(flex))
+    }
+
+
+def _shape(flex: Node) -> str:
+    """Return as text what decides which vertices a flex has, and which of them move."""
+    own = [f"{name}={flex.get(name)}" for name in _SHAPING if flex.get(name)]
+    return " ".join([*own, *(str(sorted(pin.items())) for pin in flex.iterchildren("pin"))])
 
 
 def _complete_rows(linking: Linking, unit: Unit, layout: Layout) -> None:

@@ -44,9 +44,9 @@ class KeyTable:
     reference configuration that only MuJoCo knows.
 
     How edits of the joined model affect keys: `edited` is set if there may be edits, `reshaped` are the elements
-    whose number of values may have changed, and `void_keys` are the elements whose values in keys have become
-    meaningless. `edited_keys` are keys whose numbers edits or draws have changed, and `noted` is what the recipe writes
-    into its own keys, by their elements.
+    whose number of values may have changed, `shapes` has what decided the vertices of each `<flexcomp>`, and
+    `void_keys` are the elements whose values in keys have become meaningless. `edited_keys` are keys whose numbers
+    edits or draws have changed, and `noted` is what the recipe writes into its own keys, by their elements.
     """
 
     own: dict[Part | None, tuple[Key, ...]] = field(default_factory=dict)
@@ -61,6 +61,7 @@ class KeyTable:
     mocap_references: dict[Holder, list[Pose]] = field(default_factory=dict)
     edited: bool = False
     reshaped: set[Node] = field(default_factory=set)
+    shapes: dict[Node, str] = field(default_factory=dict)
     void_keys: set[Node] = field(default_factory=set)
     edited_keys: set[Node] = field(default_factory=set)
     noted: dict[Node, Written] = field(default_factory=dict)

@@ -12,7 +12,7 @@ from lxml.etree import _Element as Node
 
 from composer.diagnostics.diagnostic import Cause, Note
 from composer.link import numbers
-from composer.link.key_layouts import VECTORS, final_layout, keys_of, refer_anew
+from composer.link.key_layouts import VECTORS, final_layout, keys_of, refer_anew, reshaped_flexes
 from composer.link.layout import Layout
 from composer.link.linking import Linking
 from composer.link.part import Part
@@ -76,7 +76,7 @@ def _element(linking: Linking, key: Key, final: Layout, reference: Reference) ->
         element.set("name", key.name)
     # What the recipe writes is newer than its edits. What it takes over with `from` is not: `keyframe.py` sees to that.
     is_newer = any(key is each for each in linking.keys.written)
-    void = frozenset[Node]() if is_newer else frozenset(linking.keys.void_keys)
+    void = frozenset(reshaped_flexes(linking) | (set() if is_newer else linking.keys.void_keys))
     record = KeyRecord((key.element, *key.others), void=void)
     if key.time is not None:
         element.set("time", key.time.text)
@@ -90,6 +90,7 @@ def _element(linking: Linking, key: Key, final: Layout, reference: Reference) ->
                 element.set(vector, " ".join(texts(row)))
                 record.numbers[vector] = row
     _check_copies(linking, key, reference)
+    _warn_of_lost(linking, key, reference)
     linking.base.origins.keys[element] = record
     linking.base.origins.own(element, key.origins.owner(key.element, key.file))
     set_line(element, line_of(key.element))
@@ -109,6 +110,22 @@ def _check_copies(linking: Linking, key: Key, reference: Reference) -> None:
             help="leave the keys out, `keyframes: none`, and write the key in the recipe",
         )
     reference.disagreeing.clear()
+
+
+def _warn_of_lost(linking: Linking, key: Key, reference: Reference) -> None:
+    """Warn of numbers for an element that has another number of them, or for other vertices, since an edit."""
+    for vector, element in dict.fromkeys(reference.lost):
+        name = element.get("name")
+        what = f"{element.tag} `{name}`" if name else f"`<{element.tag}>` without a name"
+        linking.sink.warning(
+            "keyframe-conflict",
+            f"`{vector}` of {called(key.element)} has numbers that no longer fit the {what}: an edit gives it others",
+            linking.span(linking.base, element, "count" if element.tag == "flexcomp" else "type"),
+            notes=(Note("the key", key.span(vector)),),
+            help="they are those of the reference configuration now, or 0; write them in a key of the recipe",
+            cause=Cause(f"numbers of {what}", f"`{vector}` of {called(key.element)}"),
+        )
+    reference.lost.clear()
 
 
 def _merged(linking: Linking) -> dict[str, Key]:

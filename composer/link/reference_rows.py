@@ -26,6 +26,7 @@ class Reference:
     def __init__(self, linking: Linking) -> None:
         self.linking = linking
         self.disagreeing: list[tuple[str, Node]] = []
+        self.lost: list[tuple[str, Node]] = []
         self.sequence = linking.base.settings.eulerseq
 
     @cached_property
@@ -53,7 +54,11 @@ class Reference:
         second = vector in ("qvel", "act")
         for holder, slot in (layout.joints if vector in ("qpos", "qvel") else layout.actuators).items():
             width, given = slot.widths[second], found(holder)
-            if given is None or len(given) != width or element_of(holder) in void:
+            element = element_of(holder)
+            if given is None or len(given) != width or element in void:
+                # Of actuators `convert` says what is lost.
+                if vector in ("qpos", "qvel") and given and any(numbers.read(" ".join(texts(given)))):
+                    self.lost.append((vector, element))
                 default = self._qpos(holder, slot) if vector == "qpos" else ["0"] * width
                 given = _by_nobody(vector, default, given)
             row += given

@@ -529,6 +529,39 @@ def test_copies_that_differ_cannot_leave_their_replicate(built: Built) -> None:
         )
 
 
+CLOTH = """
+<mujoco model="cloth"><worldbody><body name="holder"><geom size=".05"/>
+  <flexcomp name="c" type="grid" count="2 2 1" spacing=".1 .1 .1" dim="2" mass=".1" radius=".01"><pin id="0"/>
+    <edge equality="true"/><contact selfcollide="none"/></flexcomp></body>
+  <body name="after" pos="0 1 1"><joint name="aj" axis="0 1 0"/><geom size=".05"/></body></worldbody>
+  <keyframe><key name="k" qpos="1 2 3 4 5 6 7 8 9 10"/></keyframe></mujoco>
+"""
+
+
+@pytest.mark.parametrize("own", [False, True])
+@pytest.mark.parametrize(
+    "shape", ["{select: {flexcomp: c}, set: {count: [3, 2, 1]}}", "{select: {pin: '*'}, set: {id: [1]}}"]
+)
+def test_a_flexcomp_of_another_shape_starts_at_its_reference(tmp_path: Path, own: bool, shape: str) -> None:
+    """Of its vertices nothing is known, and what stands behind it keeps its numbers."""
+    (tmp_path / "c.xml").write_text(CLOTH)
+    entry = f"edit: [{shape}]"
+    (tmp_path / "r.yaml").write_text(
+        f"recipe: 1\nbase: {{model: ./c.xml, {entry}}}" if own else f"recipe: 1\nbase: ./c.xml\n{entry}"
+    )
+    context = Context(environment={}, folder=tmp_path)
+    done = build(Request(tmp_path / "r.yaml"), context)
+    if done is None:
+        assert "pin" in shape  # not every edit reaches what is inside of a `<flexcomp>`
+        assert {each.code for each in context.sink.errors} <= {"selector", "wrong-type", "unknown-element"}
+        return
+    model = mujoco.MjModel.from_xml_string(done.bundle.files["model.xml"].decode())
+    reset = Reset(model, "k")
+    assert reset.qpos("aj") == [10]
+    assert not reset.data.qpos[: model.joint("aj").qposadr[0]].any()
+    assert "keyframe-conflict" in [each.code for each in context.sink.diagnostics]
+
+
 ROD = """
 <mujoco model="rod"><worldbody><body name="holder" pos="0 0 1"><joint name="hj" axis="0 1 0"/><geom size=".05"/>
   <flexcomp name="rod" type="grid" count="4 1 1" spacing=".1 .1 .1" dim="1" mass=".1" radius=".01" pos=".3 0 0">
