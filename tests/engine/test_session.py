@@ -2,9 +2,11 @@ from __future__ import annotations
 
 import os
 import secrets
+import signal
 import sys
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -250,3 +252,29 @@ def test_each_answer_has_the_index_of_its_own_model(tmp_path: Path) -> None:
         assert bodies(session, named("c")) == ("world", "c")
         session._stop()
         assert bodies(session, named("c", 2)) == ("world", "c")
+
+
+@posix
+def test_a_name_that_is_no_text_is_a_sentence(tmp_path: Path) -> None:
+    try:
+        (tmp_path / "a\udcff.xml").write_text(GOOD)
+    except OSError:
+        pytest.skip("this file system takes only text")
+    compiled = engine.compile(tmp_path, "a\udcff.xml")
+    assert not compiled.ok and "UTF-8: rename it" in str(compiled.error) and compiled.crash is None
+
+
+@posix
+def test_another_thread_ends_who_waits_and_who_asks_later(tmp_path: Path) -> None:
+    put(tmp_path, GOOD)
+    session = Session()
+    with session, ThreadPoolExecutor(1) as executor:
+        assert engine.compile(tmp_path, session=session).ok
+        assert session._process is not None
+        os.kill(session._process.pid, signal.SIGSTOP)
+        waits = executor.submit(engine.compile, tmp_path, session=session)
+        time.sleep(0.2)
+        begun = time.monotonic()
+        session.end()
+        assert waits.result(20).crash == "stopped" and time.monotonic() - begun < 5
+        assert engine.compile(tmp_path, session=session).crash == "stopped"

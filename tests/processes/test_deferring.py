@@ -10,7 +10,8 @@ from contextlib import contextmanager
 
 import pytest
 
-from composer.processes.deferring import deferring, hear_signals, interruptible, with_deferring
+import composer.processes.deferring as deferring_module
+from composer.processes.deferring import deferring, hear_signals, interruptible, patience, with_deferring
 from composer.processes.pool import Pool
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals")
@@ -68,6 +69,18 @@ def test_it_is_heard_after_an_error(send: Callable[[], None]) -> None:
     with pytest.raises(Heard), deferring():
         send()
         raise ValueError
+
+
+def test_who_ends_is_waited_for_less_once_a_signal_has_come(
+    send: Callable[[], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(deferring_module, "_heard", [])
+    assert patience(5) == 5
+    with pytest.raises(Heard):
+        send()
+    assert 0 < patience(5) <= 0.3 and patience(0.1) <= 0.1
+    deferring_module._heard[0] -= 1
+    assert patience(5) == 0
 
 
 @contextmanager

@@ -49,9 +49,9 @@ def is_alive(process: int) -> bool:
 
 
 def end_of(processes: list[int]) -> float:
-    """How many seconds it takes until none of them is alive; more than 5 where one stays."""
+    """How many seconds it takes until none of them is alive; 15 where one stays."""
     begun = time.monotonic()
-    while any(map(is_alive, processes)) and time.monotonic() - begun < 5:
+    while any(map(is_alive, processes)) and time.monotonic() - begun < 15:
         time.sleep(0.01)
     return time.monotonic() - begun
 
@@ -67,7 +67,7 @@ def test_mujoco_ends_with_its_parent_while_it_is_busy(tmp_path: Path, number: in
         assert is_alive(child)
         parent.send_signal(number)
         parent.wait()
-        assert end_of([child]) < 1
+        assert end_of([child]) < 10
 
 
 @posix
@@ -83,7 +83,7 @@ def test_a_program_and_what_it_started_end_with_their_parent(program: str) -> No
         time.sleep(0.2)
         assert all(map(is_alive, processes))
         os.kill(parent.pid, signal.SIGKILL)
-        assert end_of(processes) < 1
+        assert end_of(processes) < 10
         os.killpg(parent.pid, signal.SIGKILL)  # the fork
 
 
@@ -93,7 +93,7 @@ def test_end_takes_what_the_program_started(tmp_path: Path) -> None:
     assert process.stdout is not None
     started = int(process.stdout.readline())
     process.end()
-    assert end_of([started, process.pid]) < 1
+    assert end_of([started, process.pid]) < 10
     process.stdout.close()
 
 
