@@ -16,7 +16,7 @@ from composer.document.node import locate
 from composer.link import numbers
 from composer.link.bodies import effective_pose
 from composer.link.linking import Linking
-from composer.link.part import Joint, Part, Place
+from composer.link.part import Joint, Part, Place, Sense
 from composer.link.placing import pose_in_world, read_pose
 from composer.link.root_rules import floats_by_itself
 from composer.numerics.pose import IDENTITY_QUAT, Pose, quat_from_axisangle, quat_from_euler
@@ -25,6 +25,8 @@ from composer.recipe.element import Element, Single
 from composer.tree.scaled import scaled_above
 from composer.tree.unit import Unit
 
+SENSE = "sense"
+"""The key, and without a name that of the body and the site."""
 _MATES = ("site", "body", "frame")
 
 
@@ -42,6 +44,7 @@ def part_of(step: AttachPart, unit: Unit, making: ElementBuilder) -> Part:
 
 def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBuilder) -> None:
     """Add the connection between the place and the part: nothing, a weld, a mocap body or joints."""
+    part.sense = _sense(step, making)
     joint = step.attachment.joint
     if joint is None:
         return
@@ -71,6 +74,20 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBu
     else:
         attributes = {**named, **joint_attributes(joint, making)}
         part.joints = (Joint("joint", attributes, _places(joint, making)),)
+
+
+def _sense(step: AttachPart, making: ElementBuilder) -> Sense | None:
+    """Return the body, the site and the sensors of `sense`, by their names in the recipe."""
+    wanted = step.attachment.sense
+    if wanted is None:
+        return None
+    start = f"{wanted.name}_" if wanted.name else ""
+    return Sense(
+        step.prefix + (wanted.name or SENSE),
+        tuple((tag, f"{step.prefix}{start}{tag}") for tag in wanted.quantities),
+        numbers.text([wanted.cutoff]) if wanted.cutoff else "",
+        locate(making.document, (*step.at, SENSE)),
+    )
 
 
 def _places(joint: Element, making: ElementBuilder) -> dict[str, Span]:

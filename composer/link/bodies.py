@@ -19,10 +19,10 @@ from composer.link.flexes import taken_back
 from composer.link.inertia import has_mass
 from composer.link.layout import JOINTS, joint_type
 from composer.link.linking import Linking
-from composer.link.part import Part
+from composer.link.part import Part, Sense
 from composer.link.placing import pose_in_world, read_pose
 from composer.tree.attached import attached_notes
-from composer.tree.classes import ORIENTATIONS, Classes, childclass_of, default_tag, own, through_frames
+from composer.tree.classes import MAIN, ORIENTATIONS, Classes, childclass_of, default_tag, own, through_frames
 from composer.tree.comments import above
 from composer.tree.names import word
 from composer.tree.scaled import scaled_above
@@ -249,10 +249,14 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
     ):
         _aligned(linking, part, aligned)
     offset = dict(part.place.offset)
+    if part.sense is not None and part.floats:
+        _nothing_carries(linking, part)
     if part.floats and part.place.kind != "world":
         pose = _in_world(linking, parent, pose, offset)
         parent, offset = linking.base.section("worldbody"), {}
     outer, count = parent, len(parent)
+    if part.sense is not None:
+        parent, pose = _sensing_body(linking, part, part.sense, parent, pose), {}
     # A frame has one pose, so that the site's and the recipe's offset from it take two.
     if pose and offset:
         parent = _child(linking, part, parent, "frame", pose)
@@ -312,6 +316,47 @@ def _bound_mass(linking: Linking, body: Node) -> None:
     ):
         inertial = {"pos": "0 0 0", "mass": least, "diaginertia": f"{moment} {moment} {moment}"}
         body.insert(0, body.makeelement("inertial", inertial))
+
+
+def _sensing_body(linking: Linking, part: Part, sense: Sense, parent: Node, pose: dict[str, str]) -> Node:
+    """Create the body that carries the part, with its site and its sensors."""
+    body = _child(linking, part, parent, "body", {"name": sense.name, **pose})
+    site = _child(linking, part, body, "site", {"name": sense.name})
+    if linking.base.classes.give("site", *_GIVEN):  # what a class of the place says is meant for other sites
+        site.attrib.update({"class": MAIN, "pos": "0 0 0", "quat": "1 0 0 0"})
+    made = [("body", sense.name, body), ("site", sense.name, site)]
+    section = part.unit.section("sensor")
+    for tag, name in reversed(sense.sensors):
+        sensor = section.makeelement(tag, {"name": name, "site": sense.name})
+        if sense.cutoff:
+            sensor.set("cutoff", sense.cutoff)
+        section.insert(0, sensor)
+        part.unit.origins.own(sensor, sense.span)
+        made.append(("sensor", name, sensor))
+    for kind, name, node in made:
+        linking.base.origins.own(node, sense.span)
+        earlier = linking.names.declared.setdefault(kind, {}).setdefault(name, node)
+        if earlier is not node:
+            linking.sink.error(
+                "name-clash",
+                f"`sense` of `{part.called}` makes the {kind} `{name}`, and the model has one of that name",
+                sense.span,
+                notes=(Note("it is declared here", linking.span(part.unit, earlier, "name")),),
+                help="give it another name: `sense: {name: wrist, force: true}`",
+                subjects=(name, part.called),
+            )
+    return body
+
+
+def _nothing_carries(linking: Linking, part: Part) -> None:
+    assert part.sense is not None
+    linking.sink.error(
+        "attach-place",
+        f"`{part.called}` floats freely, so that nothing carries it and `sense` has nothing to measure",
+        part.sense.span,
+        help="leave `sense` out, or let the part hang on its place",
+        subjects=(part.called,),
+    )
 
 
 def _bring_world(linking: Linking, part: Part, frame: Node) -> None:

@@ -50,7 +50,7 @@ def _reduce(linking: Linking, unit: Unit, part: Part | None) -> None:
     if not wanted:
         return
     # On a joint of the recipe stands what would be part of a world alone: it keeps its mass.
-    pinned = static_bodies(unit) if part is not None and (part.joints or part.mocap) else ()
+    pinned = static_bodies(unit) if part is not None and part.has_body else ()
     found = survey(linking, unit, wanted, (*BODIES, *NAMED), pinned=pinned)
     if found is None:
         return

@@ -58,7 +58,7 @@ def in_world(linking: Linking) -> Iterator[Flex]:
     """Yield the recorded flexes that are also in the world of the joined model."""
     for flex in linking.notes.flexes:
         part = flex.part
-        if part is None or (part.place.kind == "world" and not part.joints and not part.mocap):
+        if part is None or (part.place.kind == "world" and not part.has_body):
             yield flex
 
 

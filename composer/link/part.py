@@ -43,6 +43,20 @@ class Joint:
     written: Mapping[str, Span] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, slots=True)
+class Sense:
+    """A body between a place and a part, with a site and sensors of what the body carries.
+
+    `name` is that of the body and of the site, `sensors` has the tag and the name of each, all of them final names.
+    `cutoff` is "" for none, and `span` the place in the recipe.
+    """
+
+    name: str
+    sensors: tuple[tuple[str, str], ...]
+    cutoff: str
+    span: Span
+
+
 @dataclass(eq=False)
 class Part:
     """A unit, the prefix of its names (including the separator), and how it is attached to the model.
@@ -60,6 +74,7 @@ class Part:
     joints: tuple[Joint, ...] = ()
     weld: bool = False
     mocap: bool = False
+    sense: Sense | None = None
     by_itself: bool = False
     span: Span | None = None
     key: str = ""
@@ -78,6 +93,11 @@ class Part:
     def path(self, separator: str) -> str:
         """Return the name of the part in a recipe: its prefix, or its key if it has no prefix."""
         return self.prefix.removesuffix(separator) or self.key
+
+    @property
+    def has_body(self) -> bool:
+        """Whether a body is added between the place and the part."""
+        return bool(self.joints) or self.mocap or self.sense is not None
 
     @property
     def floats(self) -> bool:

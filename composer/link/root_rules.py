@@ -44,7 +44,7 @@ def roots(linking: Linking) -> None:
             if body.get("mocap") == "true":
                 alone = len(bodies) == 1 and floats_by_itself(part.unit, mocap=True)
                 linking.notes.floating.append(Floating(part, body, None, _called(body), alone))
-        if part.place.kind != "world" or part.joints or part.mocap:
+        if part.place.kind != "world" or part.has_body:
             _planes(linking, part)
 
 
@@ -102,8 +102,12 @@ def _own_joints(body: Node) -> Iterator[Node]:
 
 def _where(part: Part) -> str:
     if part.place.kind == "world":
-        return "to the body that `joint` gives it"
+        return f"to the body that `{_added_by(part)}` gives it"
     return f"to the {part.place.kind} `{part.place.name}`"
+
+
+def _added_by(part: Part) -> str:
+    return "joint" if part.joints or part.mocap else "sense"
 
 
 def _called(body: Node) -> str:
@@ -112,7 +116,7 @@ def _called(body: Node) -> str:
 
 def _free_joint(linking: Linking, part: Part, joint: Node, called: str, alone: bool) -> None:
     if part.place.kind == "world":
-        help = "leave `joint` out: the part floats in the world by its own free joint"
+        help = f"leave `{_added_by(part)}` out: the part floats in the world by its own free joint"
     else:
         away = (
             "`joint: free` to let it float in the world from there"
@@ -142,7 +146,7 @@ def _mocap(linking: Linking, part: Part, body: Node, called: str, alone: bool) -
         part.place.span or part.span or linking.span(part.unit, body),
         notes=(Note(f"the mocap {called}", linking.span(part.unit, body)),),
         help=(
-            "leave `joint` out: then it stands in the world"
+            f"leave `{_added_by(part)}` out: then it stands in the world"
             if part.place.kind == "world"
             else "write `joint: mocap` to put it into the world at the pose of that place"
             if alone

@@ -171,6 +171,10 @@ def _place(part: AttachPart) -> str:
             break
     else:
         place = "in the world"
+    if attachment.sense is not None:
+        place += f", where {' and '.join(attachment.sense.quantities)} are measured".replace(
+            *("are", "is") if len(attachment.sense.quantities) == 1 else ("", "")
+        )
     joint = attachment.joint
     if joint is None:
         return place

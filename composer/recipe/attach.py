@@ -26,7 +26,7 @@ from composer.recipe.element_schema import at_most_one
 from composer.recipe.fault import Fault, validated_with, validation_error
 from composer.recipe.form import Form
 from composer.recipe.in_place import fault_of_inline_recipe
-from composer.recipe.placing import ORIENTATIONS, JointField, JointWord, Offset
+from composer.recipe.placing import ORIENTATIONS, JointField, JointWord, Offset, Sense, SenseField
 from composer.recipe.presence import report_exclusive
 from composer.recipe.raw import path_of
 from composer.recipe.reference import Schema
@@ -100,6 +100,8 @@ class Attachment(UsedModel):
     joint: Annotated[JointWord | Element | tuple[Element, ...] | None, JointField()] = None
     """What stands between the place and the part. Without it nothing is added, and a free joint of the part's
     root is kept where it may be; `weld` removes it."""
+    sense: Annotated[Sense | None, SenseField()] = None
+    """What the place carries is measured there: force and torque between the place and the part, by sensors."""
     prefix: Annotated[str | None, Prefix()] = None
     """What stands before the part's names in place of the key; empty for no prefix and no separator."""
     replicate: Annotated[tuple[Axis, ...], Axes()] = ()

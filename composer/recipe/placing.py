@@ -1,13 +1,14 @@
-"""Attributes of MJCF that place a part: its offset and its joint."""
+"""What places a part: its offset and its joint, and what is measured between the two."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, Literal
 
 from composer.dataclass import dataclass
-from composer.diagnostics.suggest import closest, exists_note, renaming
+from composer.diagnostics.suggest import closest, did_you_mean, exists_note, renaming
 from composer.expr.angle import Angle
 from composer.grammar import GRAMMAR
 from composer.recipe.angles import bare_angle
@@ -20,6 +21,7 @@ from composer.recipe.reader import Reader, label
 from composer.recipe.reference import Schema, reference
 from composer.recipe.settings import Settings
 from composer.recipe.shown import kind_of
+from composer.recipe.text import Text
 from composer.recipe.value import read_value
 
 OWNER = "an attached part"
@@ -179,3 +181,96 @@ def _no_joint(value: Any) -> Fault:
         help, fix = f"write `joint: {near[0]}`", renaming(value, WORDS)
     note = exists_note("word", WORDS, value)
     return Fault("wrong-keyword", f"`joint` cannot be `{value}`", notes=(note,), help=help, fix=fix)
+
+
+QUANTITIES = ("force", "torque")
+
+
+@dataclass(frozen=True, slots=True)
+class Sense:
+    """What a place carries is measured: which of `force` and `torque`, the name of the site, and where both are cut."""
+
+    quantities: tuple[str, ...]
+    name: str = ""
+    cutoff: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class SenseField(Form):
+    """Form of the field `sense`: a list of quantities, or a mapping with a name and a cutoff."""
+
+    def schema(self) -> Schema:
+        doc = "the {} between the place and the part, in the axes of the place"
+        one = {each: {"type": "boolean", "description": doc.format(each)} for each in QUANTITIES}
+        several: Schema = {
+            "type": "object",
+            "properties": {
+                "name": {
+                    "type": "string",
+                    "minLength": 1,
+                    "description": "the body and its site are PREFIX/NAME, the sensors PREFIX/NAME_force and _torque",
+                },
+                **one,
+                "cutoff": {
+                    "type": "number",
+                    "minimum": 0,
+                    "description": "the largest value of the sensors; 0 for none",
+                },
+            },
+            "additionalProperties": False,
+            "anyOf": [{"required": [each]} for each in QUANTITIES],
+        }
+        words = {"type": "array", "minItems": 1, "uniqueItems": True, "items": {"enum": [*QUANTITIES]}}
+        return {"anyOf": [words, several]}
+
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> Sense | None:
+        if isinstance(value, Mapping):
+            return _sense(value, faults)
+        if not isinstance(value, list):
+            help = "write `sense: [force, torque]`"
+            faults.append(Fault("wrong-type", f"`sense` expects a list, got {kind_of(value)}", help=help))
+            return None
+        for index, item in enumerate(value):
+            if item not in QUANTITIES:
+                note, fix = exists_note("quantity", QUANTITIES, str(item)), renaming(str(item), QUANTITIES)
+                help = did_you_mean(str(item), QUANTITIES)
+                message = f"`sense` cannot measure {kind_of(item)}"
+                faults.append(Fault("wrong-keyword", message, (index,), notes=(note,), help=help, fix=fix))
+            elif item in value[:index]:
+                faults.append(
+                    Fault("wrong-keyword", f"`{item}` is in `sense` twice", (index,), help="leave one out")
+                )
+        if not value:
+            faults.append(Fault("wrong-length", "`sense` is an empty list", help="leave `sense` out"))
+        return Sense(tuple(each for each in QUANTITIES if each in value))
+
+
+def _sense(value: Mapping[str, Any], faults: list[Fault]) -> Sense:
+    known = ("name", *QUANTITIES, "cutoff")
+    for key, item in value.items():
+        wanted = ""
+        if key not in known:
+            note, fix = exists_note("key", known, str(key)), renaming(str(key), known)
+            help, message = did_you_mean(str(key), known), f"`sense` has no `{key}`"
+            faults.append(Fault("unknown-key", message, (key,), True, notes=(note,), help=help, fix=fix))
+        elif key in QUANTITIES and not isinstance(item, bool):
+            wanted = "`true` or `false`"
+        elif key == "cutoff" and (isinstance(item, bool) or not isinstance(item, int | float)):
+            wanted = "a number"
+        elif key == "cutoff" and not 0 <= item < math.inf:
+            faults.append(Fault("out-of-range", "`cutoff` is at least 0, and finite", (key,)))
+        elif key == "name" and (fault := Text("name").fault(item)) is not None:
+            faults.append(replace(fault, at=(key,)))
+        if wanted:
+            faults.append(Fault("wrong-type", f"`{key}` expects {wanted}, got {kind_of(item)}", (key,)))
+    quantities = tuple(each for each in QUANTITIES if value.get(each) is True)
+    if not quantities and not faults:
+        faults.append(
+            Fault(
+                "missing-key",
+                "`sense` measures nothing",
+                key=True,
+                help="write `force: true`, `torque: true` or both",
+            )
+        )
+    return Sense(quantities, str(value.get("name") or ""), 0.0 if faults else float(value.get("cutoff", 0)))

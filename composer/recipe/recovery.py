@@ -15,7 +15,7 @@ from composer.recipe.recipe import Recipe
 # Without these, nothing else in the recipe can be judged.
 _INDISPENSABLE = ("recipe", "separator", "base")
 # Without these, a part is another one, or is attached in another way.
-_MAKING = ("subtree", "joint", "drop", "edit", "prefix", "replicate", "with", "keyframes")
+_MAKING = ("subtree", "joint", "sense", "drop", "edit", "prefix", "replicate", "with", "keyframes")
 # Sections in which parts may disagree, as `conflict` allows.
 _AGREED = ("option", "size", "statistic", "visual")
 _ROUNDS = 8

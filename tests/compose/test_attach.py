@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import random
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from composer.bundle.write import write
 from composer.context import Context
 from composer.link import bodies
 from composer.link.linking import Linking
@@ -252,3 +254,120 @@ def test_each_part_is_looked_at_as_often_as_what_it_waits_for_comes(
     model = composed(tmp_path, "\n".join(["attach:", *parts, "add:", *entries]), **{"p.xml": part})
     assert model.nbody == 1 + count
     assert looked < 4 * count
+
+
+# -- sense ------------------------------------------------------------------------------------------------------
+
+
+def reads_what_hangs_below(model: mujoco.MjModel, carrier: str, sensors: str, seed: int) -> np.ndarray:
+    """At rest in a random pose, the sensors read the weight of all below the body, and its lever. Return the force."""
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    model.body_gravcomp[:] = 0
+    data = mujoco.MjData(model)
+    data.qpos[:] += np.random.default_rng(seed).uniform(-0.3, 0.3, model.nq)
+    mujoco.mj_inverse(model, data)  # with no velocity and no acceleration
+    body, site = model.body(carrier).id, model.site(carrier).id
+    turned = data.site_xmat[site].reshape(3, 3).T
+    weight = -model.body_subtreemass[body] * model.opt.gravity
+    lever = data.subtree_com[body] - data.site_xpos[site]
+    force, torque = (data.sensor(f"{sensors}{tag}").data for tag in ("force", "torque"))
+    assert force == pytest.approx(turned @ weight, abs=1e-6)
+    assert torque == pytest.approx(turned @ np.cross(lever, weight), abs=1e-6)
+    assert (
+        model.body_parentid[body] == 0
+        or model.body_weldid[body] == model.body_weldid[model.body_parentid[body]]
+    )
+    return np.array(force)
+
+
+SENSE = "sense: [force, torque]"
+
+
+@pytest.mark.parametrize(
+    ("hung", "names"),
+    [
+        (f"p: {{model: ./part.xml, site: flange, {SENSE}}}", ("p/sense", "p/")),
+        (f"p: {{model: ./part.xml, site: flange, pos: [1, 2, 3], quat: [1, 2, 3, 4], {SENSE}}}", ("p/sense", "p/")),
+        (f"p: {{model: ./part.xml, frame: mount, mate: in, {SENSE}}}", ("p/sense", "p/")),
+        (f"p: {{model: ./part.xml, body: tool, joint: {{type: hinge, axis: [0, 1, 1]}}, {SENSE}}}", ("p/sense", "p/")),
+        (f"p: {{model: ./part.xml, body: tool, joint: ball, {SENSE}}}", ("p/sense", "p/")),
+        (f"p: {{model: ./part.xml, pos: [0, 0, 1], {SENSE}}}", ("p/sense", "p/")),  # a sensor in the foundation
+        ("p: {model: ./part.xml, body: arm, sense: {name: w, force: true, torque: true}}", ("p/w", "p/w_")),
+        (f"p: {{model: ./part.xml, body: arm, prefix: '', {SENSE}}}", ("sense", "")),
+        (f"p: {{model: ./part.xml, site: flange, {SENSE}, replicate: [{{count: 2, offset: [1, 0, 0]}}]}}", ("p1/sense", "p1/")),
+        (f"p: {{model: {{attach: {{q: {{model: ./part.xml, pos: [0, 1, 0], {SENSE}}}}}}}, site: flange}}", ("p/q/sense", "p/q/")),
+        (f"o: {{model: ./part.xml, body: p/b}}\n  p: {{model: ./part.xml, site: flange, {SENSE}}}", ("p/sense", "p/")),
+    ],
+)  # fmt: skip
+def test_sense_measures_what_hangs_below_a_place(tmp_path: Path, hung: str, names: tuple[str, str]) -> None:
+    recipe = f"base: ./base.xml\nattach:\n  {hung}\ncheck: {{same: {{unchanged: {{}}}}}}\n"
+    reads_what_hangs_below(composed(tmp_path, recipe), *names, seed=1)
+
+
+def test_sense_has_its_cutoff_its_own_axes_and_a_separator(tmp_path: Path) -> None:
+    base = BASE.replace(
+        "<worldbody>", '<default><site pos="9 9 9" euler="1 1 1" size=".1"/></default><worldbody>'
+    )
+    recipe = "separator: '-'\nbase: ./base.xml\nattach:\n  p: {model: ./part.xml, site: flange, sense: {torque: true, cutoff: 3}}\n"
+    model = composed(tmp_path, recipe, base__xml=base)
+    assert [model.sensor(at).name for at in range(model.nsensor)] == ["p-torque"]
+    assert model.sensor("p-torque").cutoff == 3
+    assert not model.site("p-sense").pos.any() and model.site("p-sense").quat.tolist() == [1, 0, 0, 0]
+
+
+@pytest.mark.parametrize(
+    ("hung", "code", "words"),
+    [
+        (f"p: {{model: ./part.xml, site: flange, joint: free, {SENSE}}}", "attach-place", "nothing carries it"),
+        (f"p: {{model: ./part.xml, joint: mocap, {SENSE}}}", "attach-place", "nothing carries it"),
+        (f"p: {{model: {{add: [{{to: world, body: {{freejoint: {{}}, geom: {{size: [1]}}}}}}]}}, {SENSE}}}",
+         "freejoint-on-body", "the body that `sense` gives it"),
+        (f"a: {{model: ./part.xml, body: arm, prefix: '', {SENSE}}}\n  p: {{model: ./base.xml, site: flange, prefix: '', {SENSE}}}",
+         "name-clash", ""),
+    ],
+)  # fmt: skip
+def test_sense_of_what_nothing_carries(tmp_path: Path, hung: str, code: str, words: str) -> None:
+    (tmp_path / "part.xml").write_text(PART)
+    (tmp_path / "base.xml").write_text(BASE)
+    (tmp_path / "recipe.yaml").write_text(f"recipe: 1\nbase: ./base.xml\nattach:\n  {hung}\n")
+    context = Context(environment={}, folder=tmp_path)
+    assert build(Request(tmp_path / "recipe.yaml"), context) is None
+    assert any(each.code == code and words in each.message for each in context.sink.errors)
+
+
+CORPUS = os.environ.get("MJCOMPOSE_CORPUS")
+ARMS = {
+    "franka_emika_panda/panda_nohand": "site: attachment_site", "kuka_iiwa_14/iiwa14": "site: attachment_site",
+    "ufactory_xarm7/xarm7_nohand": "site: attachment_site", "universal_robots_ur5e/ur5e": "site: attachment_site",
+    "kinova_gen3/gen3": "site: pinch_site", "trossen_vx300s/vx300s": "site: pinch", "aloha/aloha": "site: left/gripper",
+    "stanford_tidybot/tidybot": "site: pinch_site", "ufactory_xarm7/xarm7": "site: link_tcp",
+    "unitree_z1/z1": "body: link06",
+}  # fmt: skip
+TOOLS = (
+    "robotiq_2f85/2f85", "franka_emika_panda/hand", "ufactory_xarm7/hand", "leap_hand/right_hand", "umi_gripper/umi_gripper",
+    "shadow_hand/left_hand", "shadow_hand/right_hand", "wonik_allegro/left_hand", "wonik_allegro/right_hand",
+    "realsense_d435i/d435i",
+)  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(CORPUS is None, reason="MJCOMPOSE_CORPUS names no corpus")
+@pytest.mark.parametrize("arm", ARMS)
+def test_ten_tools_on_each_of_ten_arms_weigh_what_they_weigh(tmp_path: Path, arm: str) -> None:
+    folder, rng = Path(str(CORPUS), "models"), np.random.default_rng(len(arm))
+    parts = ""
+    for number, tool in enumerate(TOOLS):
+        pose = f"pos: {rng.normal(size=3).tolist()}, quat: {rng.normal(size=4).tolist()}"
+        parts += f"  t{number}: {{model: {folder / tool}.xml, {ARMS[arm]}, {pose}, joint: weld, {SENSE}}}\n"
+    recipe = tmp_path / "recipe.yaml"
+    recipe.write_text(f"recipe: 1\nconflict: warning\nbase: {folder / arm}.xml\nattach:\n{parts}")
+    context = Context(environment={}, folder=tmp_path)
+    made = build(Request(recipe), context)
+    assert made is not None, [each.message for each in context.sink.errors]
+    write(made.bundle, tmp_path / "out", environment={})
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml"))
+    for number, tool in enumerate(TOOLS):
+        alone = mujoco.MjModel.from_xml_path(f"{folder / tool}.xml")
+        force = reads_what_hangs_below(model, f"t{number}/sense", f"t{number}/", seed=number)
+        weight = alone.body_mass.sum() * np.linalg.norm(model.opt.gravity)
+        assert np.linalg.norm(force) == pytest.approx(weight, abs=1e-6), tool

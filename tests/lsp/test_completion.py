@@ -20,7 +20,7 @@ def offered(
 
 
 def test_sites_of_the_parts_by_final_name_with_where_they_are(editor: Editor) -> None:
-    found = offered(editor, DEMO.replace("site: arm/attachment_site\n  watcher", f"site: {MARK}\n  watcher"))
+    found = offered(editor, DEMO.replace("site: arm/attachment_site\n", f"site: {MARK}\n"))
     assert labels(found) == ["table/mount", "table/corner", "arm/attachment_site", "watcher/optical_frame"]
     assert found[2]["detail"] == "site of arm, in arm/flange, pos 0 0 0.025"
     assert not any(str(each["label"]).startswith("gripper/") for each in found), (

@@ -12,9 +12,12 @@ hand = mujoco.MjSpec.from_file(f"{menagerie}/wonik_allegro/left_hand.xml")
 spec.option.cone, spec.option.impratio = hand.option.cone, hand.option.impratio
 s = np.sqrt(0.5)
 flange = spec.site("attachment_site").parent
-spec.attach(hand, prefix="hand/", frame=flange.add_frame(pos=[0, 0, 0.095], quat=[s, 0, -s, 0]))
-sensor = spec.add_sensor(name="wrist_force", type=mujoco.mjtSensor.mjSENS_FORCE)
-sensor.objtype, sensor.objname = mujoco.mjtObj.mjOBJ_SITE, "attachment_site"
+carrier = flange.add_body(name="hand/sense")
+carrier.add_site(name="hand/sense")
+spec.attach(hand, prefix="hand/", frame=carrier.add_frame(pos=[0, 0, 0.095], quat=[s, 0, -s, 0]))
+for name, kind in {"force": mujoco.mjtSensor.mjSENS_FORCE, "torque": mujoco.mjtSensor.mjSENS_TORQUE}.items():
+    sensor = spec.add_sensor(name=f"hand/{name}", type=kind)
+    sensor.objtype, sensor.objname = mujoco.mjtObj.mjOBJ_SITE, "hand/sense"
 
 model = spec.compile()
 data = mujoco.MjData(model)
