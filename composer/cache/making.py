@@ -18,6 +18,7 @@ from composer.context import Context
 from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
 from composer.document.node import Node
 from composer.engine import Session
 from composer.expand.matrix import Cell
@@ -125,6 +126,33 @@ class CellMaker:
         return self.maker.key(cell.name, {**values, "the sample": str(cell.sample)})
 
 
+@dataclass(frozen=True, slots=True)
+class MadeRecipe:
+    """The result of a recipe of which one model is made: `checks` is their number, `cells` that of its matrix."""
+
+    found: tuple[Diagnostic, ...]
+    outcomes: tuple[Outcome, ...]
+    files: frozenset[str]
+    timings: tuple[tuple[str, float], ...]
+    failed: bool
+    cells: int = 0
+    cells_at: Span | None = None
+
+
+def make_recipe(maker: Maker, session: Session, given: dict[str, Node]) -> MadeRecipe:
+    """Make the model of a recipe with its default values and these, unless the cache has it."""
+    context, outcomes = maker.context, list[Outcome]()
+    key = maker.key()
+    made, why = maker.recall(key, context, outcomes)
+    if made is None:
+        with interruptible():
+            made = maker.make(context, session, given, key=key, why=why, outcomes=outcomes)
+    return MadeRecipe(
+        tuple(context.sink.diagnostics), tuple(outcomes), frozenset(files_of(made, context)),
+        tuple(context.timings), made is None, made.cells if made else 0, made.cells_at if made else None,
+    )  # fmt: skip
+
+
 def handed_over(context: Context) -> Context:
     """Return a context for another process: it knows the files read and fetched here, and has its own sink."""
     how = context.fetching
@@ -172,3 +200,32 @@ class Job:
             making = CellMaker(maker, self.given, session, self.finish)
             making.begin()
             yield lambda cell: replace(making.make(cell), of_run=tuple(sink.diagnostics))
+
+
+@dataclass(frozen=True, slots=True)
+class RecipeJob:
+    """What a worker needs to make one model of each of several recipes. Can be pickled."""
+
+    options: BuildOptions
+    store: Store | None
+    given: dict[str, Node]
+    context: Context
+    limits: Limits
+    noted: tuple[str, ...] = ()
+
+    @contextmanager
+    def opened(
+        self, on_keep: Callable[[Record, Sequence[Seen]], None] | None = None
+    ) -> Iterator[Callable[[Path], MadeRecipe]]:
+        """Yield, in a worker, the function that makes a recipe."""
+        cache = None if self.store is None else opened_cache(self.store, self.context.sink)
+        if cache is not None:
+            cache.on_keep = on_keep
+
+        def make(recipe: Path) -> MadeRecipe:
+            own = replace(self.context, sink=Sink(), timings=[], concrete={})
+            return make_recipe(Maker(recipe, self.options, cache, own), session, self.given)
+
+        with sources.run(), allow(**asdict(self.limits)), Session(remembers=True) as session:
+            sources.current().note(self.noted)
+            yield make

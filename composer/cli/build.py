@@ -104,6 +104,11 @@ def command(
         "--shared-assets": shared_assets, "--picture": picture,
     }.items() if given), None)):  # fmt: skip
         raise click.UsageError(f"{left} is not for --worlds, which gives one bundle and one table.")
+    if samples is not None and not samples.lower().endswith((".csv", ".parquet")):
+        help = "`--sample NUMBER` builds one, and `randomize: {samples: NUMBER}` in the recipe says how many there are"
+        raise click.UsageError(
+            f"--samples names a table, FILE.csv or FILE.parquet, and `{samples}` is none: {help}."
+        )
     how = fetching()
     context = Context(fetching=how, strict=is_strict())
     try:

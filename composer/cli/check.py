@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -33,14 +35,17 @@ from composer.cli.reporting import (
 from composer.cli.shard import Shard
 from composer.cli.tally import Tally
 from composer.cli.watching import session_of_run, watch_option
+from composer.diagnostics import github
+from composer.diagnostics.sink import Sink
+from composer.diagnostics.span import Span
 
 if TYPE_CHECKING:
     from composer.cache.builder import Maker
-    from composer.cache.result import Made
+    from composer.cache.cache_key import BuildOptions
+    from composer.cache.making import MadeRecipe
     from composer.context import Context
     from composer.diagnostics.junit import Suite
     from composer.document import Node
-    from composer.verify.outcome import Outcome
 
 
 @click.command()
@@ -78,46 +83,172 @@ def command(
     Without --all, --pick or --sample, the model with the default values is checked. Nothing is written except the
     file of --junit.
     """
-    from composer.cache.builder import Maker
-    from composer.cache.cache_key import BuildOptions
     from composer.context import Context
 
     one = not every and not picks and not only_samples
-    check_several(one, jobs=jobs, shard=shard, cluster=cluster)
-    code = 0
-    suites: list[Suite] = []
-    for recipe in recipes:
-        how = fetching()
-        context = Context(fetching=how, strict=is_strict())
-        given = choices.values(context)
-        if context.sink.has_errors:
-            report(context, form)
-            sys.exit(USAGE)
-        order = BuildOptions(
-            not no_verify, choices=choices.named(context), locked=how.locked, offline=how.offline
-        )
-        with caching(context, no_cache) as cache:
-            look = _Check(
-                Maker(recipe, order, cache, context), context, form, jobs, shard, cluster, junit is not None
-            )
-            if one:
-                look.one(given, alone=True)
-            elif not look.cells(picks, only_samples, given):
-                look.one(given)
-        report(context, form, err=junit == "-")
-        say_details(context, look.files)
-        suites += look.suites
-        if look.tally is not None:
-            look.tally.say(form, err=junit == "-")
-        code = max(code, look.code)
-        if not look.code and form == "text" and junit != "-":
-            say(f"{recipe}: ok{look.counted}")
+    check_several(one and len(recipes) == 1, jobs=jobs, shard=shard, cluster=cluster)
+    if one and (shard is not None or cluster is not None):
+        check_several(one, jobs=None, shard=shard, cluster=cluster)
+    run = _Run(choices, form, jobs, shard, cluster, no_verify, no_cache, junit)
+    several = len(dict.fromkeys(recipes)) > 1
+    if one and several:
+        run.at_once([*dict.fromkeys(recipes)])
+    else:
+        for recipe in recipes:
+            run.one_after_another(recipe, picks, only_samples, one=one, several=several)
+    if several:
+        run.sum_up()
+    code = run.code
     if junit is not None:
         context = Context()
-        write_junit(suites, junit, context)
+        write_junit(run.suites, junit, context)
         report(context, form)
         code = max(code, FINDINGS if context.sink.has_errors else 0)
     sys.exit(code)
+
+
+class _Run:
+    """Checks one recipe after another, or several at once. What several have in common is reported once."""
+
+    def __init__(
+        self,
+        choices: Choices,
+        form: str,
+        jobs: int | None,
+        shard: Shard | None,
+        cluster: str | None,
+        no_verify: bool,
+        no_cache: bool,
+        junit: str | None,
+    ) -> None:
+        self.choices, self.form, self.jobs, self.shard, self.cluster = choices, form, jobs, shard, cluster
+        self.no_verify, self.no_cache, self.junit = no_verify, no_cache, junit
+        self.suites: list[Suite] = []
+        self.code = 0
+        self.common: Context | None = None
+        self.tallies: list[Tally] = []
+        self.verdicts: list[tuple[Path, bool, str]] = []
+        """Each recipe, whether it holds, and what was counted."""
+
+    def _context(self) -> Context:
+        from composer.context import Context
+
+        return Context(fetching=fetching(), strict=is_strict())
+
+    def _given(self, context: Context) -> tuple[dict[str, Node], BuildOptions]:
+        from composer.cache.cache_key import BuildOptions
+
+        given = self.choices.values(context)
+        if context.sink.has_errors:
+            report(context, self.form)
+            sys.exit(USAGE)
+        how = context.fetching
+        assert how is not None
+        named = self.choices.named(context)
+        return given, BuildOptions(not self.no_verify, choices=named, locked=how.locked, offline=how.offline)
+
+    def at_once(self, recipes: list[Path]) -> None:
+        """Check one model of each recipe, in as many processes as there are cores."""
+        from composer.cache.builder import Maker
+        from composer.cache.making import MadeRecipe, RecipeJob, handed_over, make_recipe
+        from composer.limits import in_force
+        from composer.processes.helper import Died
+        from composer.processes.pool import Pool, cores
+        from composer.reading import sources
+
+        context = self._context()
+        given, order = self._given(context)
+        count = min(self.jobs or cores(), len(recipes))
+        with caching(context, self.no_cache) as cache, session_of_run(remembers=True) as session:
+
+            def make(recipe: Path) -> MadeRecipe:
+                own = replace(context, sink=Sink(), timings=[], concrete={})
+                return make_recipe(Maker(recipe, order, cache, own), session, given)
+
+            store = None if cache is None else cache.store
+            job = RecipeJob(order, store, given, handed_over(context), in_force(), sources.current().noted())
+            with Pool[Path, MadeRecipe](count - 1, ("composer.cache.making", "composer.stages")) as pool:
+                results = counting(pool.results(job.opened, recipes, make), len(recipes), lambda _: "")
+                for recipe, result in zip(recipes, results, strict=True):
+                    own = replace(context, sink=Sink(), timings=[])
+                    if isinstance(result, Died):
+                        message = f"the process that checked this recipe {result.how}, twice"
+                        own.sink.error(
+                            "worker-died", message, Span(str(recipe), 1, 1), help="give `--jobs 1`"
+                        )
+                        result = MadeRecipe(tuple(own.sink.diagnostics), (), frozenset(), (), True)
+                    for each in result.found:
+                        own.sink.add(each)
+                    own.timings.extend(result.timings)
+                    if not result.failed:
+                        note_cells(own, result.cells, result.cells_at)
+                    note_files(result.files)
+                    self.suites.append(suite_of(recipe, result.outcomes, own.sink.errors, own))
+                    code = exit_code(context.folder, [recipe]) if result.failed else 0
+                    self._take(recipe, own, code, _counted(len(result.outcomes)))
+                    say_details(own, result.files)
+        for each in context.sink.diagnostics:
+            self._common().sink.add(each)
+
+    def one_after_another(
+        self, recipe: Path, picks: tuple[str, ...], samples: tuple[int, ...], *, one: bool, several: bool
+    ) -> None:
+        from composer.cache.builder import Maker
+
+        context = self._context()
+        given, order = self._given(context)
+        err = self.junit == "-"
+        with caching(context, self.no_cache) as cache:
+            look = _Check(
+                Maker(recipe, order, cache, context), context, self.form, self.jobs, self.shard, self.cluster,
+                self.junit is not None,
+            )  # fmt: skip
+            if one:
+                look.one(given, alone=True)
+            elif not look.cells(picks, samples, given):
+                look.one(given)
+        self.suites += look.suites
+        if several:
+            self._take(recipe, context, look.code, look.counted)
+            say_details(context, look.files)
+        else:
+            report(context, self.form, err=err)
+            say_details(context, look.files)
+            self.code = look.code
+        if look.tally is not None:
+            self.tallies.append(look.tally)
+            if not several:
+                look.tally.say(self.form, err=err)
+        if not several and not look.code and self.form == "text" and not err:
+            say(f"{recipe}: ok{look.counted}")
+
+    def _common(self) -> Context:
+        if self.common is None:
+            self.common = self._context()
+        return self.common
+
+    def _take(self, recipe: Path, context: Context, code: int, counted: str) -> None:
+        """Keep what was found of one of several recipes."""
+        for each in context.sink.diagnostics:
+            self._common().sink.add_of_recipe(str(recipe), each)
+        self.verdicts.append((recipe, not code, counted))
+        self.code = max(self.code, code)
+
+    def sum_up(self) -> None:
+        """Report what was found of all recipes, and which of them hold."""
+        err = self.junit == "-"
+        report(self._common(), self.form, err=err)
+        for tally in self.tallies:
+            tally.say(self.form, err=err)
+        failed = [str(recipe) for recipe, holds, _ in self.verdicts if not holds]
+        for recipe, holds, counted in self.verdicts:
+            if self.form == "json":
+                click.echo(json.dumps({"recipe": str(recipe), "ok": holds}), err=err)
+            elif holds and not err:
+                words = f"{recipe}: ok{counted}"
+                say(words if self.form == "text" else github.command("notice", words, {"title": str(recipe)}))
+        if failed and self.form == "text":
+            click.echo(f"{len(failed)} of {len(self.verdicts)} recipes failed: {', '.join(failed)}", err=True)
 
 
 class _Check:
@@ -143,23 +274,19 @@ class _Check:
 
     def one(self, given: dict[str, Node], *, alone: bool = False) -> None:
         """Check the recipe's model without a cell; `alone` says that the user did not ask for cells."""
-        from composer.cache.result import files_of
+        from composer.cache.making import make_recipe
 
         maker, context = self.maker, self.context
-        outcomes: list[Outcome] = []
-        key = maker.key()
-        made, why = maker.recall(key, context, outcomes)
-        if made is None:
-            progress(f"checking {maker.recipe}")
-            with session_of_run(remembers=False) as session:
-                made = maker.make(context, session, given, key=key, why=why, outcomes=outcomes)
-        self.suites.append(suite_of(maker.recipe, outcomes, context.sink.errors, context))
-        self.counted = _counted(len(outcomes))
-        self.files |= files_of(made, context)
+        progress(f"checking {maker.recipe}")
+        with session_of_run(remembers=False) as session:
+            made = make_recipe(maker, session, given)
+        self.suites.append(suite_of(maker.recipe, made.outcomes, context.sink.errors, context))
+        self.counted = _counted(len(made.outcomes))
+        self.files |= made.files
         note_files(self.files)
-        self.code = exit_code(context.folder, [maker.recipe]) if made is None else 0
-        if made is not None and alone:
-            self._report_cells(made)
+        self.code = exit_code(context.folder, [maker.recipe]) if made.failed else 0
+        if not made.failed and alone:
+            note_cells(context, made.cells, made.cells_at)
 
     def cells(self, picks: tuple[str, ...], samples: tuple[int, ...], given: dict[str, Node]) -> bool:
         """Check cells; return False if there are none, because the recipe is one model."""
@@ -196,12 +323,13 @@ class _Check:
         self.code = FINDINGS if self.tally.failed or ended else 0
         return True
 
-    def _report_cells(self, made: Made) -> None:
-        """Report that the cells of the matrix were not checked."""
-        if made.cells:
-            count = f"{made.cells} cell{'s' * (made.cells > 1)}"
-            self.context.sink.note("cells-not-checked", f"one model was checked, and the matrix has {count}",
-                                   made.cells_at, help="`--all` checks all of them, `--pick CELL` one")  # fmt: skip
+
+def note_cells(context: Context, cells: int, at: Span | None) -> None:
+    """Report that the cells of a recipe's matrix were not checked."""
+    if cells:
+        count = f"{cells} cell{'s' * (cells > 1)}"
+        context.sink.note("cells-not-checked", f"one model was checked, and the matrix has {count}",
+                          at, help="`--all` checks all of them, `--pick CELL` one")  # fmt: skip
 
 
 def _counted(checks: int) -> str:

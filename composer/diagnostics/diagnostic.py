@@ -44,7 +44,8 @@ class Diagnostic:
 
     `code` is one of `CODES`. The first line of `help` is a sentence; further lines are text to paste into the file.
     `others` lists further places with the same cause. `cells` are the models that it is about, in a run over
-    several models of a recipe; it is empty if the diagnostic is about the recipe as a whole. `subjects` are the
+    several models of a recipe; it is empty if the diagnostic is about the recipe as a whole. `recipes` are those that
+    it was found for, in a run over several. `subjects` are the
     names that it is about: if an earlier error removed one of them, this error only follows from that one. `fix` is
     the exact change that `help` describes, if there is one.
     """
@@ -57,6 +58,7 @@ class Diagnostic:
     help: str | None = None
     others: tuple[Note, ...] = ()
     cells: tuple[CellName, ...] = ()
+    recipes: tuple[str, ...] = ()
     subjects: frozenset[str] = field(default=frozenset(), compare=False)
     fix: Fix | None = field(default=None, compare=False)
 

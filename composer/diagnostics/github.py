@@ -34,6 +34,8 @@ def render(diagnostic: Diagnostic) -> str:
         lines.append(f"note: {note.span}: {note.message}" if note.span else f"note: {note.message}")
     if len(cells) > 1:
         lines.append(f"cells: {listed(cells)}")
+    if diagnostic.recipes:
+        lines.append(f"recipes: {', '.join(diagnostic.recipes)}")
     if diagnostic.help is not None:
         lines.append(f"help: {diagnostic.help}")
     return command(_COMMAND[diagnostic.severity], "\n".join(lines), properties)

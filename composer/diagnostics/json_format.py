@@ -27,6 +27,7 @@ def render(diagnostic: Diagnostic) -> str:
             "fix": _fix(diagnostic),
             "others": [_note(each) for each in diagnostic.others],
             "cells": [asdict(cell) for cell in diagnostic.cells],
+            "recipes": list(diagnostic.recipes),
         }
     )
 

@@ -43,6 +43,8 @@ class Sink:
         self._found: dict[Diagnostic, dict[Note, None]] = {}
         self._causes: dict[tuple[str, Severity, str], Diagnostic] = {}
         self._cells: dict[Diagnostic, dict[CellName, None]] = {}
+        self._kin: dict[tuple[str, Severity, Span], list[Diagnostic]] = {}
+        self._recipes: dict[Diagnostic, dict[str, None]] = {}
         self.error_count = 0
         """How often there was an error, those reported before and those suppressed included."""
         self._lost: set[str] = set()
@@ -60,11 +62,12 @@ class Sink:
         """Return a function that forgets all that is added from now on."""
         found = {each: dict(notes) for each, notes in self._found.items()}
         cells = {each: dict(names) for each, names in self._cells.items()}
+        kin = {key: list(each) for key, each in self._kin.items()}
         causes, lost = dict(self._causes), set(self._lost)
         count, errors = self.error_count, self._errors
 
         def forget() -> None:
-            self._found, self._causes, self._cells = found, causes, cells
+            self._found, self._causes, self._cells, self._kin = found, causes, cells, kin
             self._lost, self.error_count, self._errors = lost, count, errors
 
         return forget
@@ -132,15 +135,37 @@ class Sink:
                 self._cells[promoted] = self._cells.pop(diagnostic)
 
     def add_of_cell(self, cell: CellName, diagnostic: Diagnostic) -> None:
-        """Add a finding of one cell; equal findings of several cells become one that lists the cells.
+        """Add a finding of one cell; those of several cells with one code and place become one that lists the cells.
 
-        Diagnostics about the recipe as a whole stay without a cell.
+        Its `others` have what is said of a cell in other words, such as with another number. Diagnostics about the
+        recipe as a whole stay without a cell.
         """
         if diagnostic in self._found and diagnostic not in self._cells:
             return
+        kin = [] if diagnostic.span is None else self._kin.setdefault(
+            (diagnostic.code, diagnostic.severity, diagnostic.span), []
+        )  # fmt: skip
+        first = next((each for each in kin if cell not in self._cells.get(each, ())), None)
+        if diagnostic in self._found or first is None:
+            self.add(diagnostic)
+            if diagnostic in self._found:
+                if diagnostic not in self._cells:
+                    kin.append(diagnostic)
+                self._cells.setdefault(diagnostic, {})[cell] = None
+            return
+        self.error_count += diagnostic.severity is Severity.ERROR
+        self._cells[first][cell] = None
+        said = diagnostic.message
+        if said == first.message:  # what exists instead may be something else there
+            said = "; ".join(note.message for note in diagnostic.notes if note not in first.notes)
+        more = [Note(f"{cell.name}: {said}")] if said else []
+        self._found[first].update(dict.fromkeys([*more, *diagnostic.others]))
+
+    def add_of_recipe(self, recipe: str, diagnostic: Diagnostic) -> None:
+        """Add a finding of one of several recipes; equal findings become one that lists the recipes."""
         self.add(diagnostic)
         if diagnostic in self._found:
-            self._cells.setdefault(diagnostic, {})[cell] = None
+            self._recipes.setdefault(diagnostic, {})[recipe] = None
 
     def error(
         self,
@@ -204,6 +229,8 @@ class Sink:
     def _whole(self, diagnostic: Diagnostic) -> Diagnostic:
         """Return the diagnostic with all findings of the same cause, and its cells."""
         others, cells = self._found[diagnostic], self._cells.get(diagnostic)
+        if recipes := self._recipes.get(diagnostic):
+            diagnostic = replace(diagnostic, recipes=tuple(recipes))
         if others:
             diagnostic = replace(diagnostic, others=(*diagnostic.others, *others))
         return replace(diagnostic, cells=tuple(cells)) if cells else diagnostic

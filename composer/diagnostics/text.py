@@ -61,6 +61,8 @@ def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color:
         lines += shown(next(following), kind, "^")
     if cells := diagnostic.cells:
         lines += remark("cell" if len(cells) == 1 else "cells", listed(cells))
+    if recipes := diagnostic.recipes:
+        lines += remark("recipe" if len(recipes) == 1 else "recipes", ", ".join(recipes))
     for note in diagnostic.listed():
         if note.span is None:
             lines += remark("note", note.message)

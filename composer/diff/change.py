@@ -101,7 +101,8 @@ class Group:
 class End:
     """A or B: its name in messages, its kind, and the sha256 of its files without the manifest.
 
-    `cell` is the cell of its matrix that was compared. Without it, `cells` is the number of cells.
+    `cell` is the cell of its matrix that was compared. Without it, `cells` is the number of cells. `outside` are the
+    files of a git revision that are not in its repository, and are taken as they are now.
     """
 
     label: str
@@ -109,6 +110,16 @@ class End:
     sha256: str
     cell: str | None = None
     cells: int = 0
+    outside: tuple[str, ...] = ()
+
+    @property
+    def said_outside(self) -> str:
+        """A sentence about the files that are not of the revision, or an empty text."""
+        if not self.outside:
+            return ""
+        more = f" and {len(self.outside) - 3} more" if len(self.outside) > 3 else ""
+        named = ", ".join(f"`{each}`" for each in self.outside[:3])
+        return f"{named}{more}: outside of the repository, as now in the work tree"
 
     @property
     def named(self) -> str:

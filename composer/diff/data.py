@@ -36,6 +36,8 @@ def as_data(diff: Diff) -> dict[str, Any]:
 
 def _end(end: End) -> dict[str, Any]:
     data: dict[str, Any] = {"name": end.label, "kind": end.kind, "sha256": end.sha256}
+    if end.outside:
+        data["outside"] = list(end.outside)
     if end.cell is not None:
         data["cell"] = end.cell
     elif end.cells:

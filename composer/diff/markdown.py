@@ -29,6 +29,9 @@ def _lines(diff: Diff) -> Iterator[str]:
     yield f"### {_code(diff.a.named)} → {_code(diff.b.named)}"
     yield ""
     yield f"**{verdict(diff).capitalize()}.**"
+    for said in (end.said_outside for end in (diff.a, diff.b)):
+        if said:
+            yield from ("", f"<sub>{said}</sub>")
     if (narrow := at_defaults(diff)) is not None:
         yield ""
         yield f"<sub>{narrow[0].upper()}{narrow[1:]}</sub>"

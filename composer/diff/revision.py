@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 import shutil
 import subprocess
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 from composer.dataclass import dataclass
@@ -23,6 +25,8 @@ from composer.tree import lfs
 _SECONDS = 600
 _POINTER = 1024
 """Pointers of Git LFS are smaller, in bytes."""
+_LINKS = 5000
+"""At most so many, the nearest first."""
 _OID = re.compile(rb"^oid sha256:([0-9a-f]{64})$", re.MULTILINE)
 # these variables would direct git to another repository or index than that of the folder
 _OWN = ("GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE", "GIT_PREFIX", "GIT_OBJECT_DIRECTORY")
@@ -53,8 +57,9 @@ def split(text: str) -> tuple[str, str] | None:
 
 
 def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, str]) -> Tree:
-    """Write all files of a revision of the repository around `path` into the empty folder `into`.
+    """Write all files of a revision of the repository around `path` below the empty folder `into`.
 
+    What the repository names outside of itself, such as `../models/arm.xml`, is found there by links.
     `path` need not exist any more. Raises RevisionError.
     """
     near = next(each for each in path.absolute().parents if os.path.isdir(each))
@@ -71,12 +76,28 @@ def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, s
         git.run("rev-parse", "--absolute-git-dir", fault=f"`{near}` is not in a git repository")
     )
     try:  # byte for byte: runs no filters and hooks, which may come from anyone
-        write_tree(Git(git.environment, quiet), repository, commit, into)
-        from_lfs(into, _lfs_folder(git))
+        root = _beside_the_same(Path(os.path.realpath(top)), into)
+        write_tree(Git(git.environment, quiet), repository, commit, root)
+        from_lfs(root, _lfs_folder(git))
     except (GitFailure, SourceError, OSError) as error:
         fault = f"the files of revision `{revision}` cannot be checked out"
         raise RevisionError("git-revision", f"{fault}: {error}") from error
-    return Tree(into, into / inside)
+    return Tree(root, root / inside)
+
+
+def _beside_the_same(top: Path, into: Path) -> Path:
+    """Return an empty folder below `into` that has, by links, what a repository has beside and around it."""
+    into.joinpath(*top.parts[1:]).mkdir(parents=True)
+    left = _LINKS
+    for folder in top.parents:
+        with suppress(OSError), os.scandir(folder) as entries:
+            for entry in itertools.islice(entries, left):
+                link = into.joinpath(*folder.parts[1:], entry.name)
+                if not os.path.lexists(link):
+                    with suppress(OSError):  # Windows allows links to some users alone
+                        link.symlink_to(entry.path, target_is_directory=os.path.isdir(entry.path))
+                left -= 1
+    return into.joinpath(*top.parts[1:])
 
 
 def _lfs_folder(git: _Git) -> Path:

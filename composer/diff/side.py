@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -29,6 +29,7 @@ from composer.explain.trace import Trace
 from composer.explain.traced import Traced
 from composer.link.measure import measure_with
 from composer.mujoco_errors.message import CRASHES, Fault, parse
+from composer.plan.allowed import acknowledge
 from composer.plan.concrete import Given
 from composer.plan.drawn_parameters import check_sample
 from composer.plan.foreseen import Excluded
@@ -80,7 +81,8 @@ class Side:
     def end(self) -> End:
         whole = hashlib.sha256("".join(f"{path}\0{sha}\n" for path, sha in self.digests.items()).encode())
         cells = 0 if self.cell is not None else self.cells
-        return End(self.operand.label, self.operand.kind, whole.hexdigest(), self.cell, cells)
+        outside = _outside(self.operand, self.inputs)
+        return End(self.operand.label, self.operand.kind, whole.hexdigest(), self.cell, cells, outside)
 
     def lines(self, file: str) -> list[str]:
         """Return the lines of a file; none if it cannot be read."""
@@ -169,6 +171,7 @@ def load_cell(
         return None
     watch([composed.model], collect)
     compiled = judge(bundle, composed.model, context, session, keep=kept, at=plan.span)
+    acknowledge(plan, context.sink, context.shown, whole=False)
     if compiled is None or context.sink.has_errors:
         return None
     traced = Traced(composed.model, watch, plan.separator, context.folder)
@@ -189,6 +192,15 @@ def load_cell(
         bundle=bundle,
         excluded=composed.excluded,
     )
+
+
+def _outside(operand: Operand, inputs: Iterable[Path]) -> tuple[str, ...]:
+    """Return the files of a revision that are not in its repository, from its top: these are as they are now."""
+    root = operand.files
+    if root is None:
+        return ()
+    there = {Path(os.path.normpath(path)) for path in inputs}
+    return tuple(sorted(os.path.relpath(path, root) for path in there if not path.is_relative_to(root)))
 
 
 def _cell(operand: Operand, given: Given, pick: str, sample: int | None) -> Cell | None:

@@ -70,6 +70,7 @@ def _lines(diff: Diff) -> Iterator[str]:
     yield f"A {diff.a.named}"
     yield f"B {diff.b.named}"
     yield verdict(diff)
+    yield from (said for end in (diff.a, diff.b) if (said := end.said_outside))
     if (narrow := at_defaults(diff)) is not None:
         yield narrow
     contrast = diff.contrast

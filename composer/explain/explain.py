@@ -17,6 +17,7 @@ from composer.explain.trace import Trace
 from composer.explain.traced import Traced
 from composer.link.measure import measure_with
 from composer.link.source_check import check_source
+from composer.plan.allowed import acknowledge
 from composer.plan.concrete import Given
 from composer.plan.drawn_parameters import check_sample
 from composer.plan.planner import make_plan
@@ -59,6 +60,8 @@ def trace(path: Path, context: Context, sample: int = 0, given: Given | None = N
     if plan is not None and not check_sample(plan, sample, context.sink):
         return None
     composed = None if plan is None else Composer(context, measure_with(context), watch=watch).compose(plan)
+    if plan is not None:
+        acknowledge(plan, context.sink, context.shown, whole=False)
     if plan is None or composed is None:
         return None
     collect(composed.model, composed.files, context.sink, context.shown)

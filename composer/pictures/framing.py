@@ -60,13 +60,14 @@ def camera(mujoco: Any, scenes: Sequence[tuple[Any, Any]], aspect: float) -> Any
 
 
 def corners(mujoco: Any, model: Any, data: Any) -> Any:
-    """Return the corners of the boxes around all drawn geoms; infinite planes count only if there is nothing else."""
+    """Return the corners of the boxes around all drawn geoms; the ground counts only if there is nothing else."""
     drawn = [each for each in range(model.ngeom) if _is_drawn(model, each)]
-    solid = [each for each in drawn if model.geom_type[each] != mujoco.mjtGeom.mjGEOM_PLANE]
+    plane, terrain = int(mujoco.mjtGeom.mjGEOM_PLANE), int(mujoco.mjtGeom.mjGEOM_HFIELD)
+    solid = [each for each in drawn if int(model.geom_type[each]) not in (plane, terrain)]
     found = [np.zeros((0, 3))]
     for geom in solid or drawn:
         centre, half = model.geom_aabb[geom][:3], model.geom_aabb[geom][3:]
-        if geom not in solid:
+        if model.geom_type[geom] == plane:
             centre, half = np.zeros(3), np.array([*_bounded(model.geom_size[geom][:2]), 0.0])
         rotation = data.geom_xmat[geom].reshape(3, 3)
         found.append((centre + _CORNERS * half) @ rotation.T + data.geom_xpos[geom])

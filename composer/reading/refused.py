@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import os
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -42,4 +43,14 @@ class Refused(OSError):
         shown: Callable[[Path], str] | None = None,
     ) -> None:
         """Report it to the sink, at the place that names the file."""
-        sink.error(CODE, self.message(shown), span, notes=tuple(notes), help=self.help)
+        from pathlib import Path
+
+        from composer.diagnostics.diagnostic import Cause
+
+        cause = None
+        if self.real is not None:  # all files of one folder have one cause
+            folder = os.path.dirname(self.real)
+            cause = Cause(
+                f"{span.file if span else ''} {folder} {self.why}", f"`{(shown or str)(Path(self.path))}`"
+            )
+        sink.error(CODE, self.message(shown), span, notes=tuple(notes), help=self.help, cause=cause)

@@ -227,3 +227,10 @@ def test_one_model_needs_no_name_in_its_output(folder: Path) -> None:
     assert result.exit_code == 0 and (folder / "x" / "model.xml").is_file(), result.output
     several = run("build", "r.yaml", "--all", "--no-verify", "-o", "y/")
     assert several.exit_code == 2 and "several models cannot all be `y/`" in several.stderr
+
+
+@pytest.mark.parametrize("given", ["3", "drawn", "drawn.txt"])
+def test_a_table_of_samples_that_is_none(folder: Path, given: str) -> None:
+    result = run("build", "r.yaml", "--samples", given)
+    assert result.exit_code == 2 and f"`{given}` is none: `--sample NUMBER` builds one" in result.stderr
+    assert not (folder / "build").exists()

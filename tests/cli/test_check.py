@@ -108,14 +108,18 @@ def test_all_cells_are_checked_and_named(folder: Path) -> None:
     (folder / "study.yaml").write_text(STUDY)
     result = run("check", "study.yaml", "cell.yaml", "--all")
     assert result.exit_code == 1 and result.stdout == "cell.yaml: ok\n"
-    assert result.stderr.count("error[check-failed]") == 2
-    assert "  = cell: study-2kg\n" in result.stderr
+    assert result.stderr.count("error[check-failed]") == 1
+    assert (
+        "  = cells: study-2kg, study-3kg\n" in result.stderr and "  = recipe: study.yaml\n" in result.stderr
+    )
+    assert "study-3kg: check `light`: the mass of the model is 3 kg\n" in result.stderr
+    assert "1 of 2 recipes failed: study.yaml\n" in result.stderr
     assert "2 of 3 cells failed: study-2kg, study-3kg\n" in result.stderr
     told = list(map(json.loads, run("check", "study.yaml", "--all", "--json").stdout.splitlines()))
-    assert [each.get("cells") for each in told] == [HEAVY[:1], HEAVY[1:], 3]
+    assert [each.get("cells") for each in told] == [HEAVY, 3]
     assert told[-1] == {"recipe": "study.yaml", "cells": 3, "failed": HEAVY}
     marks = run("check", "study.yaml", "--all", "--format", "github").stdout.splitlines()
-    assert "title=check-failed in study-2kg::" in marks[0]
+    assert "title=check-failed in 2 cells::" in marks[0]
     assert marks[-1] == "::error title=study.yaml::2 of 3 cells failed: study-2kg, study-3kg"
     assert cases(run("check", "study.yaml", "--all", "--junit", "-").stdout) == {
         "study.yaml: study-1kg model": None,
@@ -218,3 +222,26 @@ def test_verbose_says_stages_and_files(folder: Path) -> None:
     again = run("check", "cell.yaml", "--verbose").stderr
     assert "nothing was built: the cache has it" in again and "  read models/tool.xml\n" in again
     assert "read" not in run("check", "cell.yaml").stderr
+
+
+def test_several_recipes_at_once(folder: Path) -> None:
+    (folder / "bad.xml").write_text('<mujoco><worldbody><body nam="x"/></worldbody></mujoco>')
+    for name in ("one", "two"):
+        (folder / f"{name}.yaml").write_text("recipe: 1\nbase: ./bad.xml\n")
+    names = ["one.yaml", "cell.yaml", "two.yaml"]
+    for jobs in ("1", "2"):
+        result = run("check", *names, "--jobs", jobs)
+        assert result.exit_code == 1 and result.stdout == "cell.yaml: ok\n"
+        assert result.stderr.count("error[unknown-attribute]") == 1
+        assert "  = recipes: one.yaml, two.yaml\n" in result.stderr
+        assert result.stderr.endswith("2 of 3 recipes failed: one.yaml, two.yaml\n")
+        told = list(map(json.loads, run("check", *names, "--json", "-j", jobs).stdout.splitlines()))
+        assert told[0]["recipes"] == ["one.yaml", "two.yaml"]
+        assert told[1:] == [{"recipe": each, "ok": each == "cell.yaml"} for each in names]
+        marks = run("check", *names, "--format", "github", "-j", jobs).stdout
+        assert "%0Arecipes: one.yaml, two.yaml" in marks
+        assert "::notice title=cell.yaml::cell.yaml: ok" in marks
+    assert run("check", "cell.yaml", "--jobs", "2").exit_code == 2
+    assert run("check", *names, "--shard", "1/2").exit_code == 2
+    missing = run("check", "cell.yaml", "missing.yaml")
+    assert missing.exit_code == 2 and "1 of 2 recipes failed: missing.yaml" in missing.stderr

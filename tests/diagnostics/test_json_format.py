@@ -39,6 +39,7 @@ def test_everything_is_there() -> None:
             {"name": "a-1-s0002", "cell": "a-1", "sample": 2},
             {"name": "a-2", "cell": None, "sample": None},
         ],
+        "recipes": [],
     }
 
 

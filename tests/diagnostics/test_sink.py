@@ -149,3 +149,49 @@ def test_promoted_warnings_are_errors() -> None:
         (Severity.NOTE, ()),
     ]
     assert sink.has_errors
+
+
+def test_findings_of_cells_at_one_place_are_one_with_what_each_says() -> None:
+    at, other = Span("r.yaml", 3, 1), Span("r.yaml", 4, 1)
+    sink = Sink()
+    for number in range(19):
+        cell = CellName(f"s{number}", None, number)
+        sink.add_of_cell(cell, Diagnostic("check-failed", f"{number} kg", at, notes=(Note("at most 3 kg"),)))
+        sink.add_of_cell(cell, Diagnostic("check-failed", "the same", other))
+        sink.add_of_cell(cell, Diagnostic("check-failed", "second", other))  # of one cell both count
+    first, same, second = sink.diagnostics
+    assert [each.message for each in sink.diagnostics] == ["0 kg", "the same", "second"]
+    assert all(len(each.cells) == 19 for each in sink.diagnostics)
+    assert first.others == tuple(Note(f"s{number}: {number} kg") for number in range(1, 19))
+    assert same.others == second.others == () and sink.error_count == 57
+
+
+def test_what_exists_instead_in_another_cell_is_kept() -> None:
+    sink, at = Sink(), Span("r.yaml", 3, 1)
+    for name in "abc":
+        fault = Diagnostic("attach-place", "no site `x`", at, notes=(Note("a hint"), Note(f"sites: {name}")))
+        sink.add_of_cell(CellName(name), fault)
+    (found,) = sink.diagnostics
+    assert found.notes == (Note("a hint"), Note("sites: a"))
+    assert found.others == (Note("b: sites: b"), Note("c: sites: c"))
+
+
+def test_a_severity_and_a_code_of_its_own_are_another_finding() -> None:
+    sink, at = Sink(), Span("r.yaml", 3, 1)
+    sink.add_of_cell(CellName("a"), Diagnostic("bad-name", "x", at))
+    sink.add_of_cell(CellName("b"), Diagnostic("bad-name", "y", at, Severity.WARNING))
+    sink.add_of_cell(CellName("c"), Diagnostic("unknown-name", "z", at))
+    sink.add_of_cell(CellName("d"), Diagnostic("bad-name", "without a place"))
+    assert [(each.message, len(each.cells)) for each in sink.diagnostics] == [
+        ("x", 1), ("y", 1), ("z", 1), ("without a place", 1),
+    ]  # fmt: skip
+
+
+def test_equal_findings_of_several_recipes_are_one() -> None:
+    sink, at = Sink(), Span("part.xml", 3, 1)
+    for recipe in ("a.yaml", "b.yaml"):
+        sink.add_of_recipe(recipe, Diagnostic("bad-name", "x", at))
+        sink.add_of_recipe(recipe, Diagnostic("bad-name", recipe, at))
+    assert [(each.message, each.recipes) for each in sink.diagnostics] == [
+        ("x", ("a.yaml", "b.yaml")), ("a.yaml", ("a.yaml",)), ("b.yaml", ("b.yaml",)),
+    ]  # fmt: skip

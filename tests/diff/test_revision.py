@@ -3,16 +3,22 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 
 from composer.cli.locking import made_lock
 from composer.context import Context
+from composer.diff.data import as_data
 from composer.diff.diff import diff
+from composer.diff.markdown import render as markdown
+from composer.diff.operand import read_operand
 from composer.diff.revision import RevisionError, check_out, split
+from composer.diff.side import load
 from composer.diff.text import render
 from composer.engine import Session
+from composer.explain.explain import trace
 
 CASE = Path(__file__).parent / "cases" / "sources" / "a"
 pytestmark = pytest.mark.skipif(shutil.which("git") is None, reason="there is no git command")
@@ -143,3 +149,49 @@ def test_faults_are_told_where_they_are(repository: Path) -> None:
     span = told["attach-place"].span
     assert span is not None and (span.file, span.line) == ("HEAD:cells/recipe.yaml", 7)
     assert "`cells/gone.yaml` does not exist in revision `HEAD`" in told["file-not-found"].message
+
+
+def test_parts_beside_the_repository_are_those_of_the_work_tree(repository: Path, tmp_path: Path) -> None:
+    models = tmp_path / "models" / "arm"
+    (models / "meshes").mkdir(parents=True)
+    shape = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+    (models / "meshes" / "m.obj").write_text(shape)
+    (models / "arm.xml").write_text(
+        '<mujoco><compiler meshdir="meshes"/><asset><mesh name="m" file="m.obj"/></asset>'
+        '<worldbody><body name="a"><geom type="mesh" mesh="m"/></body></worldbody></mujoco>'
+    )
+    recipe = repository / "cells" / "outside.yaml"
+    recipe.write_text("recipe: 1\nbase: ../../models/arm/arm.xml\n")
+    _git(repository, "add", ".")
+    _git(repository, "commit", "-q", "-m", "two")
+    recipe.write_text(recipe.read_text() + "add: [{to: a, site: {name: new}}]\n")
+    context = Context(folder=repository / "cells")
+    with Session() as session:
+        found = diff("HEAD:outside.yaml", "outside.yaml", context, session)
+    assert found is not None, context.sink.errors
+    assert [str(each.kind) for each in found.contrast.changes] == ["site"]
+    assert (
+        found.a.outside == ("../models/arm/arm.xml", "../models/arm/meshes/m.obj") and found.b.outside == ()
+    )
+    assert "`../models/arm/arm.xml`, `../models/arm/meshes/m.obj`: outside of the repository" in render(found)
+    assert as_data(found)["a"]["outside"] == [*found.a.outside]
+    assert "as now in the work tree" in markdown(found)
+    assert (models / "meshes" / "m.obj").read_text() == shape
+
+
+@pytest.mark.parametrize("allow", ["", "allow: [convert-loss]"])
+def test_what_an_edit_allows_is_allowed_whoever_composes(tmp_path: Path, allow: str) -> None:
+    (tmp_path / "m.xml").write_text(
+        '<mujoco><worldbody><body><joint name="j"/><geom size=".1"/></body></worldbody>'
+        '<actuator><position name="p" joint="j" kp="3" timeconst=".1"/></actuator></mujoco>'
+    )
+    edit = f"{{select: {{actuator: p}}, convert: {{to: velocity, kv: 1}}{', ' + allow if allow else ''}}}"
+    (tmp_path / "r.yaml").write_text(f"recipe: 1\nbase: ./m.xml\nedit:\n  - {edit}\n")
+    context, found = Context(folder=tmp_path), []
+    with ExitStack() as opened, Session() as session:
+        operand = read_operand("r.yaml", context, opened)
+        assert operand is not None and load(operand, "it", session) is not None
+        found.append(operand.context)
+    assert trace(Path("r.yaml"), context) is not None
+    for each in (*found, context):
+        assert ("convert-loss" in {one.code for one in each.sink.diagnostics}) == (not allow)

@@ -103,3 +103,25 @@ def test_a_sky_is_a_texture() -> None:
     assert not has_sky(mujoco, _made(MODELS["ball"])[0])
     text = '<mujoco><asset><texture type="skybox" builtin="flat" rgb1="1 1 1" width="8" height="8"/></asset></mujoco>'
     assert has_sky(mujoco, mujoco.MjModel.from_xml_string(text))
+
+
+@pytest.mark.parametrize("view", ["", '<global azimuth="20" elevation="-60"/>'])
+def test_a_robot_fills_the_picture_on_any_ground(view: str) -> None:
+    """Height fields and planes are the ground on which it stands, however large they are."""
+    hill = '<asset><hfield name="hill" nrow="2" ncol="2" elevation="0 1 1 0" size="10 10 1 .1"/></asset>'
+    robot = '<body pos="0 0 1"><geom size=".1"/></body>'
+
+    def made(ground: str) -> tuple[mujoco.MjModel, mujoco.MjData]:
+        text = f"<mujoco><visual>{view}</visual>{hill}<worldbody>{ground}</worldbody></mujoco>"
+        model = mujoco.MjModel.from_xml_string(text)
+        mujoco.mj_forward(model, data := mujoco.MjData(model))
+        return model, data
+
+    terrain = '<geom type="hfield" hfield="hill"/>'
+    there = [
+        camera(mujoco, [made(each + robot)], ASPECT)
+        for each in ("", terrain, '<geom type="plane" size="50 50 1"/>')
+    ]
+    assert len({(each.distance, *each.lookat) for each in there}) == 1
+    alone = camera(mujoco, [made(terrain)], ASPECT)
+    assert alone.distance > 10

@@ -4,8 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from composer.diagnostics import Sink, Span
 from composer.reading import project
 from composer.reading.project import MARKERS, folder_of_recipe, folders_of_model, own_door, project_of
+from composer.reading.refused import Refused
 
 
 @pytest.mark.parametrize("marker", MARKERS)
@@ -63,3 +65,17 @@ def test_the_folder_of_a_recipe(tmp_path: Path) -> None:
     assert folder_of_recipe(tmp_path / "a" / "recipe.yaml") == str(tmp_path / "a")
     (tmp_path / "pyproject.toml").touch()
     assert folder_of_recipe(tmp_path / "a" / "recipe.yaml") == str(tmp_path)
+
+
+def test_files_of_one_folder_outside_have_one_cause(tmp_path: Path) -> None:
+    sink, door = Sink(), own_door(tmp_path / "robot" / "mjcf" / "arm.xml")
+    for number, name in enumerate(["one/a.stl", "one/b.stl", "two/c.stl", "one/d.stl"], 1):
+        with pytest.raises(Refused) as refused:
+            door.admit(tmp_path / name)
+        refused.value.report(sink, Span("arm.xml", number, 5), shown=lambda path: path.name)
+    first, second = sink.diagnostics
+    assert [(each.message, each.span and each.span.line) for each in first.others] == [
+        ("`b.stl`", 2),
+        ("`d.stl`", 4),
+    ]
+    assert second.others == () and second.span == Span("arm.xml", 3, 5)

@@ -64,6 +64,7 @@ WRITES_ITSELF = {
     "into memory": "urdf/converting.py:_look verify/world_table.py:_described",
     "into a folder of ours": """
         cli/doctor.py:_mujoco compose/workshop.py:Workshop._made diff/operand.py:_recipe_of diff/revision.py:from_lfs
+        diff/revision.py:_beside_the_same
         engine/child.py engine/session.py:Session._spawn link/measure.py:folder_of pictures/pairs.py:pictures scratch.py
         scene/blobs.py:Blobs.put scene/describe.py:describe targets/checks.py:placed targets/export.py:_put
         targets/reading.py:read_back urdf/read.py:UrdfReader._written verify/compiles.py:_written
