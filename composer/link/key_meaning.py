@@ -50,9 +50,10 @@ _INERTIA = {"pos": "0 0 0", "mass": "1", "diaginertia": "1 1 1"}
 class Bare:
     """A model as text, with the element of each name in it. `rows` has the length of each row of each key.
 
-    `moves` are the poses of the parts that it has become part of, innermost first.
+    `moves` are the poses of the parts that it has become part of, innermost first; `file` is its name in messages.
     """
 
+    file: str
     text: str
     named: dict[tuple[str, str], tuple[Node, Within]]
     flexes: dict[str, tuple[Node, dict[str, Within]]]
@@ -127,7 +128,9 @@ def bare(unit: Unit) -> Bare | None:
     flexes = list(root.iter("flexcomp"))
     if any(flex.get("file") or flex.get("mesh") for flex in flexes):
         return None
-    found = Bare("", {}, {str(flex.get("name") or ""): (flex, _copies(flex)) for flex in flexes}, {})
+    found = Bare(
+        unit.file, "", {}, {str(flex.get("name") or ""): (flex, _copies(flex)) for flex in flexes}, {}
+    )
     made = root.makeelement("mujoco")
     # The last one counts.
     settings = read_settings(root)

@@ -160,7 +160,7 @@ class _Meaning:
         at = list(source.rows).index(key)
         for vector, count in source.rows[key].items():
             row = described["keys"][at][vector]
-            span = self.model.origins.span(key, self.model.file, vector)
+            span = self.model.origins.span(key, source.file, vector)
             for name, body, number, start, stop in described["holders"][vector]:
                 holder = source.holder(_KINDS[vector], name, body) if start < min(stop, count) else None
                 if holder is None:

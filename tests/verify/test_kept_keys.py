@@ -199,6 +199,8 @@ def test_a_damage_to_any_vector_is_found(
     )
     assert found
     assert all(f"`{vector}` of the " in each.message for each in found)
+    tool = [each.span for each in found if "in the key `k`" in each.message]
+    assert all(span is not None and span.file in SOURCES for span in tool)
 
 
 def test_a_layout_that_reads_sources_wrongly_is_found(wrong: Wrong, monkeypatch: pytest.MonkeyPatch) -> None:
