@@ -104,6 +104,11 @@ class Template:
             missing = Diagnostic("not-installed", message, here, help='run `pip install "mjcompose[xacro]"`')
             return Expanded(None, found=(missing,))
         files = [Path(each) for each in value["files"]]
+        if refused := next((each for each in files if not self.door.sees(each)), None):
+            outside = self.door.outside(str(refused))  # whatever has happened in the process
+            return Expanded(
+                None, found=(Diagnostic("source-outside", outside.message(), here, help=outside.help),)
+            )
         if "error" in value:
             return self._failed(value["error"], files)
         places = [self._span(each, files) for each in value["places"]]
