@@ -410,7 +410,7 @@ class Evaluator:
             "len": (len, None), "str": (self._text, str), "float": (float, float), "int": (int, int),
             "bool": (bool, bool), "round": (self._round, None), "abs": (abs, None), "all": (all, None),
             "any": (any, None), "divmod": (divmod, None), "ord": (ord, None), "repr": (repr, None),
-            "sum": (sum, None), "range": (self._range, range), "dict": (dict, dict),
+            "sum": (sum, None), "range": (range, range), "dict": (dict, dict),
             "list": (lambda *value: list(*map(self.items, value)), list),
             "tuple": (lambda *value: tuple(*map(self.items, value)), tuple),
             "enumerate": (lambda value, start=0: list(enumerate(self.items(value), start)), None),
@@ -460,12 +460,6 @@ class Evaluator:
     def _filtered(self, function: Any, values: Any) -> list[Any]:
         items = self.items(values)
         return [each for each in items if (each if function is None else self.called(function, (each,), {}))]
-
-    def _range(self, *ends: Any) -> range:
-        found = range(*ends)
-        if not -LARGEST <= found.start <= LARGEST or not -LARGEST <= found.stop <= LARGEST:
-            raise Stopped("costly", f"`range` goes to {LARGEST} at most")
-        return found
 
     def _ordered(self, work: Callable[..., Any], *values: Any, key: Any = None, **named: Any) -> Any:
         if key is not None:

@@ -105,6 +105,34 @@ def test_texts_and_parameters_that_grow_are_stopped(tmp_path: Path) -> None:
     assert """b="x y2it's'z\"""" in expanded(tmp_path, text)["text"]
 
 
+def test_a_namespace_has_its_properties_and_nothing_of_its_class(tmp_path: Path) -> None:
+    (tmp_path / "n.xacro").write_text(
+        f'{HEAD}<xacro:property name="x" value="4"/><xacro:property name="depth" value="5"/></robot>'
+    )
+    include = '<xacro:include filename="n.xacro" ns="n"/>'
+    assert 'a="8"' in expanded(tmp_path, f'{include}<a a="${{n.x * 2}}"/>')["text"]
+    for name in (
+        "depth",
+        "parent",
+        "root",
+        "top()",
+        "update(x=1)",
+        "unevaluated",
+        "_resolve_('x')",
+        "__class__",
+        "keys()",
+    ):
+        answer = expanded(tmp_path, f'{include}<a a="${{n.{name}}}"/>')
+        assert answer["error"]["code"] == "unsafe", name
+
+
+def test_separators_are_no_regular_expression(tmp_path: Path) -> None:
+    split = "<a a=\"${xacro.tokenize('1, 2;3', %s)}\"/>"
+    assert "['1', '2', '3']" in expanded(tmp_path, split % "' ,;'")["text"]
+    for separators in ("'a-z'", "'[)+('", "'^1'", "'\\\\d'", "']+|(.*)*|['"):
+        assert expanded(tmp_path, split % separators)["error"]["code"] == "unsafe", separators
+
+
 CHANGES = ["${math.update(python.dict(pi=7))}", "${xacro.update(python.dict(q=1))}", "${python.clear()}", "${load_yaml('v.yaml').update(a=2)}",
            "${load_yaml('v.yaml').l.append(2)}", "${xacro.root.update(pi=7)}", "${[1].append(2)}"]  # fmt: skip
 
