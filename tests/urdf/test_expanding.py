@@ -133,6 +133,41 @@ def test_separators_are_no_regular_expression(tmp_path: Path) -> None:
         assert expanded(tmp_path, split % separators)["error"]["code"] == "unsafe", separators
 
 
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("1 + 2", "3"), ("arg('n') * 2", "5.0"), ("n * 2 if flag else 0", "5.0"), ("round(pi, 2)", "3.14"), ("find('arm')[:1]", "/"),
+     ("'a' + name", "axy"), ("true and not false", "True"), ("optenv('HOME', 'none')", "none"), ("len(name) + sqrt(4)", "4.0")],
+)  # fmt: skip
+def test_substitutions_are_evaluated_too(tmp_path: Path, text: str, value: str) -> None:
+    """The text of a property, for xacro ends `$(eval` at the first `)`."""
+    parts = f'<xacro:property name="p" value="{text}"/><a b="$(eval ${{p}})"/>'
+    answer = expanded(tmp_path, parts, n="2.5", flag="true", name="xy")
+    assert f'b="{value}"' in answer["text"]
+
+
+def test_names_are_those_of_python() -> None:
+    import xacro
+
+    for name in (
+        "a",
+        "_b1",
+        "é",
+        "ﬁ",
+        "None",
+        "pass",
+        "match",
+        "1a",
+        "a b",
+        "a.b",
+        "",
+        " a",
+        "a\n",
+        "(a)",
+        "lambda",
+    ):
+        assert expanding._is_name(name) == xacro.is_valid_name(name), name
+
+
 CHANGES = ["${math.update(python.dict(pi=7))}", "${xacro.update(python.dict(q=1))}", "${python.clear()}", "${load_yaml('v.yaml').update(a=2)}",
            "${load_yaml('v.yaml').l.append(2)}", "${xacro.root.update(pi=7)}", "${[1].append(2)}"]  # fmt: skip
 
