@@ -13,7 +13,7 @@ from composer.context import Context
 from composer.dataclass import dataclass
 from composer.plan.plan import Plan
 from composer.plan.used_files import files_of_recipe, files_of_source
-from composer.sources.licence import licence_folders
+from composer.sources.licence import LEVELS, licence_folders
 from composer.sources.lock import shapes_folder
 from composer.sources.source import Source
 from composer.stages import Built
@@ -87,7 +87,7 @@ class Inputs:
     def _of(self, source: Source) -> tuple[str, ...]:
         if source.path not in self._of_sources:
             folder = Path(os.path.abspath(source.path)).parent
-            searched = [os.fspath(each) for each in (folder, *folder.parents[:3])]
+            searched = [os.fspath(each) for each in (folder, *folder.parents[:LEVELS])]
             read = [os.path.abspath(path) for path in files_of_source(source)]
             inside = [each for above in searched for each in licence_folders(above)]
             self._of_sources[source.path] = (*read, *searched, *inside)

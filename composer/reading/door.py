@@ -68,7 +68,7 @@ class Door:
     def sees(self, path: str | os.PathLike[str]) -> bool:
         """Return whether a path leads to a place that the reader may see, whether or not it exists."""
         text = os.fspath(path)
-        return self.sees_all or self._leads_inside(text, _mode(text))
+        return self.sees_all or self._is_seen(text, _mode(text))
 
     def exists(self, path: str | os.PathLike[str]) -> bool:
         """Return whether a path exists and the reader may see it."""
@@ -78,7 +78,7 @@ class Door:
         """Return the path, which may now be opened. Raises Refused, also for pipes and other special files."""
         text = os.fspath(path)
         mode = _mode(text)
-        if not (self.sees_all or self._leads_inside(text, mode)):
+        if not (self.sees_all or self._is_seen(text, mode)):
             raise self.outside(text)
         if not stat.S_ISREG(mode) and (what := is_irregular(text)) is not None:
             raise Refused(text, what)
@@ -125,13 +125,24 @@ class Door:
 
     def outside(self, path: str) -> Refused:
         """Return the refusal of a path that the reader may not see."""
-        real = os.path.realpath(path)
+        try:
+            real = os.path.realpath(path)
+        except Exception:  # it may be why the path is refused
+            return Refused(
+                path, OUTSIDE.format(self.whose), self.help and self.help.replace("{folder}", path)
+            )
         help = self.help
         if help is not None:
             folder = os.path.dirname(real)
             shown = folder if self.start is None else _relative(folder, self.start)
             help = help.replace("{folder}", shown).replace("{absolute}", folder)
         return Refused(path, OUTSIDE.format(self.whose), help, real)
+
+    def _is_seen(self, path: str, mode: int) -> bool:
+        try:
+            return self._leads_inside(path, mode)
+        except Exception:  # what cannot be judged is outside
+            return False
 
     def _leads_inside(self, path: str, mode: int) -> bool:
         """Return whether a path with that mode leads inside; the links of each folder are resolved once."""

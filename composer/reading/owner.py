@@ -12,7 +12,10 @@ def untrusted(folder: str | os.PathLike[str]) -> str | None:
     >>> untrusted("/no/such/folder") is None
     True
     """
-    status = _status(folder)
+    try:
+        status = _status(folder)
+    except Exception as error:
+        return _unknown(error)
     if status is None:
         return None
     if status.st_uid != os.geteuid():
@@ -26,7 +29,10 @@ def untrusted_for_temporary(folder: str | os.PathLike[str] | None = None) -> str
         import tempfile  # the store, whose owner is asked by every build, is elsewhere
 
         folder = tempfile.gettempdir()
-    status = _status(folder)
+    try:
+        status = _status(folder)
+    except Exception as error:
+        return _unknown(error)
     if status is None:
         return None
     if status.st_uid not in (os.geteuid(), 0):
@@ -36,10 +42,16 @@ def untrusted_for_temporary(folder: str | os.PathLike[str] | None = None) -> str
 
 
 def _status(folder: str | os.PathLike[str]) -> os.stat_result | None:
-    """Return the status; None also on systems without such owners, as on Windows."""
+    """Return the status; None also on systems without such owners, as on Windows. Raises OSError and ValueError."""
     if not hasattr(os, "geteuid"):
         return None
     try:
         return os.stat(folder)
-    except (OSError, ValueError):
+    except (FileNotFoundError, NotADirectoryError):
         return None
+
+
+def _unknown(error: Exception) -> str:
+    return (
+        f"nobody can tell whose it is: {(getattr(error, 'strerror', None) or type(error).__name__).lower()}"
+    )

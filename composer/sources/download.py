@@ -172,6 +172,7 @@ class _Download:
             headers["If-Modified-Since"] = self.known.modified
         at = self.url
         for _ in range(_HOPS + 1):
+            self._check_reach(at)
             with self._pool(at) as pool:
                 # Retries happen here, where the received bytes are known.
                 with waiting(self.progress, f"for {urlsplit(at).hostname}"):
@@ -205,13 +206,16 @@ class _Download:
             raise SourceError(
                 "source-fetch", f"`{self.url}` leads to `{hide(leads_to)}`, which is not encrypted"
             )
-        if self.is_confined and is_private(way.netloc):
+        return leads_to
+
+    def _check_reach(self, at: str) -> None:
+        """Refuse a server of this machine or its network, also for a name that had no address before."""
+        if self.is_confined and is_private(urlsplit(at).netloc):
+            leads = "" if at == self.url else f" leads to `{hide(at)}`, which"
             raise SourceError(
                 "source-outside",
-                f"`{self.url}`, which a fetched recipe names, leads to `{hide(leads_to)}`, which is on this machine"
-                " or in its network",
+                f"`{self.url}`, which a fetched recipe names,{leads} is on this machine or in its network",
             )
-        return leads_to
 
     def _taken(self, response: BaseHTTPResponse, headers: Mapping[str, str], have: int) -> Version | None:
         status = response.status

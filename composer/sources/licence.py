@@ -9,7 +9,8 @@ from pathlib import Path
 from composer.reading.folders import real_folder
 from composer.reading.memory import Memory
 
-_LEVELS = 3
+LEVELS = 3
+"""How many folders above its own a model's licence may be."""
 _NAME = re.compile(r"(licen[sc]e|copying|notice)s?([-_. ].*)?", re.IGNORECASE)
 _FOLDER = re.compile("licen[sc]es", re.IGNORECASE)
 _DEPTH = 3
@@ -19,7 +20,7 @@ _NOT_TEXT = frozenset(
 
 
 def find(model: Path, base: Path | None = None) -> tuple[Path, ...]:
-    """Return the licence files of the nearest folder that has any: the model's own, or one of the three above it.
+    """Return the licence files of the nearest folder that has any: the model's own, or one of the `LEVELS` above it.
 
     All texts in a folder `LICENSES` count. The search stays inside `base`, does not go above a folder with `.git`,
     and stops below the folder where Python packages are installed. Empty if there are none. Reads folders only, no
@@ -27,7 +28,7 @@ def find(model: Path, base: Path | None = None) -> tuple[Path, ...]:
     """
     folder = Path(real_folder(os.fspath(model.parent)))
     top = Path(os.path.realpath(base)) if base is not None else None
-    for _ in range(_LEVELS + 1):
+    for _ in range(LEVELS + 1):
         if folder.name in ("site-packages", "dist-packages"):
             break
         if found := tuple(sorted(_in_folder(folder))):

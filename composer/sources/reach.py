@@ -18,18 +18,23 @@ _LOCAL = (".local", ".localhost", ".internal", ".lan", ".home", ".intranet", ".c
 
 def check_reach(reference: Reference, kind: SourceKind, origin: Origin, trust: Trust, offline: bool) -> None:
     """Refuse a reference that a recipe fetched with `origin` may not name. Raises SourceError."""
-    if trust.allows(reference.text):
-        return
-    host = kind.host(reference)
-    if host is None and not kind.is_of_this_machine(reference):
-        return
-    if host is not None and not is_private(host, offline):
-        return
-    what = (
-        "something on this machine"
-        if host is None
-        else f"`{host}`, which is on this machine or in its network"
-    )
+    host = None
+    try:
+        if trust.allows(reference.text):
+            return
+        host = kind.host(reference)
+        if host is None and not kind.is_of_this_machine(reference):
+            return
+        if host is not None and not is_private(host, offline):
+            return
+    except Exception:  # what cannot be judged is refused
+        what = "what cannot be judged"
+    else:
+        what = (
+            "something on this machine"
+            if host is None
+            else f"`{host}`, which is on this machine or in its network"
+        )
     raise SourceError(
         "source-outside",
         f"`{reference.text}` names {what}, and `{origin.id}`, whose recipe does, was fetched",
@@ -40,18 +45,23 @@ def check_reach(reference: Reference, kind: SourceKind, origin: Origin, trust: T
 def is_private(host: str, offline: bool = False) -> bool:
     """Return whether a server is on this machine or in its network; a name is resolved unless `offline`.
 
+    So is one that cannot be judged. One whose name has no address is not: nothing can be fetched from it.
+
     >>> [is_private(host, True) for host in ("localhost:80", "10.1.2.3", "git@[::1]", "example.org", "nas")]
     [True, True, True, False, True]
     """
-    host = host.rpartition("@")[2]
-    if is_this_machine(host):
+    try:
+        host = host.rpartition("@")[2]
+        if is_this_machine(host):
+            return True
+        name = re.sub(r":\d*$", "", host).strip("[]").rstrip(".").lower()
+        if (address := _address(name)) is not None:
+            return not address.is_global
+        if "." not in name or name.endswith(_LOCAL):
+            return True
+        return not offline and any(not each.is_global for each in _addresses(name))
+    except Exception:
         return True
-    name = re.sub(r":\d*$", "", host).strip("[]").rstrip(".").lower()
-    if (address := _address(name)) is not None:
-        return not address.is_global
-    if "." not in name or name.endswith(_LOCAL):
-        return True
-    return not offline and any(not each.is_global for each in _addresses(name))
 
 
 def _address(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
@@ -59,9 +69,11 @@ def _address(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
     import socket
 
     try:
-        return _inner(ipaddress.ip_address(text.partition("%")[0]))
+        found = ipaddress.ip_address(text.partition("%")[0])
     except ValueError:
         pass
+    else:
+        return _inner(found)
     if not re.fullmatch(r"(0x[0-9a-f]*|\d+)(\.(0x[0-9a-f]*|\d+)){0,3}", text):
         return None
     try:
@@ -84,9 +96,11 @@ def _addresses(name: str) -> tuple[ipaddress.IPv4Address | ipaddress.IPv6Address
 
     try:
         found = socket.getaddrinfo(name, None, proto=socket.IPPROTO_TCP)
-    except (OSError, UnicodeError):
+    except socket.gaierror:
         return ()
-    addresses = (_address(str(each[4][0])) for each in found)
+    addresses = [_address(str(each[4][0])) for each in found]
+    if None in addresses:
+        raise ValueError(name)
     return tuple(each for each in addresses if each is not None)
 
 

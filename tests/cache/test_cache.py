@@ -160,6 +160,17 @@ def test_why_of_the_first_licence_of_a_folder(store: Path, folder: Path) -> None
     assert built(*out)[0][1:] == ["the licences in `here` are others", "the licences in `.` are others"]
 
 
+def test_why_of_a_licence_as_far_above_as_licences_are_looked_for(store: Path, folder: Path) -> None:
+    deep = folder / "a" / "b" / "c"
+    deep.mkdir(parents=True)
+    (deep / "arm.xml").write_text("<mujoco><worldbody/></mujoco>")
+    (folder / "far.yaml").write_text("recipe: 1\nbase: ./a/b/c/arm.xml\n")
+    out = ("far.yaml", "-o", "a.zip")
+    built(*out)
+    (folder / "LICENSE").write_text("Do as you please.\n")
+    assert built(*out)[0] == ["the licences in `.` are others"]
+
+
 @pytest.mark.slow
 def test_why_of_a_licence_in_a_folder_of_licences(store: Path, folder: Path) -> None:
     (folder / "models" / "LICENSES" / "arm").mkdir(parents=True)

@@ -1,12 +1,18 @@
 from __future__ import annotations
 
+from dataclasses import fields
+from pathlib import Path
+
 import pytest
 
-from composer.cache.cache_key import CacheKey
+from composer.cache.cache import Answer, Cache
+from composer.cache.cache_key import BuildOptions, CacheKey
 from composer.cache.environment import environment_parts
+from composer.cache.inputs import _installed
 from composer.cache.reasons import GIVEN, differences
 from composer.sources.kinds import KINDS
 from composer.sources.source_kind import SourceKind
+from composer.sources.store import Store
 
 
 def test_whatever_is_asked_otherwise_is_another_key() -> None:
@@ -15,6 +21,36 @@ def test_whatever_is_asked_otherwise_is_another_key() -> None:
     others = [CacheKey("cell.yaml", {"a": "2"}), CacheKey("other.yaml", {"a": "1"}), first.of_cell("x", {})]
     assert len({first.digest, *(each.digest for each in others)}) == 4
     assert others[0].subject_digest == first.subject_digest
+
+
+OPTIONS = {
+    "verified": False,
+    "deduplicated": True,
+    "text_beside": Path("/out"),
+    "choices": {"`size`": "2"},
+    "locked": True,
+    "offline": True,
+    "pictured": True,
+    "target": "mjx",
+}
+
+
+def test_every_option_of_a_build_gives_another_key(tmp_path: Path) -> None:
+    assert OPTIONS.keys() == {each.name for each in fields(BuildOptions)}
+    each_alone = [BuildOptions(), *(BuildOptions(**{name: value}) for name, value in OPTIONS.items())]
+    keys = {each.key(Path("a.yaml"), tmp_path, {}, tmp_path).digest for each in each_alone}
+    assert len(keys) == len(OPTIONS) + 1
+
+
+def test_a_package_of_another_version_is_a_change(tmp_path: Path) -> None:
+    (found,) = _installed("lxml")
+    assert Path(found[2]).is_file() and found[1] in found[2]
+    cache = Cache(Store(tmp_path), print)
+    assert cache._changes(Answer("", (), (found,))) == []
+    other = (found[0], "0.1", found[2].replace(found[1], "0.1"))
+    assert cache._changes(Answer("", (), (found, other))) == [
+        "the package `lxml` was 0.1, and is another version now"
+    ]
 
 
 def test_what_leads_a_package_to_other_files_is_asked() -> None:

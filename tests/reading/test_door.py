@@ -181,5 +181,7 @@ def test_a_door_whose_judgement_fails_shows_nothing(
     monkeypatch.setattr(module, inner, fails)
     door = Door((str(tree / "own"),))
     for ask in (door.admit, door.read, door.sees, lambda path: door.search(f"{path.parent}/*")):
-        with pytest.raises((error, Refused)):
-            ask(tree / "own" / "mesh.obj")
+        try:
+            assert not ask(tree / "own" / "mesh.obj")
+        except (error, Refused):
+            continue

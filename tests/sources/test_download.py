@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from ipaddress import ip_address
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ import pytest
 from composer.limits import allow
 from composer.sources.download import Version, download
 from composer.sources.error import SourceError
+from composer.sources.reach import is_private
 
 NOTHING = Version()
 CONTENT = bytes(range(256)) * 64
@@ -323,3 +325,28 @@ def test_a_download_that_is_larger_than_it_may_be(
         error = refused(f"{web.url}/a.zip#arm.xml")
     assert error.code == "archive-refused" and "is larger than 2K" in error.message
     assert not list((tmp_path / "store" / "partial").iterdir())
+
+
+@pytest.mark.parametrize(
+    "found", [("10.0.0.7",), ("93.184.216.34", "10.0.0.7"), ("::1",), ("169.254.169.254",)]
+)
+def test_a_detour_leads_to_no_name_of_this_network(
+    web: Any,
+    answer: Callable[..., None],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    found: tuple[str, ...],
+) -> None:
+    """Nor is one asked that had no address when its reference was read."""
+    monkeypatch.setattr("composer.sources.reach._addresses", lambda name: tuple(map(ip_address, found)))
+    monkeypatch.setattr(
+        "composer.sources.download.is_private", lambda host: "127.0.0.1" not in host and is_private(host)
+    )
+    web.pages["/a"] = lambda handler: answer(
+        handler, b"", status=302, Location="https://robots.example.org/b"
+    )
+    given: dict[str, Any] = {"environment": {"MJCOMPOSE_TIMEOUT": "1"}, "progress": print, "known": NOTHING}
+    for start, asked in ((f"{web.url}/a", 1), ("https://robots.example.org/b", 1)):
+        with pytest.raises(SourceError) as caught:
+            download(start, tmp_path / "file.part", is_confined=True, **given)
+        assert caught.value.code == "source-outside" and len(web.asked) == asked

@@ -116,6 +116,7 @@ def test_a_lock_in_a_merge_is_what_both_sides_pin() -> None:
     assert sorted(lock.sources) == ["both", "mine", "other", "own", "web"]
     assert lock.sources["both"].files == {"a.xml": "a" * 64, "b.xml": "b" * 64}
     assert lock.sources["both"].used_by == ["a", "b"]
+    assert lock.sources["own"].files == {"c.xml": "c" * 64}
     assert disputes == {"web": ("2" * 64, "3" * 64)}
 
 
