@@ -54,12 +54,11 @@ def _place(element: Node, pos: Any, quat: Any) -> None:
 def _inertia(model: Any, number: int, body: Node) -> None:
     for old in list(body.iterchildren("inertial")):
         body.remove(old)
-    off = model.body_ipos[number].any() or (model.body_iquat[number] != (1, 0, 0, 0)).any()
-    if model.body_mass[number] > 0 or off:
-        inertial = etree.Element("inertial", mass=text(model.body_mass[number]))
-        _place(inertial, model.body_ipos[number], model.body_iquat[number])
-        inertial.set("diaginertia", text(model.body_inertia[number]))
-        body.insert(0, inertial)
+    # MuJoCo 4.0 gives a body without one the `pos` of the body as its centre of mass.
+    inertial = etree.Element("inertial", mass=text(model.body_mass[number]))
+    _place(inertial, model.body_ipos[number], model.body_iquat[number])
+    inertial.set("diaginertia", text(model.body_inertia[number]))
+    body.insert(0, inertial)
 
 
 _SPINNING = ("hinge", "slide")
