@@ -18,12 +18,13 @@ from composer.compiled.index import Index
 from composer.compiled.order import compiled_order
 from composer.context import Context
 from composer.dataclass import dataclass
-from composer.diagnostics.diagnostic import Cause
+from composer.diagnostics.diagnostic import Cause, Note
 from composer.diagnostics.span import Span
 from composer.scratch import scratch
 from composer.targets.export import export
 from composer.targets.features import FEATURES
-from composer.targets.loss import Loss
+from composer.targets.loss import Loss, grouped, in_words
+from composer.targets.table import TARGETS
 from composer.tree.unit import Unit
 
 if TYPE_CHECKING:
@@ -68,20 +69,33 @@ def aimed(
         )  # fmt: skip
     losses = [Loss(**each) for each in found["losses"]]
     places = _Places(model, found["names"])
-    refused = False
     for loss in losses:
-        refused |= loss.refused
-        _report(loss, target, places.span(loss) or at, context)
-    if refused or found["differences"]:
+        if loss.refused:
+            cause = Cause(f"{loss.feature} {loss.why}", loss.shown)
+            span = places.span(loss) or at
+            context.sink.error(CANNOT, f"{loss.shown}: {loss.why}", span, help=loss.help, cause=cause)
+    _warn(target, [loss for loss in losses if not loss.refused], places, at, context)
+    if found["differences"] or any(loss.refused for loss in losses):
         return None
     return _bundle(bundle, target, found, made, losses)
 
 
-def _report(loss: Loss, target: str, span: Span, context: Context) -> None:
-    cause = Cause(f"{loss.feature} {loss.message}", loss.shown)
-    add = context.sink.error if loss.refused else context.sink.warning
-    code = CANNOT if loss.refused else LOSS
-    add(code, f"{loss.shown}: {loss.message}", span, help=loss.help, cause=cause)
+def _warn(target: str, losses: Sequence[Loss], places: _Places, at: Span, context: Context) -> None:
+    """Report all losses in one warning, with a line for each kind."""
+    title = TARGETS[target].title
+    groups = sorted(grouped(losses), key=lambda group: group[0].otherwise)
+    lines = [(places.span(group[0]) or at, in_words(title, group)) for group in groups]
+    ignored = sum(not group[0].otherwise for group in groups)
+    if not groups:
+        return
+    (span, message), *others = lines
+    notes: list[Note] = []
+    if others:
+        if ignored > 1:
+            message = f"{title} ignores {ignored} kinds of what is in the model"
+        notes = [Note("\n".join(f"{place}: {words}" for place, words in lines))]
+    help = "the manifest names all of these elements under `target`" if others else None
+    context.sink.warning(LOSS, message, span, notes=notes, help=help)
 
 
 def _files(folder: Path) -> dict[str, bytes]:
@@ -99,15 +113,14 @@ def _bundle(
     licences = {path: text for path, text in bundle.files.items() if path.startswith(f"{LICENCES}/")}
     aimed = Bundle({**made, **licences}, found["model"])
     manifest = from_json(bundle.files[MANIFEST])
-    counted: dict[tuple[str, str, str], list[str]] = {}
-    for loss in losses:
-        counted.setdefault((loss.feature, loss.tag, loss.message), []).append(loss.name)
+    title = TARGETS[target].title
     left_out = tuple(
         LeftOut(
-            feature=FEATURES[feature], tag=tag, why=why, count=len(names), names=tuple(filter(None, names))
+            feature=FEATURES[group[0].feature], tag=group[0].tag, why=in_words(title, group), count=len(group),
+            names=tuple(loss.name for loss in group if loss.name),
         )
-        for (feature, tag, why), names in counted.items()
-    )
+        for group in grouped(losses)
+    )  # fmt: skip
     index = None if found["index"] is None else index_of(Index.from_data(found["index"]))
     return with_manifest(
         aimed,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +21,8 @@ from composer.recipe.checks.loads import IN
 from composer.recipe.rows import check_rows
 from composer.scratch import scratch
 from composer.targets.export import export
-from composer.targets.judging import judged, poses_of
-from composer.targets.limit import Outcome
-from composer.targets.loss import Loss
+from composer.targets.judging import asked_of, judged
+from composer.targets.loss import Loss, grouped, in_words
 from composer.targets.names import CONSUMERS
 from composer.targets.reading import READERS, Reader, interpreter, read_back
 from composer.targets.table import TARGETS
@@ -30,7 +30,7 @@ from composer.targets.table import TARGETS
 _FAILED, _MISSING = "check-failed", "consumer-missing"
 _SHOWN = 8
 _POSES = 50
-_THE_SAME = (Outcome.KEPT, Outcome.WRITTEN)
+LOSS = "target-loss"
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,22 +56,15 @@ def runs_on(work: Work, asked: dict[str, Any]) -> Found:
         if isinstance(written, str):
             found.append(Fault(_FAILED, f"the model cannot be written for `{name}`: {written}", (at,)))
             continue
-        lacked = [each for each in written.losses if each.refused or not _stays(name, each)]
+        lacked = [each for each in written.losses if not each.otherwise]
         values[name] = len(lacked)
         if lacked:
             found.append(_lacking(name, lacked, at))
     return found, values
 
 
-def _stays(target: str, loss: Loss) -> bool:
-    """Return whether the outcome of a loss is the same model, written in another way."""
-    return any(
-        limit.feature == loss.feature and limit.outcome in _THE_SAME for limit in TARGETS[target].limits
-    )
-
-
 def _lacking(name: str, lacked: Sequence[Loss], at: int) -> Fault:
-    lines = list(dict.fromkeys(f"{each.shown}: {each.message}" for each in lacked))
+    lines = _sentences(name, lacked)
     notes = ["expected: nothing that it lacks", f"actual: {len(lacked)} elements", *lines[1:_SHOWN]]
     if len(lines) > _SHOWN:
         notes.append(f"and {len(lines) - _SHOWN} more")
@@ -84,9 +77,11 @@ def loads(work: Work, asked: dict[str, Any]) -> Found:
     """Return a finding for each program that cannot read the model, or reads it as another one."""
     found: list[Fault] = []
     values: dict[str, Any] = {}
-    poses = engine.call(work.session, poses_of, [work.whole], _POSES)
-    if not poses.ok:
-        return [Fault(_FAILED, f"MuJoCo does not move the model: {poses.error or poses.crash}")], values
+    asked_all = engine.call(work.session, asked_of, [work.whole], _POSES)
+    if not asked_all.ok:
+        return [
+            Fault(_FAILED, f"MuJoCo does not move the model: {asked_all.error or asked_all.crash}")
+        ], values
     for at, name in enumerate(asked["consumers"]):
         reader = READERS[name]
         python = interpreter(reader, work.environment)
@@ -94,16 +89,23 @@ def loads(work: Work, asked: dict[str, Any]) -> Found:
             found.append(_missing(name, reader, at))
             continue
         with scratch("target") as folder:
-            facts = _facts(work, name, reader, python, folder, poses.value)
-        if isinstance(facts, str):
-            found.append(Fault(_FAILED, f"`{name}` does not read the model: {facts}", (IN, at)))
+            read = _facts(work, name, reader, python, folder, asked_all.value)
+        if isinstance(read, str):
+            found.append(Fault(_FAILED, f"`{name}` does not read the model: {read}", (IN, at)))
             continue
-        question = {"facts": facts, "poses": poses.value, "single": reader.single}
+        facts, losses = read
+        question = {
+            "facts": facts, "asked": asked_all.value, "single": reader.single,
+            "losses": [asdict(each) for each in losses],
+        }  # fmt: skip
         answer = engine.call(work.session, judged, [work.whole], question)
         wrong = list(answer.value) if answer.ok else [str(answer.error or answer.crash)]
         values[name] = str(facts["version"])
         if wrong:
             found.append(_another(name, str(facts["version"]), wrong, at))
+        if sentences := _sentences(name, [each for each in losses if not each.otherwise]):
+            notes = (Note("\n".join(sentences[1:])),) if sentences[1:] else ()
+            found.append(Fault(LOSS, sentences[0], (IN, at), notes=notes))
     return found, values
 
 
@@ -119,7 +121,7 @@ def _missing(name: str, reader: Reader, at: int) -> Fault:
 
 def _another(name: str, version: str, wrong: Sequence[str], at: int) -> Fault:
     notes = [
-        "expected: the masses, inertias, limits and poses of MuJoCo",
+        "expected: the numbers, poses and motion of MuJoCo",
         f"actual: {len(wrong)} that differ",
     ]
     notes += [*wrong[1:_SHOWN], *([f"and {len(wrong) - _SHOWN} more"] if len(wrong) > _SHOWN else [])]
@@ -128,15 +130,20 @@ def _another(name: str, version: str, wrong: Sequence[str], at: int) -> Fault:
 
 
 def _facts(
-    work: Work, name: str, reader: Reader, python: str, folder: Path, poses: list[dict[str, Any]]
-) -> dict[str, Any] | str:
+    work: Work, name: str, reader: Reader, python: str, folder: Path, asked: dict[str, Any]
+) -> tuple[dict[str, Any], Sequence[Loss]] | str:
     written = _written(work, name, folder)
     if isinstance(written, str):
         return written
     refused = next((each for each in written.losses if each.refused), None)
     if refused is not None:
-        return f"{refused.shown}: {refused.message}"
-    return read_back(reader, python, placed(written.folder, written.model), poses)
+        return f"{refused.shown}: {refused.why}"
+    facts = read_back(reader, python, placed(written.folder, written.model), asked)
+    return facts if isinstance(facts, str) else (facts, written.losses)
+
+
+def _sentences(name: str, losses: Sequence[Loss]) -> list[str]:
+    return [in_words(TARGETS[name].title, group) for group in grouped(losses)]
 
 
 def placed(folder: Path, model: str) -> Path:

@@ -9,7 +9,7 @@ from typing import Any
 from lxml.etree import _Element as Node
 
 from composer.dataclass import dataclass
-from composer.targets.loss import Loss
+from composer.targets.loss import Loss, Outcome
 
 
 @dataclass(slots=True)
@@ -37,12 +37,19 @@ class Draft:
         }
 
     def lose(
-        self, feature: str, node: Node, message: str, *, refused: bool = False, help: str | None = None
+        self,
+        feature: str,
+        node: Node,
+        why: str = "",
+        *,
+        what: str = "",
+        outcome: Outcome = Outcome.LEFT_OUT,
+        help: str | None = None,
     ) -> None:
-        """Record that the target cannot express something about an element."""
+        """Record that the target cannot express an element, or `what` it has."""
         kind, number = self._rows.get(node, ("", -1))
         tag, name = str(node.tag), str(node.get("name") or "")
-        self.losses.append(Loss(feature, kind, number, tag, name, message, refused, help))
+        self.losses.append(Loss(feature, kind, number, tag, name, why, what, outcome, help))
 
     def remove(self, node: Node) -> None:
         """Remove an element, and its section if it becomes empty."""

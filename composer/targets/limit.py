@@ -3,22 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from enum import StrEnum
 from typing import Any
 
 from composer.dataclass import dataclass
 from composer.targets.draft import Draft
+from composer.targets.loss import Outcome
 
-
-class Outcome(StrEnum):
-    """What happens to a feature."""
-
-    KEPT = "written"
-    WRITTEN = "written otherwise"
-    PARTLY = "partly"
-    LEFT_OUT = "left out"
-    SOME_REFUSED = "some refused"
-    REFUSED = "refused"
+__all__ = ["Limit", "Outcome", "Refusal", "Refuses"]
 
 
 @dataclass(frozen=True, slots=True)

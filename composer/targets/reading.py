@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Mapping
@@ -22,6 +23,7 @@ _READERS = Path(__file__).with_name("readers")
 _INTERPRETER = "Scripts/python.exe" if os.name == "nt" else "bin/python"
 _ASK = "import importlib.util, sys; sys.exit(importlib.util.find_spec(sys.argv[1]) is None)"
 _LAST_WORDS = 400
+_RAISED = re.compile(r"[\w.]+(Error|Exception|Exit)\b")
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +47,9 @@ READERS: Mapping[str, Reader] = {
         Reader("drake", "drake", "pydrake", ("drake",)),
         Reader("pinocchio", "pinocchio", "pinocchio", ("pin",)),
         Reader("pybullet", "pybullet", "pybullet", ("numpy", "pybullet"), single=True),
-        Reader("newton", "newton", "newton", ("newton", "trimesh", "scipy"), single=True),
+        Reader(
+            "newton", "newton", "newton", ("newton", "trimesh", "scipy", "mujoco", "mujoco-warp"), single=True
+        ),
         Reader("genesis", "genesis", "genesis", ("torch", "genesis-world")),
         Reader("mjx", "mjx", "mujoco.mjx", ("mujoco-mjx",)),
         Reader("warp", "warp", "mujoco_warp", ("mujoco-warp",), single=True),
@@ -73,14 +77,14 @@ def _has(python: str, module: str) -> bool:
     return asked.returncode == 0
 
 
-def read_back(reader: Reader, python: str, model: Path, poses: list[dict[str, Any]]) -> dict[str, Any] | str:
+def read_back(reader: Reader, python: str, model: Path, questions: dict[str, Any]) -> dict[str, Any] | str:
     """Return the facts of a model as the program reads it, or an error message.
 
-    The facts are masses, inertias, limits, actuators, and the poses of the bodies at the given configurations.
-    Files are written beside the folder of the model.
+    The facts are those of `judging.py`: numbers by name, the count of shapes, poses, and the end of a motion. Files are
+    written beside the folder of the model.
     """
     asked, out = model.parent.with_suffix(".poses.json"), model.parent.with_suffix(".facts.json")
-    asked.write_text(json.dumps(poses), encoding="utf-8")
+    asked.write_text(json.dumps(questions), encoding="utf-8")
     command = [python, "-I", str(_READERS / f"{reader.program}.py"), str(model), str(asked), str(out)]
     seconds = in_force().time
     with Process(
@@ -96,7 +100,10 @@ def read_back(reader: Reader, python: str, model: Path, poses: list[dict[str, An
             process.end()
             return f"it took longer than {seconds:g} seconds"
     if process.returncode or not os.path.isfile(out):
-        lines = said.decode("utf-8", "replace").strip().splitlines()
-        return lines[-1][:_LAST_WORDS] if lines else f"it ended with the code {process.returncode}"
+        lines = [line for line in said.decode("utf-8", "replace").splitlines() if line.strip(" -")]
+        raised = [line for line in lines if _RAISED.match(line)]  # JAX and Genesis write more after it
+        return (
+            (raised or lines)[-1][:_LAST_WORDS] if lines else f"it ended with the code {process.returncode}"
+        )
     facts: dict[str, Any] = json.loads(out.read_bytes())
     return facts

@@ -23,3 +23,8 @@ class Target:
     limits: tuple[Limit, ...]
     write: Callable[[Draft], dict[str, bytes]]
     package: str | None = None
+
+    @property
+    def title(self) -> str:
+        """Return the name of the program in sentences: `MuJoCo Warp`."""
+        return self.words.partition(",")[0]

@@ -31,7 +31,7 @@ class Simulator:
     @property
     def name(self) -> str:
         """Return its name in sentences: `MuJoCo Warp`."""
-        return TARGETS[self.target].words.partition(",")[0]
+        return TARGETS[self.target].title
 
     def take(self, worlds: Worlds, model: Model) -> Any:
         """Return the simulator's own model of the nominal model of these worlds, or of another one of them.

@@ -32,7 +32,7 @@ def test_the_target_works(package: Path) -> None:
     extend(package, TITLE)
     built = run(package, "build", "recipe.yaml", "--target", "sapien", "-o", "out/")
     assert built.returncode == 0, built.stderr
-    assert "model.xml:3:11: warning[target-loss]: jointpos `angle`: sensors are not read" in built.stderr
+    assert "model.xml:3:11: warning[target-loss]: SAPIEN ignores 1 sensor: `angle`" in built.stderr
     about = json.loads((package / "out" / "manifest.json").read_text(encoding="utf-8"))["target"]
     assert about["name"] == "sapien"
 

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
-from targets.models import SELDOM
-from targets.writing import codes, written
+import pytest
+from targets.models import RECIPES, SELDOM
+from targets.writing import codes, losses, written
 
+from composer.context import Context
 from composer.diagnostics.diagnostic import Severity
+from composer.stages import Request, build
 
 SENSORS = SELDOM.replace(
     "<keyframe>", '<sensor><jointpos name="a" joint="turn"/><jointvel joint="spin"/></sensor><keyframe>'
@@ -23,19 +27,15 @@ TOUCHING = """<mujoco><worldbody>
 def test_a_loss_is_a_warning_at_its_line(tmp_path: Path) -> None:
     bundle, context = written(SENSORS, "drake", tmp_path)
     assert bundle is not None
-    lost = [each for each in context.sink.diagnostics if "sensors" in each.message]
-    assert [each.code for each in lost] == ["target-loss"] and lost[0].severity is Severity.WARNING
-    assert lost[0].message == "jointpos `a`: sensors are not read"
-    assert lost[0].span is not None and lost[0].span.file.endswith("model.xml")
-    assert "jointpos" in SENSORS.splitlines()[lost[0].span.line - 1]
-    assert [each.message for each in lost[0].others] == ["jointvel"]
+    (warning,) = context.sink.diagnostics
+    assert warning.code == "target-loss" and warning.severity is Severity.WARNING and warning.span is not None
+    place = losses(context)["Drake ignores 2 sensors: `a`"]
+    file, line, _ = place.rsplit(":", 2)
+    assert file.endswith("model.xml") and "jointpos" in SENSORS.splitlines()[int(line) - 1]
     about = json.loads(bundle.files["manifest.json"])["target"]
     assert about["name"] == "drake"
     sensors = [each for each in about["left_out"] if each["feature"] == "sensors"]
-    assert [(each["tag"], each["count"], each["names"]) for each in sensors] == [
-        ("jointpos", 1, ["a"]),
-        ("jointvel", 1, []),
-    ]
+    assert [(each["tag"], each["count"], each["names"]) for each in sensors] == [("jointpos", 2, ["a"])]
 
 
 def test_what_would_be_another_model_is_refused(tmp_path: Path) -> None:
@@ -60,9 +60,6 @@ def test_losses_are_allowed_or_errors(tmp_path: Path) -> None:
     written(SENSORS, "drake", tmp_path)
     recipe = tmp_path / "recipe.yaml"
     recipe.write_text(recipe.read_text().replace("[licence-missing]", "[licence-missing, target-loss]"))
-    from composer.context import Context
-    from composer.stages import Request, build
-
     context = Context(folder=tmp_path)
     assert build(Request(recipe, target="drake"), context) is not None and codes(context) == []
 
@@ -72,6 +69,15 @@ def test_what_mujoco_reads_back_as_another_model_is_an_error(tmp_path: Path) -> 
     bundle, context = written(text, "plain", tmp_path)
     assert bundle is None and codes(context) == ["target-failed"]
     assert "reads the plain text of the model back as another one: `names`" in context.sink.errors[0].message
+
+
+@pytest.mark.parametrize("target", [None, "mjx", "warp"])
+def test_the_demo_builds_without_a_warning(target: str | None, tmp_path: Path) -> None:
+    """Also where nothing above its folder has a license."""
+    shutil.copytree(RECIPES / "models", tmp_path / "far" / "away" / "from" / "here" / "models")
+    recipe = shutil.copy(RECIPES / "demo.yaml", tmp_path / "far" / "away" / "from" / "here")
+    context = Context(folder=tmp_path)
+    assert build(Request(Path(recipe), target=target), context) is not None and codes(context) == []
 
 
 def test_no_target_changes_nothing(tmp_path: Path) -> None:

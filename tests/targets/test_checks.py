@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from targets.models import SELDOM
+from targets.models import PROBE, SELDOM
 
 from composer.bundle.bundle import Bundle
 from composer.context import Context
@@ -17,28 +17,38 @@ from composer.targets.names import CONSUMERS
 from composer.targets.reading import READERS, Reader, interpreter
 
 READER = """
-import json, sys
+import sys
+sys.path.insert(0, SHARED)
 import mujoco, numpy as np
+from mujoco_facts import without_forces, write_facts
 model = mujoco.MjModel.from_xml_path(sys.argv[1])
+for name, factor in CHANGED.items():
+    getattr(model, name)[:] *= factor
 data = mujoco.MjData(model)
-found = {"version": "1", "bodies": {}, "joints": {}, "actuators": {}, "poses": []}
-for n in range(1, model.nbody):
-    turned = np.zeros(9)
-    mujoco.mju_quat2Mat(turned, model.body_iquat[n])
-    axes = turned.reshape(3, 3)
-    found["bodies"][model.body(n).name] = {
-        "mass": FACTOR * model.body_mass[n], "com": model.body_ipos[n].tolist(),
-        "inertia": (axes @ np.diag(model.body_inertia[n]) @ axes.T).tolist()}
-for n in range(model.njnt):
-    found["joints"][model.joint(n).name] = {"range": model.jnt_range[n].tolist() if model.jnt_limited[n] else None}
-for pose in json.load(open(sys.argv[2])):
-    for name, value in pose["joints"].items():
-        data.joint(name).qpos[:] = value
-    mujoco.mj_kinematics(model, data)
-    found["poses"].append({model.body(n).name: [data.xpos[n].tolist(), data.xmat[n].reshape(3, 3).tolist()]
-                           for n in range(1, model.nbody)})
-json.dump(found, open(sys.argv[3], "w"))
+def placed(rows):
+    found = []
+    for row in rows:
+        data.qpos = row
+        mujoco.mj_kinematics(model, data)
+        found.append((data.xpos.copy(), data.xmat.copy()))
+    return zip(*found)
+def moved(start, steps):
+    free = without_forces(mujoco, model)
+    data = mujoco.MjData(free)
+    data.qpos = start
+    for _ in range(steps):
+        mujoco.mj_step(free, data)
+    return data.qpos
+write_facts("1", model, lambda name: getattr(model, name), placed, moved)
 """
+SHARED = Path(reading.__file__).parent / "readers" / "shared"
+
+
+def reader(**changed: float) -> str:
+    """A program that is MuJoCo itself, with some arrays multiplied."""
+    return READER.replace("SHARED", repr(str(SHARED))).replace("CHANGED", repr(changed))
+
+
 BALL = "<mujoco><worldbody><body name='b'><joint name='swing' type='ball'/><geom size='.1'/></body></worldbody></mujoco>"
 
 
@@ -71,13 +81,13 @@ def with_reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_it_loads(with_reader: Path, tmp_path: Path) -> None:
-    with_reader.write_text(READER.replace("FACTOR", "1"))
+    with_reader.write_text(reader())
     bundle, context = checked(SELDOM, "loads: {in: mjx}", tmp_path)
     assert bundle is not None and told(context) == []
 
 
 def test_what_has_no_name_is_not_compared(with_reader: Path, tmp_path: Path) -> None:
-    with_reader.write_text(READER.replace("FACTOR", "1"))
+    with_reader.write_text(reader())
     inner = '<body pos="0 0 .1"><joint/><geom size=".1"/></body><body pos="0 0 .2"><joint/><geom size=".2"/></body>'
     bundle, context = checked(SELDOM.replace('<geom class="bar"/>\n', f'<geom class="bar"/>{inner}\n', 1)
                               .replace('<key name="home" qpos="0.4 0.1 0 0.2 0.2"/>', '<key name="home"/>'),
@@ -86,7 +96,7 @@ def test_what_has_no_name_is_not_compared(with_reader: Path, tmp_path: Path) -> 
 
 
 def test_another_mass(with_reader: Path, tmp_path: Path) -> None:
-    with_reader.write_text(READER.replace("FACTOR", "2"))
+    with_reader.write_text(reader(body_mass=2))
     bundle, context = checked(SELDOM, "loads: {in: [mjx]}", tmp_path)
     assert bundle is None
     ((code, message),) = told(context)
@@ -94,6 +104,19 @@ def test_another_mass(with_reader: Path, tmp_path: Path) -> None:
     assert message.startswith("check `it`: `mjx` 1 reads another model: the mass of `stand` is ")
     (found,) = context.sink.diagnostics
     assert found.span is not None and (found.span.line, found.span.column) == (5, 21)
+
+
+def test_what_the_target_loses_is_told_and_not_compared(with_reader: Path, tmp_path: Path) -> None:
+    """MJX has no polynomials: they are not in the file, and what it reads has none."""
+    with_reader.write_text(reader())
+    bundle, context = checked(PROBE.replace('damping=".5"', 'damping=".5 9"'), "loads: {in: [mjx]}", tmp_path)
+    assert bundle is not None
+    ((code, message),) = told(context)
+    assert code == "target-loss"
+    assert (
+        message
+        == "check `it`: MJX ignores the higher terms of damping of 1 joint: `j1`; what is linear is read"
+    )
 
 
 def test_a_program_that_ends_with_an_error(with_reader: Path, tmp_path: Path) -> None:
@@ -105,7 +128,7 @@ def test_a_program_that_ends_with_an_error(with_reader: Path, tmp_path: Path) ->
 
 
 def test_a_model_that_is_refused(with_reader: Path, tmp_path: Path) -> None:
-    with_reader.write_text(READER.replace("FACTOR", "1"))
+    with_reader.write_text(reader())
     model = BALL.replace("</mujoco>", '<option integrator="implicit"/></mujoco>')
     _, context = checked(model, "loads: {in: [mjx]}", tmp_path)
     ((_, message),) = told(context)

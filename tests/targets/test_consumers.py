@@ -2,61 +2,60 @@
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 
 import mujoco
 import pytest
-from targets.environments import is_ready, python_of
-from targets.models import RECIPES, SELDOM
+from targets.environments import is_ready
+from targets.models import PROBES, RECIPES
+from targets.read_back import READ_WITH, Found, read_in, row
 
 from composer.cli.main import main
-from composer.targets.checks import placed
-from composer.targets.judging import faults, poses
-from composer.targets.reading import READERS, Reader, read_back
+from composer.targets.markdown import READ_BACK
 
 pytestmark = pytest.mark.slow
 
-READ_WITH: dict[str, Reader] = {**READERS, "urdf in pybullet": READERS["pybullet"]}
-MODELS = ("seldom", "demo", "hoist", "two_arms", "menagerie_table")
-REFUSED = {("mjx", name) for name in ("demo", "two_arms", "hoist", "menagerie_table")}
-"""MJX computes no contacts of a cylinder with a box or a mesh, which is an error of the build."""
-FLOATING = {("urdf in pybullet", name) for name in ("demo", "two_arms", "hoist")}
-"""PyBullet takes the floating joints of URDF for fixed ones."""
+RECIPES_READ = ("demo", "hoist", "two_arms", "menagerie_table")
 
 
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("name", RECIPES_READ)
 @pytest.mark.parametrize("consumer", READ_WITH)
-def test_it_reads_the_model(consumer: str, name: str, tmp_path: Path) -> None:
-    reader = READ_WITH[consumer]
-    if not is_ready(reader.program):
-        pytest.skip(f"{reader.program} is not installed: `make test-targets` does that")
+def test_it_reads_the_recipe(consumer: str, name: str, tmp_path: Path) -> None:
+    _ready(consumer)
     if name.startswith("menagerie") and not os.environ.get("MENAGERIE_ROOT"):
         pytest.skip("MENAGERIE_ROOT names no models")
-    if (consumer, name) in REFUSED:
-        pytest.skip("the build refuses it")
-    if (consumer, name) in FLOATING:
-        pytest.skip("PyBullet takes the floating joints of URDF for fixed ones")
-    recipe = RECIPES / f"{name}.yaml"
-    if name == "seldom":
-        recipe = tmp_path / "seldom.yaml"
-        recipe.write_text("recipe: 1\nbase: ./seldom.xml\n")
-        (tmp_path / "seldom.xml").write_text(SELDOM)
-    target = consumer.partition(" ")[0]
-    truth = _built(recipe, None, tmp_path / "truth")
-    made = _built(recipe, target, tmp_path / target)
-    model = mujoco.MjModel.from_xml_path(str(truth / "model.xml"))
-    asked = poses(model)
-    file = next((each.name for each in made.glob("model.urdf")), "model.xml")
-    facts = read_back(reader, str(python_of(reader.program)), placed(made, file), asked)
-    assert not isinstance(facts, str), facts
-    found = list(faults(mujoco, model, facts, asked, reader.single))
-    assert not found, "\n".join(found)
-
-
-def _built(recipe: Path, target: str | None, out: Path) -> Path:
-    arguments = ["build", str(recipe), "-o", f"{out}/", "-q", *(["--target", target] if target else [])]
     with pytest.raises(SystemExit) as ended:
-        main(arguments)
+        main(["build", str(RECIPES / f"{name}.yaml"), "-o", f"{tmp_path}/truth/", "-q"])
     assert not ended.value.code
-    return out
+    found = read_in(consumer, tmp_path / "truth" / "model.xml", tmp_path)
+    if not isinstance(found, Found):
+        pytest.skip(f"the build refuses it: {found}")
+    assert not found.differences, "\n".join(found.differences)
+
+
+@pytest.mark.parametrize("consumer", READ_WITH)
+def test_the_table_says_what_it_reads(consumer: str) -> None:
+    """In the table are the numbers that were compared, in models that have all of them."""
+    _ready(consumer)
+    assert json.loads(READ_BACK.read_text(encoding="utf-8"))[consumer] == row(consumer), (
+        "`python tests/targets/read_back.py` writes it"
+    )
+
+
+def test_the_probes_have_everything() -> None:
+    """What no probe has would never be found missing."""
+    models = [mujoco.MjModel.from_xml_string(text) for text in PROBES.values()]
+    for array in (
+        "dof_damping", "dof_dampingpoly", "dof_frictionloss", "dof_armature", "jnt_stiffness", "jnt_actfrclimited",
+        "jnt_limited", "actuator_forcelimited", "actuator_ctrllimited", "actuator_biasprm",
+    ):  # fmt: skip
+        assert any(getattr(model, array).any() for model in models), array
+    assert {int(kind) for model in models for kind in model.geom_type} >= set(range(8))
+    assert {int(kind) for model in models for kind in model.jnt_type} == set(range(4))
+
+
+def _ready(consumer: str) -> None:
+    if not is_ready(READ_WITH[consumer].program):
+        pytest.skip(f"{READ_WITH[consumer].program} is not installed: `make test-targets` does that")

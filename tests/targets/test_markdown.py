@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from composer.targets.markdown import PAGE, table, with_table
+from composer.targets.markdown import PAGE, features, read_back, with_tables
 from composer.targets.names import NAMES
 
 
 def test_the_page_has_the_table() -> None:
     page = PAGE.read_text(encoding="utf-8")
-    assert with_table(page) == page, "`make schemas` writes it"
-    assert table() in page
+    assert with_tables(page) == page, "`make schemas` writes it"
+    assert features() in page and read_back() in page
     assert all(f"| `{name}` |" in page for name in NAMES)

@@ -11,11 +11,10 @@ from lxml import etree
 from targets.models import SELDOM
 from targets.writing import compiled, written
 
-from composer.targets.judging import poses
+from composer.targets.judging import questions
 from composer.targets.limit import Limit
 from composer.targets.plain.plain import plain
-from composer.targets.restrictions.references import NO_REFERENCES
-from composer.targets.restrictions.roots import NAME, one_root
+from composer.targets.restrictions.tree import NAME, NO_REFERENCES, one_root
 
 
 @pytest.mark.parametrize("limit", [NO_REFERENCES, one_root(with_free=False)], ids=lambda limit: limit.feature)
@@ -26,7 +25,7 @@ def test_it_moves_as_before(limit: Limit, tmp_path: Path) -> None:
     assert [each.feature for each in draft.losses] == [limit.feature] * len(draft.losses) != []
     before = mujoco.MjModel.from_xml_string(SELDOM)
     after = mujoco.MjModel.from_xml_string(etree.tostring(draft.root).decode())
-    for pose in poses(before, 10):
+    for pose in questions(before, 10)["poses"]:
         placed = []
         for model in (before, after):
             data = mujoco.MjData(model)

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import mujoco
-import numpy as np
+import pytest
 from lxml import etree
 from targets.models import SELDOM
 from targets.writing import written
 
 from composer.bundle.folder import write_folder
-from composer.targets.judging import faults, poses
+from composer.targets.judging import differences, facts_of, questions
+from composer.targets.loss import Loss
 
 SETTINGS = '<mujoco><compiler fusestatic="false" discardvisual="false" strippath="false"/></mujoco></robot>'
 MASS = ('<mass value="0"/>', '<mass value="1e-12"/>')
@@ -30,36 +30,68 @@ def test_mujoco_reads_the_same_robot(tmp_path: Path) -> None:
     )
     truth = mujoco.MjModel.from_xml_string(SELDOM)
     read = mujoco.MjModel.from_xml_string(urdf)
-    asked = poses(truth)
-    assert list(faults(mujoco, truth, _facts(read, asked), asked, single=False)) == []
+    asked = questions(truth) | {"seconds": 0}  # what follows another joint is stiff in MuJoCo
+    facts = facts_of(mujoco, read, asked)
+    for joint in facts["joints"].values():  # no limit is an effort of 1000000
+        joint.pop("effort")
+        joint.pop("force")
+    facts.pop("shapes")  # a capsule is three
+    losses = [Loss("actuators", "actuator", 0, "actuator", name) for name in ("turn", "slide")]
+    assert [each.message for each in differences(mujoco, truth, facts, asked, losses, single=False)] == []
 
 
-def _facts(model: mujoco.MjModel, asked: list[dict[str, Any]]) -> dict[str, Any]:
+@pytest.mark.parametrize("references", [("0", "0"), ("0.2", "-0.3")])
+def test_a_follower_stands_where_mujoco_wants_it(references: tuple[str, str], tmp_path: Path) -> None:
+    """`offset` and `multiplier` leave nothing of the constraint of MuJoCo."""
+    bodies = "".join(
+        f'<body pos="{number} 0 0"><joint name="{name}" ref="{each}"/><geom size=".1"/></body>'
+        for number, (name, each) in enumerate(zip("ab", references, strict=True))
+    )
+    text = f"""<mujoco><compiler angle="radian"/><worldbody>{bodies}</worldbody>
+      <equality><joint joint1="a" joint2="b" polycoef="0.1 -0.5"/></equality></mujoco>"""
+    bundle, _ = written(text, "urdf", tmp_path)
+    assert bundle is not None
+    mimic = etree.fromstring(bundle.files["model.urdf"]).find("joint[@name='a']/mimic")
+    assert mimic is not None and mimic.get("joint") == "b"
+    model = mujoco.MjModel.from_xml_string(text)
     data = mujoco.MjData(model)
-    found: dict[str, Any] = {"bodies": {}, "joints": {}, "poses": []}
-    for number in range(1, model.nbody):
-        turned = np.zeros(9)
-        mujoco.mju_quat2Mat(turned, model.body_iquat[number])
-        axes = turned.reshape(3, 3)
-        found["bodies"][model.body(number).name] = {
-            "mass": model.body_mass[number],
-            "com": model.body_ipos[number],
-            "inertia": axes @ np.diag(model.body_inertia[number]) @ axes.T,
-        }
-    for number in range(model.njnt):
-        limited = bool(model.jnt_limited[number])
-        found["joints"][model.joint(number).name] = {"range": model.jnt_range[number] if limited else None}
-    for pose in asked:
-        for name, value in pose["joints"].items():
-            data.joint(name).qpos[:] = value
-        mujoco.mj_kinematics(model, data)
-        found["poses"].append(
-            {
-                model.body(n).name: [data.xpos[n].copy(), data.xmat[n].reshape(3, 3).copy()]
-                for n in range(1, model.nbody)
-            }
-        )
-    return found
+    for angle in (-0.4, 0.7):
+        data.joint("b").qpos = angle
+        data.joint("a").qpos = float(str(mimic.get("multiplier"))) * angle + float(str(mimic.get("offset")))
+        mujoco.mj_forward(model, data)
+        assert abs(float(data.efc_pos[0])) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("joint", "actuators", "effort"),
+    [
+        ("", '<motor joint="j" gear="-3" forcerange="-4 2"/>', "12"),
+        ("", '<motor joint="j" gear="3" ctrlrange="-1 2"/>', "6"),
+        ("", '<motor joint="j" forcerange="-4 4"/><position joint="j" kp="2" forcerange="-1 1"/>', "5"),
+        ("", '<motor joint="j" forcerange="-4 4"/><position joint="j" kp="2"/>', "1000000"),
+        ('actuatorfrcrange="-3 3"', '<motor joint="j" gear="2" forcerange="-4 4"/>', "3"),
+        ('actuatorfrcrange="-3 3"', '<motor joint="j"/>', "3"),
+        ("", '<position joint="j" kp="2" ctrlrange="-1 1"/>', "1000000"),
+    ],
+)
+def test_effort_is_the_greatest_force_at_the_joint(
+    joint: str, actuators: str, effort: str, tmp_path: Path
+) -> None:
+    text = f"""<mujoco><worldbody><body><joint name="j" {joint}/><geom size=".1"/></body></worldbody>
+      <actuator>{actuators}</actuator></mujoco>"""
+    bundle, _ = written(text, "urdf", tmp_path)
+    assert bundle is not None
+    limit = etree.fromstring(bundle.files["model.urdf"]).find("joint[@name='j']/limit")
+    assert limit is not None and limit.get("effort") == effort
+
+
+def test_a_link_without_mass_says_so(tmp_path: Path) -> None:
+    """PyBullet gives 1 kg to a link without an inertia."""
+    text = "<mujoco><worldbody><body name='hub' pos='0 0 1'><body name='b'><joint/><geom size='.1'/></body></body></worldbody></mujoco>"
+    bundle, _ = written(text, "urdf", tmp_path)
+    assert bundle is not None
+    mass = etree.fromstring(bundle.files["model.urdf"]).find("link[@name='hub']/inertial/mass")
+    assert mass is not None and mass.get("value") == "0"
 
 
 def test_what_ros_needs(tmp_path: Path) -> None:

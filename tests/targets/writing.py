@@ -25,6 +25,16 @@ def codes(context: Context) -> list[str]:
     return [each.code for each in context.sink.diagnostics]
 
 
+def losses(context: Context) -> dict[str, str]:
+    """What is told to be lost: sentences, each with its place."""
+    found = {}
+    for each in context.sink.diagnostics:
+        if each.code == "target-loss":
+            lines = each.notes[0].message.splitlines() if each.notes else [f"{each.span}: {each.message}"]
+            found |= {line.partition(": ")[2]: line.partition(": ")[0] for line in lines}
+    return found
+
+
 def compiled(bundle: Bundle, folder: Path) -> mujoco.MjModel:
     write_folder(bundle, folder)
     return mujoco.MjModel.from_xml_path(str(folder / bundle.model))

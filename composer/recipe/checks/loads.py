@@ -17,7 +17,7 @@ IN = "in"
 
 @dataclass(frozen=True, slots=True)
 class Loads:
-    """Each of `consumers` reads the masses, inertias, limits and poses of the model from what is written for it."""
+    """Each of `consumers` reads the numbers, poses and motion of the model from what is written for it."""
 
     word: ClassVar[str] = "loads"
     name: str
@@ -26,7 +26,7 @@ class Loads:
 
 
 FORM = Keyed(
-    "Other programs read the model back with its masses, inertias, limits and poses.",
+    "Other programs read the model back with its numbers, poses and motion.",
     Key(IN, Words(READ_IN, "program", NOT_READ_IN), "the programs that read it", needed="[drake, mjx]"),
 )
 

@@ -3,47 +3,59 @@
 from __future__ import annotations
 
 from composer.targets.mjcf import write_mjcf
-from composer.targets.restrictions.attributes import without_attribute
-from composer.targets.restrictions.left_out import only
-from composer.targets.restrictions.massless import NO_EMPTY_INERTIA
-from composer.targets.restrictions.references import NO_REFERENCES
-from composer.targets.restrictions.servos import servos
-from composer.targets.restrictions.single_joints import SINGLE_JOINTS
+from composer.targets.restrictions.actuators import (
+    AT_JOINTS,
+    NO_ACTUATOR_ARMATURE,
+    NO_ACTUATOR_DAMPING,
+    NO_DELAY,
+    NO_SERVO_DAMPING,
+    REFLECTED_ARMATURE,
+    SYMMETRIC_FORCES,
+    servos,
+)
 from composer.targets.restrictions.solver import BITS, COMPUTING, GRAVCOMP, SOFTNESS, unread_contacts
+from composer.targets.restrictions.tree import NO_REFERENCES, SINGLE_JOINTS
 from composer.targets.restrictions.unread import (
     NO_CAMERAS,
     NO_CUSTOM,
+    NO_EFFORT,
+    NO_EMPTY_INERTIA,
     NO_FRICTION,
     NO_KEYS,
     NO_LIGHTS,
     NO_PAIRS,
     NO_PLUGINS,
+    NO_POLYNOMIALS,
     NO_SENSORS,
     NO_SITES,
     NO_SOFT,
     NO_SPRINGS,
     NO_TENDONS,
+    NO_TEXTURES,
+    no_shapes,
+    only,
+    unread_in,
+    without_attribute,
 )
 from composer.targets.target import Target
 
-# Drake 1.51 uses the control range of a position servo, which is in radians, as the range of its torque.
+# Drake 1.51 uses the control range of a position servo, which is in radians, as the range of its torque. With
+# `ctrllimited` alone, the torque is limited to zero, which it refuses.
 _NO_CONTROL_RANGE = without_attribute(
-    "control ranges",
-    "actuator/position",
-    "ctrlrange",
-    "the range of its control would be read as that of its force",
-)
+    "control ranges", "actuator/position", "ctrlrange", "`ctrlrange`",
+    "the program would take it for the range of the force", also=("ctrllimited",),
+)  # fmt: skip
 
 TARGET = Target(
     "drake",
     "Drake, by its parser of MJCF",
     (
         NO_REFERENCES, SINGLE_JOINTS, NO_EMPTY_INERTIA, NO_KEYS, NO_SENSORS, NO_CAMERAS, NO_LIGHTS, NO_SITES,
-        NO_TENDONS,
-        NO_PAIRS, NO_SOFT, NO_PLUGINS, NO_CUSTOM, NO_SPRINGS, NO_FRICTION, servos("motor", "position"),
-        _NO_CONTROL_RANGE,
-        only("equality", "equality/*", ("connect",), "of equality constraints only `connect` is read: what it couples"
-             " moves freely"),
+        NO_TENDONS, NO_PAIRS, NO_SOFT, NO_PLUGINS, NO_CUSTOM, NO_POLYNOMIALS, NO_SPRINGS, NO_FRICTION, NO_EFFORT,
+        *unread_in("free", "damping"), no_shapes("hfield"), NO_TEXTURES,
+        servos("motor", "position"), _NO_CONTROL_RANGE, AT_JOINTS, SYMMETRIC_FORCES, NO_SERVO_DAMPING, NO_DELAY,
+        NO_ACTUATOR_ARMATURE, NO_ACTUATOR_DAMPING, REFLECTED_ARMATURE,
+        only("equality", "equality/*", ("connect",), "what they couple moves freely"),
         COMPUTING, GRAVCOMP, BITS, SOFTNESS, unread_contacts("torsional", "rolling"),
     ),
     write_mjcf,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from composer.targets.mjcf import write_mjcf
+from composer.targets.restrictions.actuators import NO_ACTUATOR_ARMATURE, NO_ACTUATOR_DAMPING, NO_DELAY
 from composer.targets.restrictions.collisions import MJX_COLLISIONS
 from composer.targets.restrictions.mjx import (
     MJX_ACTUATORS,
@@ -14,15 +15,16 @@ from composer.targets.restrictions.mjx import (
     MJX_SENSORS,
     MJX_SOFT,
 )
-from composer.targets.restrictions.unread import NO_PLUGINS
+from composer.targets.restrictions.unread import NO_PLUGINS, NO_POLYNOMIALS, NO_YIELD
 from composer.targets.target import Target
 
 TARGET = Target(
     "mjx",
     "MJX, MuJoCo in JAX",
     (
-        MJX_SOFT, NO_PLUGINS, MJX_COLLISIONS, MJX_MARGINS, MJX_PAIR_MARGINS, MJX_ACTUATORS, MJX_EQUALITY, MJX_SENSORS,
-        MJX_CONTACT_SENSORS, MJX_OPTIONS,
+        MJX_SOFT, NO_PLUGINS, NO_POLYNOMIALS, NO_YIELD, NO_ACTUATOR_ARMATURE, NO_ACTUATOR_DAMPING, NO_DELAY,
+        MJX_COLLISIONS, MJX_MARGINS, MJX_PAIR_MARGINS, MJX_ACTUATORS, MJX_EQUALITY, MJX_SENSORS, MJX_CONTACT_SENSORS,
+        MJX_OPTIONS,
     ),
     write_mjcf,
     "mujoco-mjx",

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from composer.targets.mjcf import write_mjcf
-from composer.targets.restrictions.references import NO_REFERENCES
-from composer.targets.restrictions.roots import one_root
-from composer.targets.restrictions.servos import servos
-from composer.targets.restrictions.single_joints import SINGLE_JOINTS
+from composer.targets.restrictions.actuators import CARRIED_FORCES, servos
 from composer.targets.restrictions.solver import BITS, COMPUTING, GRAVCOMP, GRAVITY, SOFTNESS, unread_contacts
+from composer.targets.restrictions.tree import NO_REFERENCES, SINGLE_JOINTS, one_root
 from composer.targets.restrictions.unread import (
     NO_CAMERAS,
     NO_CUSTOM,
@@ -17,10 +15,13 @@ from composer.targets.restrictions.unread import (
     NO_LIGHTS,
     NO_PAIRS,
     NO_PLUGINS,
+    NO_POLYNOMIALS,
     NO_SENSORS,
     NO_SOFT,
     NO_SPRINGS,
     NO_TENDONS,
+    no_shapes,
+    unread_in,
 )
 from composer.targets.target import Target
 
@@ -29,7 +30,9 @@ TARGET = Target(
     "Pinocchio, by its parser of MJCF",
     (
         one_root(with_free=True), NO_REFERENCES, SINGLE_JOINTS, NO_KEYS, NO_SENSORS, NO_CAMERAS, NO_LIGHTS, NO_TENDONS,
-        NO_EQUALITY, NO_PAIRS, NO_EXCLUDES, NO_SOFT, NO_PLUGINS, NO_CUSTOM, NO_SPRINGS, servos(),
+        NO_EQUALITY, NO_PAIRS, NO_EXCLUDES, NO_SOFT, NO_PLUGINS, NO_CUSTOM, NO_POLYNOMIALS, NO_SPRINGS,
+        *unread_in("free", "damping", "frictionloss"), *unread_in("ball", "damping", "frictionloss"),
+        no_shapes("hfield"), CARRIED_FORCES, servos(),
         COMPUTING, GRAVITY, GRAVCOMP, BITS, SOFTNESS, unread_contacts("sliding", "torsional", "rolling"),
     ),
     write_mjcf,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from composer.targets.restrictions.left_out import refused
+from composer.targets.draft import Draft
+from composer.targets.limit import Limit, Outcome
 from composer.targets.restrictions.solver import BITS, COMPUTING, GRAVCOMP, GRAVITY, SOFTNESS, unread_contacts
 from composer.targets.restrictions.unread import (
     NO_CAMERAS,
@@ -10,21 +11,35 @@ from composer.targets.restrictions.unread import (
     NO_LIGHTS,
     NO_PAIRS,
     NO_PLUGINS,
+    NO_POLYNOMIALS,
     NO_SENSORS,
     NO_SOFT,
     NO_SPRINGS,
     NO_TENDONS,
+    refused,
 )
 from composer.targets.target import Target
-from composer.targets.urdf.limits import ARMATURE, CONTROL, FLOATING, MIMICS, SHAPES
 from composer.targets.urdf.write import write_urdf
+
+
+def _found_in_writing(_draft: Draft) -> None:
+    """Do nothing: the writer records each loss."""
+
+
+_IN_WRITING = tuple(
+    Limit(feature, outcome, _found_in_writing)
+    for feature, outcome in (
+        ("roots", Outcome.WRITTEN), ("shapes", Outcome.LEFT_OUT), ("armature", Outcome.LEFT_OUT),
+        ("effort", Outcome.PARTLY), ("equality", Outcome.PARTLY), ("actuators", Outcome.PARTLY),
+    )
+)  # fmt: skip
 
 TARGET = Target(
     "urdf",
-    "a ROS package: URDF with `ros2_control`, SRDF, meshes under `package://`",
+    "URDF, in a ROS package with `ros2_control` and SRDF",
     (
         refused("ball", ".//joint[@type='ball']", "URDF has no ball joints", "convert it to three hinges"),
-        FLOATING, SHAPES, ARMATURE, MIMICS, CONTROL, NO_SENSORS, NO_CAMERAS, NO_LIGHTS, NO_TENDONS, NO_PAIRS,
+        *_IN_WRITING, NO_POLYNOMIALS, NO_SENSORS, NO_CAMERAS, NO_LIGHTS, NO_TENDONS, NO_PAIRS,
         NO_SOFT, NO_PLUGINS, NO_CUSTOM, NO_SPRINGS,
         COMPUTING, GRAVITY, GRAVCOMP, BITS, SOFTNESS, unread_contacts("sliding", "torsional", "rolling"),
     ),

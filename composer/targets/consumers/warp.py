@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from composer.targets.mjcf import write_mjcf
+from composer.targets.restrictions.unread import NO_YIELD
 from composer.targets.restrictions.warp import (
     WARP_ACTUATOR_PLUGINS,
     WARP_ACTUATORS,
@@ -21,6 +22,7 @@ TARGET = Target(
     "warp",
     "MuJoCo Warp, MuJoCo on GPUs of NVIDIA",
     (
+        NO_YIELD,
         WARP_ACTUATORS,
         WARP_EQUALITY,
         WARP_SENSORS,

@@ -1,6 +1,7 @@
 """Facts of a model as MuJoCo Warp reads it: `python warp.py MODEL POSES.json FACTS.json`."""
 
 import sys
+from importlib.metadata import version
 from pathlib import Path
 
 import mujoco
@@ -9,7 +10,7 @@ import warp as wp
 
 # Not this folder: its `warp.py` and others would stand for the packages of these names.
 sys.path.append(str(Path(__file__).with_name("shared")))
-from mujoco_facts import write_facts
+from mujoco_facts import without_forces, write_facts
 
 model = mujoco.MjModel.from_xml_path(sys.argv[1])
 with wp.ScopedDevice("cpu"):
@@ -17,9 +18,17 @@ with wp.ScopedDevice("cpu"):
 
 
 def array(name):
-    """What a field has for the first world."""
-    found = getattr(on_device, name).numpy()
-    return found[0] if found.ndim and len(found) == 1 else found
+    """What a field has for the first world; MuJoCo Warp has no force range of joints by itself."""
+    found = getattr(on_device, name, None)
+    if found is None:
+        return getattr(model, name)
+    found = found.numpy()
+    return (
+        found[0]
+        if (found.ndim and len(found) == 1 and len(getattr(model, name)) != 1)
+        or found.ndim > getattr(model, name).ndim
+        else found
+    )
 
 
 def placed(rows):
@@ -30,4 +39,13 @@ def placed(rows):
     return data.xpos.numpy(), data.xmat.numpy()
 
 
-write_facts("mujoco-warp", model, array, placed)
+def moved(start, steps):
+    with wp.ScopedDevice("cpu"):
+        free, data = mjw.put_model(without_forces(mujoco, model)), mjw.make_data(model)
+        data.qpos = wp.array(start[None], dtype=float)
+        for _ in range(steps):
+            mjw.step(free, data)
+    return data.qpos.numpy()[0]
+
+
+write_facts(version("mujoco-warp"), model, array, placed, moved)

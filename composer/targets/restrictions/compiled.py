@@ -57,7 +57,7 @@ def _refuse(feature: str, refuses: Refuses, draft: Draft) -> None:
             nodes[each.kind] = dict(draft.of(each.kind))
         if each.number in nodes[each.kind]:
             node = nodes[each.kind][each.number]
-            draft.lose(feature, node, each.why, refused=True, help=each.help)
+            draft.lose(feature, node, each.why, outcome=Outcome.REFUSED, help=each.help)
 
 
 def _elements(kind: str, flagged: Flagged, help: str, mujoco: Any, model: Any) -> Iterator[Refusal]:

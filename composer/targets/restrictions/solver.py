@@ -45,7 +45,7 @@ def _options(draft: Draft) -> None:
     ]
     for option in draft.root.iterchildren("option"):
         if changed:
-            draft.lose("computing", option, f"{_not_read(changed)}: the program has settings of its own")
+            draft.lose("computing", option, "it has settings of its own", what=_listed(changed))
 
 
 def _gravity(draft: Draft) -> None:
@@ -53,7 +53,7 @@ def _gravity(draft: Draft) -> None:
         return
     for option in draft.root.iterchildren("option"):
         shown = " ".join(f"{each:g}" for each in draft.model.opt.gravity)
-        draft.lose("gravity", option, f"gravity is not read: set it to {shown} in the program")
+        draft.lose("gravity", option, f"set it to {shown} in the program", what="gravity")
 
 
 def _contacts(friction: Collection[str], but: Collection[str], draft: Draft) -> None:
@@ -67,7 +67,7 @@ def _contacts(friction: Collection[str], but: Collection[str], draft: Draft) -> 
             if model.geom_friction[number][at] != plain.geom_friction[0][at]:
                 changed.append(f"{word} friction")
         if changed:
-            draft.lose("contacts", node, f"{_not_read(changed)} of its contacts")
+            draft.lose("contacts", node, what=f"{_listed(changed)} of the contacts")
 
 
 def _changed(model: Any, plain: Any, number: int, names: Collection[str], kind: str) -> Iterator[str]:
@@ -82,9 +82,7 @@ def _bits(draft: Draft) -> None:
     for number, node in draft.of("geom"):
         bits = int(model.geom_contype[number]), int(model.geom_conaffinity[number])
         if bits not in ((0, 0), (1, 1)):
-            draft.lose(
-                "bits", node, "its `contype` and `conaffinity` are not read: it collides with everything"
-            )
+            draft.lose("bits", node, "they collide with everything", what="`contype` and `conaffinity`")
 
 
 def _joints(draft: Draft) -> None:
@@ -93,18 +91,17 @@ def _joints(draft: Draft) -> None:
         if model.jnt_limited[number]:
             changed = list(_changed(model, plain, number, ("solref", "solimp", "margin"), "jnt"))
             if changed:
-                draft.lose("softness", node, f"{_not_read(changed)} of its limit")
+                draft.lose("softness", node, what=f"{_listed(changed)} of the limits")
 
 
 def _gravcomp(draft: Draft) -> None:
     for number, node in draft.of("body"):
         if draft.model.body_gravcomp[number]:
-            draft.lose("gravcomp", node, "its `gravcomp` is not read: all of its weight pulls")
+            draft.lose("gravcomp", node, "all of their weight pulls", what="`gravcomp`")
 
 
-def _not_read(names: Collection[str]) -> str:
-    named = [f"`{each}`" if " " not in each else each for each in dict.fromkeys(names)]
-    return f"it does not read {', '.join(named)}"
+def _listed(names: Collection[str]) -> str:
+    return ", ".join(f"`{each}`" if " " not in each else each for each in dict.fromkeys(names))
 
 
 COMPUTING = Limit("computing", Outcome.LEFT_OUT, _options)

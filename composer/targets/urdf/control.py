@@ -20,7 +20,7 @@ def control(draft: Draft, joints: dict[str, Node]) -> Node | None:
     for number, node in list(draft.of("actuator")):
         name = str(node.get("joint") or "")
         if node.tag not in _INTERFACE or name not in joints:
-            draft.lose("actuators", node, "`ros2_control` has no such actuator")
+            draft.lose("actuators", node, "`ros2_control` has motors and servos of joints")
             continue
         joint = next((each for each in found.iterchildren("joint") if each.get("name") == name), None)
         if joint is None:

@@ -12,6 +12,7 @@ from lxml.etree import _Element as Node
 from composer.targets.draft import Draft
 from composer.targets.plain.numbers import text
 from composer.targets.poses import Pose, about, joined, pose, shifted
+from composer.targets.restrictions.actuators import greatest_force
 from composer.targets.urdf.links import massless
 from composer.targets.urdf.origin import origin
 
@@ -78,7 +79,9 @@ def _motion(draft: Draft, number: int, node: Node, joint: Node) -> None:
     model = draft.model
     dof = int(model.jnt_dofadr[number])
     etree.SubElement(joint, "axis", xyz=text(model.jnt_axis[number]))
-    limit = etree.SubElement(joint, "limit", effort=effort(draft, number), velocity=NO_LIMIT)
+    most = greatest_force(model, number)
+    effort = NO_LIMIT if most is None else text(most)
+    limit = etree.SubElement(joint, "limit", effort=effort, velocity=NO_LIMIT)
     if model.jnt_limited[number]:
         low, high = model.jnt_range[number]
         limit.set("lower", text(low))
@@ -90,19 +93,4 @@ def _motion(draft: Draft, number: int, node: Node, joint: Node) -> None:
         joint, "dynamics", damping=text(model.dof_damping[dof]), friction=text(model.dof_frictionloss[dof])
     )
     if model.dof_armature[dof]:
-        draft.lose("armature", node, "URDF has no place for the armature of a joint")
-
-
-def effort(draft: Draft, joint: int) -> str:
-    """Return the greatest force (N) or torque (N·m) at a joint, from its actuators and its own limit."""
-    model = draft.model
-    bounds = [model.jnt_actfrcrange[joint]] if model.jnt_actfrclimited[joint] else []
-    most = [
-        float(np.abs(model.actuator_forcerange[number]).max() * abs(model.actuator_gear[number][0]))
-        for number, _ in draft.of("actuator")
-        if int(model.actuator_trntype[number]) == 0
-        and int(model.actuator_trnid[number][0]) == joint
-        and model.actuator_forcelimited[number]
-    ]
-    found = [*most, *(float(np.abs(each).max()) for each in bounds)]
-    return text(min(found)) if found else NO_LIMIT
+        draft.lose("armature", node, what="armature")

@@ -21,7 +21,7 @@ _SHOWN_GROUPS = 3
 def link(draft: Draft, body: int, name: str, package: str) -> Node:
     """Return the link of a body."""
     found = etree.Element("link", name=name)
-    if body and draft.model.body_mass[body] > 0:
+    if body:
         found.append(_inertial(draft.model, body))
     for number, geom in draft.of("geom"):
         if int(draft.model.geom_bodyid[number]) == body:
@@ -59,7 +59,9 @@ def _shapes(draft: Draft, number: int, geom: Node, into: Node, package: str) -> 
     where = pose(model.geom_pos[number], model.geom_quat[number])
     shapes = list(_geometry(draft, number, geom, package))
     if not shapes:
-        draft.lose("shapes", geom, f"URDF has no {geom.get('type')}")
+        draft.lose(
+            "shapes", geom, what=f"the {'height field' if geom.get('type') == 'hfield' else geom.get('type')}"
+        )
     for kind in [kind for kind, wanted in (("visual", shown), ("collision", collides)) if wanted]:
         for at, shape in shapes:
             holder = etree.SubElement(into, kind)

@@ -8,6 +8,7 @@ from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.targets.draft import Draft
+from composer.targets.loss import Outcome
 from composer.targets.plain.actuators import simple_actuators
 from composer.targets.poses import pose
 from composer.targets.urdf.control import control
@@ -53,9 +54,11 @@ def write_urdf(draft: Draft) -> dict[str, bytes]:
     links = [link(draft, number, name, package) for number, name in enumerate(names)]
     floating = model.nbody > 1 and not (model.body_parentid[2:] == 0).any() and _is_free(draft, 1)
     if floating:
-        draft.lose("roots", bodies[1], "the root of URDF is the body that moves freely: it has no world")
+        draft.lose(
+            "roots", bodies[1], "the root is the body that moves freely, not a world", outcome=Outcome.WRITTEN
+        )
         for geom in [node for number, node in draft.of("geom") if int(model.geom_bodyid[number]) == 0]:
-            draft.lose("shapes", geom, "it stands in the world, which this URDF has not")
+            draft.lose("shapes", geom, "they are in the world, which is not in this URDF")
     for number, name in enumerate(names):
         if number == 0 and floating:
             continue
