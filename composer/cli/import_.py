@@ -104,7 +104,7 @@ def command(
         rounded = amount(len(outcome.rounded), "number")
         verb = "is" if len(outcome.rounded) == 1 else "are"
         but = f"; {rounded} {verb} equal to six digits only" if outcome.rounded else ""
-        say(f"it builds, and the model is that of {shown}, element by element{but}")
+        say(f"it builds, and the model is that of {shown}, element by element, to seven digits{but}")
     else:
         several(f"it builds, and is not yet the model of {shown}", different)
     sys.exit(FINDINGS if outcome is None or not outcome.same else 0)

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from composer.compiled.kinds import Model
 
 Numbers = NDArray[Any]
-MEAN_INERTIA = "stat.meaninertia"
+MEAN_INERTIA, MEAN_MASS = MEANS = "stat.meaninertia", "stat.meanmass"
+"""The number that scales the tolerances of solvers, and the one that scales what viewers show of forces."""
 _LARGE = 1 << 16
 """Larger arrays are assets, such as the vertices of meshes. For draws from one model they are only compared in the
 first worlds.
@@ -207,17 +208,14 @@ def _span(model: Model, name: str) -> tuple[int, int]:
 
 
 def arrays(model: Model) -> Iterator[str]:
-    """Yield all arrays of a model, its options, and the number that scales solver tolerances.
-
-    The rest of `stat` is for viewers.
-    """
+    """Yield all arrays of a model, its options, and those numbers of `stat` that follow from masses."""
     for name in dir(model):
         if not name.startswith("_") and isinstance(getattr(model, name), np.ndarray):
             yield name
     for name in dir(model.opt):
         if not name.startswith("_") and isinstance(getattr(model.opt, name), np.ndarray | float | int):
             yield f"opt.{name}"
-    yield MEAN_INERTIA
+    yield from MEANS
 
 
 def value_of(model: Model, name: str) -> Any:

@@ -46,6 +46,7 @@ if TYPE_CHECKING:
 
 _SEVERAL = 2  # if as many elements change alike, their class changed
 _ASSETS = frozenset(("material", *NAMED_AFTER_FILE))
+_BODY = "body"
 _IN_BODIES = ("geom", "site", "joint", "freejoint", "inertial", "light", "camera")
 _SORTED = frozenset({"pair", "exclude"})  # MuJoCo orders these in its own way
 
@@ -384,11 +385,28 @@ class Comparison:
         if each.is_base:
             self.unnamed(here, there, "worldbody", each)
             return []
-        return [
+        return [*self.beside(here, each)] + [
             flow({"xpath": quoted(f"worldbody/{tag}[not(@name)][{number}]")})
             for tag in _IN_BODIES
             for number, _ in enumerate(_without_name(here, tag), 1)
         ]
+
+    def beside(self, here: Node, each: Instance) -> Iterator[str]:
+        """Compare the bodies without a name beside the part's root; yield selectors of those that are to be dropped."""
+        around = each.body.getparent()
+        kind = GRAMMAR.within("worldbody")[_BODY]
+        one, other = (
+            [Item(node, kind, "worldbody", _BODY) for node in _without_name(holder, _BODY)]
+            for holder in (here, each.body if around is None else around)
+        )
+        other = [item for item in other if item.node not in self.covered]
+        for number, (a, b) in enumerate(paired(one, other, lambda a, b: not self.changes(a, b, each)), 1):
+            path = f"worldbody/{_BODY}[not(@name)][{number}]"
+            if b is None or self.changes(a, b, each):
+                yield flow({"xpath": quoted(path)})
+            else:
+                self.covered.add(b.node)
+                self.unnamed(a.node, b.node, path, each)
 
     def meant(self, item: Item, each: Instance | None) -> tuple[object, ...]:
         """Return what identifies an unnamed element: its tag, and its references by their names in the merged model."""
@@ -403,6 +421,8 @@ class Comparison:
         if item.kind.tag != "body" or item.node is each.root:
             return {}
         before, after = parent_body(item.node), parent_body(there.node)
+        if before is not None and after is not None and not before.get("name") and after in self.covered:
+            return {}  # bodies without a name come before what they hold
         was = "world" if before is None else self.theirs(each, "body", str(before.get("name")))
         name = "world" if after is None else str(after.get("name"))
         if was == name:
@@ -413,7 +433,7 @@ class Comparison:
 
     def unnamed(self, before: Node, after: Node, path: str, each: Instance) -> None:
         """Compare unnamed elements, paired by their order; `path` is the XPath of their parent."""
-        for tag in _IN_BODIES:
+        for tag in (*_IN_BODIES, _BODY):
             kind = GRAMMAR.within("worldbody")[tag]
             one, other = (
                 [Item(node, kind, "worldbody", tag) for node in _without_name(body, tag)]
@@ -427,6 +447,8 @@ class Comparison:
                 else:
                     self.covered.add(b.node)
                     self.pairs.append(Pair(select, a, each, self.changes(a, b, each), {}))
+                    if tag == _BODY:
+                        self.unnamed(a.node, b.node, f"{path}/{tag}{which}", each)
 
     def written(self, item: Item) -> Iterator[tuple[str, Attribute, str]]:
         for name, attribute in item.kind.attributes.items():

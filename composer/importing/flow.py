@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from composer.document.quote import word
 
 
@@ -18,4 +20,14 @@ def flow_list(values: list[str]) -> str:
 
 
 def numbers(values: tuple[float, ...]) -> str:
-    return "[" + ", ".join(f"{round(value, 12) + 0.0:.12g}" for value in values) + "]"
+    return "[" + ", ".join(map(_short, values)) + "]"
+
+
+def _short(value: float) -> str:
+    """Return a number with twelve digits if that is all but its rounding, and with all digits otherwise.
+
+    >>> _short(0.1 + 0.2), _short(1e-17), _short(0.943714364147489)
+    ('0.3', '0', '0.943714364147489')
+    """
+    short = f"{round(value, 12) + 0.0:.12g}"
+    return short if math.isclose(float(short), value, rel_tol=1e-15, abs_tol=1e-15) else repr(value)

@@ -48,6 +48,8 @@ class Proposal:
     """The contents of each asset of a part, by its name in the recipe."""
     nameless_keys: tuple[int, ...] = ()
     """The numbers of the merged model's keys without a name."""
+    keys: dict[str, list[str]] = field(default_factory=dict)
+    """By name of a key: the parts in the recipe that have one."""
     changed: tuple[Changed, ...] = ()
     """The values that the merged model and the recipe set differently from the parts."""
 
@@ -85,8 +87,12 @@ class _Proposer(Comparison):
         self.left_over()
         head, renamed = self.head(), self.rename()
         nameless = tuple(at for at, key in enumerate(self.merged.root.iter("key")) if not key.get("name"))
+        keys: dict[str, list[str]] = {}
+        for each in sorted(self.found, key=lambda each: not each.is_base):
+            for key in self.parts[each.part].root.iter("key"):
+                keys.setdefault(str(key.get("name") or ""), []).append("base" if each.is_base else each.key)
         return Proposal(
-            head, self.entries, self.found, renamed, self.alike, nameless, tuple(self.found_changes)
+            head, self.entries, self.found, renamed, self.alike, nameless, keys, tuple(self.found_changes)
         )
 
     def match_names(self) -> None:

@@ -222,7 +222,9 @@ def keyframes(changes: Collection[Change], proposal: Proposal, missing: Collecti
             f"{field}: {{{', '.join(f'{word(k)}: {v}' for k, v in values.items())}}}"
             for field, values in row.items()
         )
-        based = name not in missing and any(each.is_base for each in proposal.found)
-        start = "from: {base: " + word(name) + "}, " if based else ""
+        sources = [] if name in missing else proposal.keys.get(name, [])
+        start = (
+            f"from: {{{', '.join(f'{word(each)}: {word(name)}' for each in sources)}}}, " if sources else ""
+        )
         entries.append(Entry("keyframe", f"{word(name)}: {{{start}{said}}}"))
     return entries

@@ -21,6 +21,7 @@ _SMALL = 1e-8
 _SURFACE = 1e-4
 _SUMS, _GAPS = "3.5.0", "3.9.0"
 _MOST = 2000
+_DRAWN = 6  # standard deviations between two counts of random marks
 _AUTO = 2
 _STATISTICS = ("stat.center", "stat.extent", "stat.meansize")
 _LOOSE = 2e4
@@ -78,6 +79,7 @@ def compare(before: Compiled, after: Compiled) -> Outcome:
     one, two = _Side.of(before), _Side.of(after)
     _combine_margins(one, two, outcome)
     _settle_surfaces(one, two, outcome)
+    _settle_marks(one, two)
     pairs = _pairs(one, two, outcome)
     for array in sorted(one.arrays.keys() | two.arrays.keys()):
         if not follows(array):
@@ -230,6 +232,29 @@ def _settle_surfaces(one: _Side, two: _Side, outcome: Outcome) -> None:
     if starts.size:
         one.arrays["mesh_face"], two.arrays["mesh_face"] = np.concatenate(kept[0]), np.concatenate(kept[1])
         one.scale = np.concatenate(scales)
+
+
+def _settle_marks(one: _Side, two: _Side) -> None:
+    """Random marks of a texture are the same in all places, if there are as many and the rest is the same.
+
+    MuJoCo 3.2 draws them with another generator than 3.1.
+    """
+    marks = one.words.get("marks", ())
+    if not any(marks) or list(marks) != list(two.words.get("marks", ())):
+        return
+    x, y = (side.arrays["tex_data"] for side in (one, two))
+    if x.shape != y.shape or not np.array_equal(one.arrays["tex_adr"], two.arrays["tex_adr"]):
+        return
+    ends = [*one.arrays["tex_adr"][1:], len(x)]
+    for start, end, mark in zip(one.arrays["tex_adr"], ends, marks, strict=True):
+        if mark is None or (end - start) % len(mark):
+            continue
+        pixels = [each[start:end].reshape(-1, len(mark)) for each in (x, y)]
+        marked = [(each == np.array(mark)).all(axis=1) for each in pixels]
+        counts = [int(each.sum()) for each in marked]
+        if abs(counts[0] - counts[1]) <= _DRAWN * np.sqrt(sum(counts)):
+            both = marked[0] | marked[1]
+            pixels[1][both] = pixels[0][both]
 
 
 def _stand_alike(x: Array, y: Array, mesh: int, one: _Side, two: _Side) -> bool:

@@ -9,6 +9,7 @@ import json
 import sys
 from collections.abc import Iterator
 from typing import Any
+from xml.etree import ElementTree
 
 _COUNTS = {
     "body": "nbody", "joint": "njnt", "geom": "ngeom", "site": "nsite", "camera": "ncam", "light": "nlight",
@@ -31,7 +32,7 @@ def main() -> None:
         else:
             arrays = dict(_arrays(model, numpy))
             said["names"] = _names(model, mujoco)
-            said["words"] = _words(model, mujoco)
+            said["words"] = {**_words(model, mujoco), "marks": _marks(model, mujoco, sys.argv[2] + ".xml")}
             with open(sys.argv[2], "wb") as out:
                 numpy.savez(out, **arrays)
     json.dump(said, sys.stdout)
@@ -92,6 +93,18 @@ def _words(model: Any, mujoco: Any) -> dict[str, Any]:
         flat = value.ravel() if hasattr(value, "ravel") else [value]
         found[array] = [meant.get(int(each), str(int(each))) for each in flat]
     return found
+
+
+def _marks(model: Any, mujoco: Any, saved: str) -> list[list[int] | None]:
+    """The colour of the random marks of each texture, or None for one without: the text alone knows."""
+    mujoco.mj_saveLastXML(saved, model)
+    textures = ElementTree.parse(saved, ElementTree.XMLParser(encoding="utf-8")).iterfind("asset/texture")
+    return [
+        [int(255 * float(each)) for each in texture.get("markrgb", "0 0 0").split()]
+        if texture.get("mark") == "random"
+        else None
+        for texture in textures
+    ]
 
 
 _KINDS = {

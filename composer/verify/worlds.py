@@ -98,6 +98,7 @@ class Computed:
     def __init__(self, mujoco: Any, model: Model, data: Any) -> None:
         self._mujoco, self._model, self._data = mujoco, model, data
         self._has_inertia = are_close(_mean_inertia(model), model.stat.meaninertia)
+        self._has_mass = are_close(_mean_mass(model), model.stat.meanmass)
         lengths = self._lengths() if model.ntendon else np.empty(0)
         # `springlength` is a range. If it is not set, both ends are the length in the springs' reference
         # pose.
@@ -113,6 +114,8 @@ class Computed:
         self._mujoco.mj_setConst(model, self._data)
         if self._has_inertia:
             model.stat.meaninertia = _mean_inertia(model)
+        if self._has_mass:
+            model.stat.meanmass = _mean_mass(model)
         if self._springs:
             model.tendon_lengthspring[self._springs] = self._lengths()[self._springs, None]
 
@@ -128,6 +131,10 @@ class Computed:
 
 def _mean_inertia(model: Model) -> float:
     return sum(model.dof_M0.tolist()) / model.nv if model.nv else math.nan
+
+
+def _mean_mass(model: Model) -> float:
+    return sum(model.body_mass.tolist()) / (model.nbody - 1) if model.nbody > 1 else math.nan
 
 
 _FREE = 0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from composer.compiled.varying import MEAN_INERTIA
+from composer.compiled.varying import MEANS
 from composer.worlds.errors import failure
 from composer.worlds.worlds import Worlds
 
@@ -16,8 +16,8 @@ def mujoco(worlds: Worlds, nthread: int = 0, *, persistent: bool = False) -> Any
         batch.expand("body_mass")      # (worlds, nbody): expanded already, with each world's masses
 
     Every array that differs is expanded and filled, including those that mj_setConst computes: `batch.set_const()`
-    would change nothing. `stat.meaninertia`, which scales the tolerances of solvers, is that of the nominal model:
-    a batch has one `stat` for all.
+    would change nothing. `stat.meaninertia`, which scales the tolerances of solvers, and `stat.meanmass` are those
+    of the nominal model: a batch has one `stat` for all.
 
     Needs MuJoCo 3.17 or newer; raises LoadError without it, and for an array that a batch cannot expand.
     """
@@ -30,7 +30,7 @@ def mujoco(worlds: Worlds, nthread: int = 0, *, persistent: bool = False) -> Any
         raise failure(
             "not-installed", f"MuJoCo {installed.__version__} has no `mujoco.batch`", help
         ) from error
-    names = [name for name in worlds.arrays if name != MEAN_INERTIA]
+    names = [name for name in worlds.arrays if name not in MEANS]
     if shared := [name for name in names if name not in MODEL_FIELDS]:
         listed = ", ".join(f"`{name}`" for name in shared)
         help = "step `worlds.models()` one after another, or leave out of `randomize` what changes them"

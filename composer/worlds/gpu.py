@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from composer.compiled.varying import MEAN_INERTIA, value_of
+from composer.compiled.varying import MEANS, value_of
 from composer.worlds.errors import failure
 from composer.worlds.probing import check_nothing_is_shared, is_stepped
 from composer.worlds.simulator import Simulator
@@ -98,7 +98,7 @@ def unread(worlds: Worlds) -> list[str]:
         name for name in dir(worlds.nominal) if name.startswith(_FACTORS) and not name.startswith(read)
     ]
     fluid = [name for name in _FLUID if name in worlds.arrays or np.any(value_of(worlds.nominal, name))]
-    return [*factors, MEAN_INERTIA, *(() if fluid else _IN_FLUID)]
+    return [*factors, *MEANS, *(() if fluid else _IN_FLUID)]
 
 
 def _owner(model: Any, name: str) -> tuple[Any, str]:

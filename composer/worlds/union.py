@@ -12,7 +12,7 @@ import numpy as np
 from composer.bundle.bundle import Bundle
 from composer.bundle.folder import write_folder
 from composer.compiled.kinds import Model
-from composer.compiled.varying import MEAN_INERTIA, Differences, flat, put
+from composer.compiled.varying import MEAN_INERTIA, MEAN_MASS, Differences, flat, put
 from composer.context import Context
 from composer.engine import Session
 from composer.loading.load import load
@@ -101,6 +101,7 @@ def _world(mujoco: object, union: Model, mapped: Mapped, model: Model, unused: S
     mujoco.mj_setConst(made, mujoco.MjData(made))  # type: ignore[attr-defined]
     # Solvers stop when a step improves less than their tolerance, in units of this times the number of dofs.
     put(made, MEAN_INERTIA, flat(model, MEAN_INERTIA) * model.nv / max(1, made.nv))
+    put(made, MEAN_MASS, flat(model, MEAN_MASS))
     return made
 
 

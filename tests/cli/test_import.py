@@ -42,7 +42,7 @@ def test_what_differs_is_shown(folder: Path) -> None:
         "wrote merged.yaml: 1 part",
         "changed in merged.xml, and written into the recipe:",
         "  geom `tool/palm`: size 0.03 0.03 0.01 m → 0.03 0.03 0.02 m",
-        "it builds, and the model is that of merged.xml, element by element",
+        "it builds, and the model is that of merged.xml, element by element, to seven digits",
     ]
 
 

@@ -9,6 +9,7 @@ from composer.context import Context
 from composer.importing.match import find, separator_of
 from composer.importing.propose import propose
 from composer.importing.recover import Recovered, recover
+from composer.stages import Request, build
 from composer.tree.parse import parse_file
 
 ARM = """\
@@ -299,3 +300,50 @@ def test_what_has_no_name_is_found_by_its_place(old: str, new: str, said: str, t
         tmp_path / "all.xml", [tmp_path / "part.xml"], tmp_path / "recipe.yaml", Context(folder=tmp_path)
     )
     assert found is not None and found.outcome is not None and found.outcome.same and said in found.text
+
+
+NAMELESS_ARM = """<mujoco model="arm"><worldbody>
+  <body pos="1 0 0"><geom size=".07"/></body>
+  <body name="link1"><joint name="j1"/><geom size=".03"/>
+    <body name="link2" pos="0 0 .1"><joint name="j2"/><geom size=".03"/><body pos=".1 0 0"><geom size=".01"/></body></body></body>
+</worldbody><keyframe><key name="home" qpos=".1 .2"/></keyframe></mujoco>
+"""
+NAMELESS_BASE = """<mujoco model="base"><worldbody>
+  <body pos="0 1 0"><geom size=".3"/></body>
+  <body name="torso"><geom size=".1"/><body pos="0 0 .2"><geom size=".02"/><body pos="0 0 .1"/></body>
+    <body name="leg" pos="0 0 -.2"><joint name="hip"/><geom size=".05"/></body></body>
+</worldbody><keyframe><key name="home" qpos=".5"/></keyframe></mujoco>
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("", "", []),
+        # Of a key that the parts share, the values of all of them stay.
+        ('qpos=".5 .1 .2"', 'qpos=".5 .3 .2"',
+         ["keyframe:", "  home: {from: {base: home, arm: home}, qpos: {arm/j1: [0.3rad]}}"]),
+        ('size=".02"', 'size=".025"', [
+            "edit:", """  - {select: {xpath: '//body[@name="torso"]/body[not(@name)][1]/geom[not(@name)][1]'},"""
+            " set: {size: [.025]}}"]),
+    ],
+)  # fmt: skip
+def test_bodies_without_a_name_come_with_their_part(
+    old: str, new: str, expected: list[str], tmp_path: Path
+) -> None:
+    (tmp_path / "arm.xml").write_text(NAMELESS_ARM)
+    (tmp_path / "base.xml").write_text(NAMELESS_BASE)
+    attached = "arm: {model: ./arm.xml, body: torso, pos: [0, 0.1, 0.3], euler: [10deg, 20deg, 30deg]}"
+    (tmp_path / "all.yaml").write_text(f"recipe: 1\nname: all\nbase: ./base.xml\nattach:\n  {attached}\n")
+    context = Context(folder=tmp_path)
+    built = build(Request(tmp_path / "all.yaml"), context)
+    assert built is not None
+    text = built.bundle.files["model.xml"].decode()
+    assert old in text
+    (tmp_path / "merged.xml").write_text(text.replace(old, new) if old else text)
+    parts = [tmp_path / "base.xml", tmp_path / "arm.xml"]
+    found = recover(tmp_path / "merged.xml", parts, tmp_path / "found.yaml", context)
+    assert found is not None and found.outcome is not None and found.outcome.same
+    lines = found.text.splitlines()
+    rest = [line for line in lines[lines.index("attach:") + 2 :] if line]
+    assert rest == expected

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from composer.migrate.compare import Outcome, compare
@@ -60,3 +62,41 @@ def test_a_python_that_is_none(tmp_path: Path) -> None:
         open_python(tmp_path)
     with pytest.raises(OtherError):
         open_python(tmp_path / "python")
+
+
+SKY = """<mujoco><asset><texture name="sky" type="skybox" builtin="gradient" rgb1=".3 .5 .7" rgb2="0 0 0" width="32"
+  height="192" mark="{}" markrgb="1 .5 1" random="{}"/></asset><worldbody/></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("mark", "share", "changed", "same"),
+    [
+        ("random", ".05", "moved", True),
+        ("random", ".05", "fewer", False),
+        ("random", ".05", "another pixel", False),
+        ("edge", "0", "fewer", False),
+    ],
+)
+def test_random_marks_may_be_anywhere(
+    mark: str, share: str, changed: str, same: bool, tmp_path: Path
+) -> None:
+    """As many of them: MuJoCo 3.1 draws them with another generator."""
+    (tmp_path / "sky.xml").write_text(SKY.format(mark, share))
+    other = Other(this_python(), installed())
+    one = other.compile(tmp_path / "sky.xml", tmp_path / "one.npz")
+    with np.load(tmp_path / "one.npz") as stored:
+        arrays = {name: stored[name] for name in stored.files}
+    name = next(each for each in ("tex_data", "tex_rgb") if each in arrays)
+    pixels = arrays[name].reshape(192, 32, 3)
+    marked = (pixels == (255, 127, 255)).all(axis=2)
+    assert 100 < marked.sum() < 2000
+    plain = np.where(marked[..., None], pixels[np.arange(192), np.argmin(marked, axis=1)][:, None], pixels)
+    wanted = marked[:, ::-1] if changed == "moved" else marked
+    if changed == "fewer":
+        wanted = marked & (np.arange(32) < 8)
+    moved = np.where(wanted[..., None], np.array((255, 127, 255), dtype=pixels.dtype), plain)
+    if changed == "another pixel":
+        moved[5, 5] = 3
+    np.savez(tmp_path / "two.npz", **(arrays | {name: moved.ravel()}))
+    found = compare(one, replace(one, arrays=tmp_path / "two.npz"))
+    assert found.same is same, [each.words() for each in found.differences]

@@ -99,7 +99,7 @@ ODD = """<mujoco model="odd">
           <body name="b3" pos="0 0 .2"><joint name="j3" axis="1 0 0" damping=".1" armature=".03"/><geom name="g3" type="box" size=".02 .03 .05"/>
             <body name="b4" pos="0 0 .2"><joint name="j4" axis="0 1 0" armature=".05"/><geom name="g4" type="box" size=".02 .03 .05"/>
             <body name="b5" pos="0 0 .2"><joint name="j5" axis="0 1 0" armature=".05" actuatorfrcrange="-3 2"/><geom name="g5" type="box" size=".02 .03 .05"/></body></body></body></body></body></body></body>
-    <body name="free" pos="1 0 1"><joint name="ff" type="free" damping=".3" armature=".2"/><geom name="gf" type="box" size=".1 .1 .1"/></body>
+    <body name="free" pos="1 0 1"><joint name="ff" type="free" damping=".3" armature=".2" frictionloss=".1"/><geom name="gf" type="box" size=".1 .1 .1"/></body>
   </worldbody>
   <tendon><fixed name="t" stiffness="4" damping=".2"><joint joint="j3" coef="1"/><joint joint="j4" coef="-1"/></fixed></tendon>
   <actuator>

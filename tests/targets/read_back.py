@@ -23,9 +23,10 @@ from composer.dataclass import dataclass
 from composer.targets.checks import placed
 from composer.targets.export import export
 from composer.targets.judging import FEATURES, differences, facts_of, questions
-from composer.targets.loss import Loss
+from composer.targets.loss import Loss, Outcome
 from composer.targets.markdown import READ_BACK
 from composer.targets.reading import READERS, Reader, read_back
+from composer.targets.table import TARGETS
 
 READ_WITH: dict[str, Reader] = {**READERS, "urdf in pybullet": READERS["pybullet"]}
 
@@ -88,6 +89,11 @@ def row(consumer: str) -> dict[str, Any]:
         if not isinstance(found, str):
             assert not found.differences, (consumer, name, found.differences)
             same, lost, version = same | found.same, lost | found.lost, found.version
+    outcomes = {each.feature: each.outcome for each in TARGETS[consumer.partition(" ")[0]].limits}
+    # What is lost in part and was not compared is not known.
+    lost = {
+        each for each in lost if each in same or (outcomes[each] == Outcome.LEFT_OUT and each != "shapes")
+    }
     words = {(True, False): "same", (True, True): "partly", (False, True): "lost"}
     compared = {
         each: words.get((each in same, each in lost), "") for each in dict.fromkeys(FEATURES.values())
@@ -101,5 +107,9 @@ if __name__ == "__main__":
         if is_ready(READ_WITH[wanted].program):
             rows[wanted] = row(wanted)
             sys.stdout.write(f"{wanted} {rows[wanted]}\n")
+    if READ_BACK.is_file():  # another program may have been read meanwhile
+        rows = json.loads(READ_BACK.read_text(encoding="utf-8")) | {
+            name: rows[name] for name in sys.argv[1:] or rows
+        }
     ordered = {name: rows[name] for name in READ_WITH if name in rows}
     READ_BACK.write_text(json.dumps(ordered, indent=2) + "\n", encoding="utf-8")

@@ -126,7 +126,7 @@ def test_every_array_of_32_worlds_is_that_of_the_sample(folder: Path, study: wor
         seen |= differing(study.nominal, wanted)
     assert seen == set(study.arrays)
     assert {"qpos0", "key_qpos", "key_mpos", "body_subtreemass", "dof_invweight0", "actuator_acc0", "tendon_length0",
-            "cam_pos0", "stat.meaninertia"} <= seen  # fmt: skip
+            "cam_pos0", "stat.meaninertia", "stat.meanmass"} <= seen  # fmt: skip
 
 
 def test_a_model_of_its_own(study: worlds.Worlds) -> None:
