@@ -324,8 +324,8 @@ NAMELESS_BASE = """<mujoco model="base"><worldbody>
         ('qpos=".5 .1 .2"', 'qpos=".5 .3 .2"',
          ["keyframe:", "  home: {from: {base: home, arm: home}, qpos: {arm/j1: [0.3rad]}}"]),
         ('size=".02"', 'size=".025"', [
-            "edit:", """  - {select: {xpath: '//body[@name="torso"]/body[not(@name)][1]/geom[not(@name)][1]'},"""
-            " set: {size: [.025]}}"]),
+            "edit:", ("""  - {select: {xpath: '//body[@name="torso"]/body[not(@name)][1]/geom[not(@name)][1]'},"""
+            " set: {size: [.025]}}")]),
     ],
 )  # fmt: skip
 def test_bodies_without_a_name_come_with_their_part(
