@@ -131,14 +131,16 @@ class _Signature:
         if not hasattr(cls.__init__, "__made__"):
             raise AttributeError("__signature__")  # the class has an `__init__` of its own, which says it
         return Signature(
-            Parameter(
-                field.name,
-                Parameter.KEYWORD_ONLY if field.kw_only else Parameter.POSITIONAL_OR_KEYWORD,
-                default=_shown_default(field),
-                annotation=field.type,
-            )
-            for field in sorted(cls.__dataclass_fields__.values(), key=attrgetter("kw_only"))
-            if field.init
+            [
+                Parameter(
+                    field.name,
+                    Parameter.KEYWORD_ONLY if field.kw_only else Parameter.POSITIONAL_OR_KEYWORD,
+                    default=_shown_default(field),
+                    annotation=field.type,
+                )
+                for field in sorted(cls.__dataclass_fields__.values(), key=attrgetter("kw_only"))
+                if field.init
+            ]
         )
 
 

@@ -99,6 +99,10 @@ def build_cells(
     report(context, wanted.form)
     say_details(context)
     results.tally.say(wanted.form)
+    if wanted.form == "text" and not results.tally.failed:
+        count, known = results.tally.whole, results.tally.whole - results.new
+        from_cache = f", {known} from the cache" if known else ""
+        say(f"{maker.recipe}: {count} model{'s' * (count != 1)} built{from_cache}")
     return FINDINGS if context.sink.has_errors else 0
 
 
@@ -154,6 +158,7 @@ class _Results:
     context: Context
     tally: Tally
     beside: str | None
+    new: int = 0
     samples: RunTable = field(default_factory=lambda: RunTable({"model": str, "sample": int}))
     index: RunTable = field(default_factory=lambda: RunTable(COLUMNS))
 
@@ -168,6 +173,7 @@ class _Results:
         self.tally.take(each.cell.label, (*each.found, *pictured.sink.diagnostics), sink, failed=failed)
         if each.made is not None and not failed:
             say(said(each.made, wanted), form=wanted.form)
+            self.new += each.made.is_new
             if each.made.draws is not None:
                 self.samples.add((each.cell.name, each.cell.sample), each.made.draws)
             if self.beside is not None:

@@ -43,7 +43,7 @@ class Sink:
         self._found: dict[Diagnostic, dict[Note, None]] = {}
         self._causes: dict[tuple[str, Severity, str], Diagnostic] = {}
         self._cells: dict[Diagnostic, dict[CellName, None]] = {}
-        self._kin: dict[tuple[str, Severity, Span], list[Diagnostic]] = {}
+        self._kin: dict[tuple[str, Severity, Span | str], list[Diagnostic]] = {}
         self._recipes: dict[Diagnostic, dict[str, None]] = {}
         self.error_count = 0
         """How often there was an error, those reported before and those suppressed included."""
@@ -142,9 +142,8 @@ class Sink:
         """
         if diagnostic in self._found and diagnostic not in self._cells:
             return
-        kin = [] if diagnostic.span is None else self._kin.setdefault(
-            (diagnostic.code, diagnostic.severity, diagnostic.span), []
-        )  # fmt: skip
+        place = diagnostic.span or diagnostic.help  # without a place, what helps says what it is about
+        kin = [] if place is None else self._kin.setdefault((diagnostic.code, diagnostic.severity, place), [])
         first = next((each for each in kin if cell not in self._cells.get(each, ())), None)
         if diagnostic in self._found or first is None:
             self.add(diagnostic)

@@ -151,8 +151,8 @@ def _read_binary(path: Path, shown: str) -> _Checked:
         message = f"`{beside}`, the manifest of `{path.name}`, does not exist"
         raise _failure("bundle-manifest", message, "keep the two together") from error
     except OSError as error:
-        shown = error.filename or path
-        raise _failure("file-unreadable", f"cannot read `{shown}`: {error.strerror or error}") from error
+        file = error.filename or path
+        raise _failure("file-unreadable", f"cannot read `{file}`: {error.strerror or error}") from error
     named = named_model(manifest)
     model = named if named.endswith(".mjb") and Path(named).name == named else path.name
     return _compare(Bundle({model: content, MANIFEST: manifest}, model), shown)

@@ -234,3 +234,11 @@ def test_a_table_of_samples_that_is_none(folder: Path, given: str) -> None:
     result = run("build", "r.yaml", "--samples", given)
     assert result.exit_code == 2 and f"`{given}` is none: `--sample NUMBER` builds one" in result.stderr
     assert not (folder / "build").exists()
+
+
+def test_the_last_line_counts_the_models(folder: Path) -> None:
+    assert run("build", "r.yaml", "--all").stdout.endswith("r.yaml: 4 models built\n")
+    again = run("build", "r.yaml", "--all").stdout.splitlines()[-1]
+    assert again in ("r.yaml: 4 models built, 4 from the cache", "r.yaml: 4 models built")
+    assert "models built" not in run("build", "r.yaml", "--all", "-q").stdout
+    assert "models built" not in run("build", "r.yaml", "--all", "--json").stdout

@@ -211,11 +211,12 @@ def test_licences_are_allowed_at_the_top(folder: Path) -> None:
 
 def test_verbose_says_stages_and_files(folder: Path) -> None:
     result = run("check", "cell.yaml", "-v")
-    assert [line.split()[0] for line in result.stderr.splitlines()][:5] == [
+    assert [line.split()[0] for line in result.stderr.splitlines()][:6] == [
         "plan",
         "compose",
         "bundle",
         "compile",
+        "keys",
         "check",
     ]
     assert "  read cell.yaml\n" in result.stderr and "  read models/meshes/cover.obj\n" in result.stderr

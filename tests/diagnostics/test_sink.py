@@ -182,8 +182,10 @@ def test_a_severity_and_a_code_of_its_own_are_another_finding() -> None:
     sink.add_of_cell(CellName("b"), Diagnostic("bad-name", "y", at, Severity.WARNING))
     sink.add_of_cell(CellName("c"), Diagnostic("unknown-name", "z", at))
     sink.add_of_cell(CellName("d"), Diagnostic("bad-name", "without a place"))
+    for cell in "ef":
+        sink.add_of_cell(CellName(cell), Diagnostic("bad-name", f"of {cell}", help="the same helps"))
     assert [(each.message, len(each.cells)) for each in sink.diagnostics] == [
-        ("x", 1), ("y", 1), ("z", 1), ("without a place", 1),
+        ("x", 1), ("y", 1), ("z", 1), ("without a place", 1), ("of e", 2),
     ]  # fmt: skip
 
 
