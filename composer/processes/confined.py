@@ -155,8 +155,10 @@ def confine(readable: Sequence[str], memory: int = 0, seconds: float = 0) -> lis
 
 
 def python_folders() -> list[str]:
-    """The folders from which Python still loads modules, and what these read."""
-    found = [*sys.path, sys.prefix, sys.base_prefix, sys.exec_prefix, sys.base_exec_prefix]
+    """The folders of Python and of the modules that are loaded: `sys.path` may name the user's own folder."""
+    files = [getattr(each, "__file__", None) for each in list(sys.modules.values())]
+    found = [sys.prefix, sys.base_prefix, sys.exec_prefix, sys.base_exec_prefix]
+    found += [os.path.dirname(each) for each in files if isinstance(each, str)]
     return sorted({each for each in found if each and os.path.isabs(each) and each != os.sep})
 
 

@@ -91,11 +91,14 @@ def test_it_reads_what_is_named_and_does_nothing_else(folder: Path) -> None:
 
 
 @linux
-def test_what_is_not_named_is_not_read(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
+def test_what_is_not_named_is_not_read(
+    folder: Path, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
+) -> None:
     if not any(each.startswith("Landlock") for each in held()):
         pytest.skip("this kernel has no Landlock")
     other = tmp_path_factory.mktemp("other") / "secret.txt"
     other.write_text("secret")
+    monkeypatch.syspath_prepend(other.parent)  # as the folder in which a command is started
     assert called("path", str(other), folder)["error"].startswith("PermissionError")
     assert called("path", str(other), other.parent)["value"] == "secret"
     assert called("path", str(other), other)["value"] == "secret"
