@@ -1,23 +1,32 @@
-"""Two files parsed, attached, linked and written: against lxml alone, `MjSpec` and dm_control."""
+"""Two files parsed, attached, linked and written: against lxml alone, `MjSpec` and dm_control.
+
+Rows called `link` time the linker, as a build uses it; those called `composer.mjcf` time the Python interface.
+"""
 
 from __future__ import annotations
 
+import time
+import warnings
+from collections.abc import Callable, Iterator
 from pathlib import Path
+
+from lxml import etree
 
 from bench import ours, peers
 from bench.models import SITE, Models, models
 from bench.row import Row
 from bench.timing import best_times
+from composer import mjcf
 
 
 def rows() -> list[Row]:
     used = models()
     with peers.quiet():
-        return [_to_lxml(used), _to_mjspec(used), _to_dm_control(used)]
+        return [_to_lxml(used), _to_mjspec(used), _to_dm_control(used), *_of_mjcf(used)]
 
 
 def _name(used: Models, peer: str) -> str:
-    return f"attach ({used.name}) / {peer}"
+    return f"link ({used.name}) / {peer}"
 
 
 def _to_lxml(used: Models) -> Row:
@@ -69,3 +78,41 @@ def _to_dm_control(used: Models) -> Row:
         seconds=6,
     )
     return Row(name, best["ours"] / best["dm_control"], 1.0)
+
+
+def _of_mjcf(used: Models) -> Iterator[Row]:
+    """Both have a file with the same bodies afterwards; MjSpec without keys, which would make it compile both."""
+    name, second = (
+        f"composer.mjcf: read, attach, write ({used.name})",
+        "composer.mjcf: the second text / lxml",
+    )
+    arm, hand = str(used.arm), str(used.hand)
+
+    def attached() -> mjcf.RootElement:
+        root = mjcf.from_path(arm)
+        place = root.find("site", SITE)
+        assert place is not None
+        place.attach(mjcf.from_path(hand))
+        return root
+
+    def written() -> None:
+        Path("ours.xml").write_text(attached().to_xml_string(conflict="merge"))
+
+    root = attached()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", mjcf.MjcfWarning)
+        tree = etree.fromstring(root.to_xml_string(conflict="merge"))
+        mujoco = peers.mjspec()
+        candidates: dict[str, Callable[[], object]] = {
+            "ours": written,
+            "text": lambda: root.to_xml_string(conflict="merge"),
+            "lxml": lambda: etree.tostring(tree),
+        }
+        if mujoco is not None:
+            candidates["mjspec"] = lambda: peers.mjspec_attached(mujoco, arm, hand, SITE, "mjspec.xml")
+        best = best_times(candidates, rounds=500, seconds=6, clock=time.process_time)
+    if mujoco is not None:
+        note = f"{best['ours'] * 1e3:.1f} ms against {best['mjspec'] * 1e3:.1f} ms; ours also checks names and lays out keys"
+        yield Row(f"{name} / MjSpec, saved as written", best["ours"] / best["mjspec"], 0.8, note)
+    note = f"{best['text'] * 1e3:.2f} ms; the first is linked"
+    yield Row(second, best["text"] / best["lxml"], 2.0, note)

@@ -38,8 +38,13 @@ def _of(file: Path) -> list[Row]:
         seconds=2,
     )
     return [
-        Row("from_path / lxml parse", best["from_path"] / best["parse"], _LIMIT, file.stem),
-        Row("to_xml_string / lxml tostring", best["to_xml_string"] / best["tostring"], _LIMIT, file.stem),
+        Row("composer.mjcf: from_path / lxml parse", best["from_path"] / best["parse"], _LIMIT, file.stem),
+        Row(
+            "composer.mjcf: to_xml_string / lxml tostring",
+            best["to_xml_string"] / best["tostring"],
+            _LIMIT,
+            file.stem,
+        ),
     ]
 
 

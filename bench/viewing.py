@@ -26,6 +26,7 @@ _FLAGS = "--no-sandbox --use-gl=angle --use-angle=swiftshader --enable-unsafe-sw
 _ROUNDS = 20
 _FIRST = 2.5
 _PICTURE = 0.5
+_ZIP = 0.3
 _UR5E = """recipe: 1
 base: menagerie:universal_robots_ur5e/ur5e
 attach:
@@ -42,12 +43,41 @@ _SHOWN = """count => new Promise(done => {
 
 def rows() -> Iterator[Row]:
     yield _sheet()
+    yield from _watched()
     with _browser() as browser:
         if browser is None:
             yield Row("save to shown", None, None, "no Chromium, or playwright is not installed")
             return
         yield from _saves(browser)
         yield _many(browser)
+
+
+def _watched() -> Iterator[Row]:
+    """`build --watch`: from a save to the zip, and to the end of the run."""
+    if not (os.environ.get("MENAGERIE_ROOT") or os.environ.get("MJCOMPOSE_CORPUS")):
+        yield Row("save to zip with --watch", None, 1.0, "MENAGERIE_ROOT is not set")
+        return
+    recipe = Path("watched.yaml").absolute()
+    recipe.write_text(_UR5E)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "composer", "build", str(recipe), "--watch", "-o", "watched.zip"],
+        env=_environment(), text=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    assert process.stderr is not None
+    seconds = []
+    try:
+        for count in range(_ROUNDS):
+            while not process.stderr.readline().startswith("watching"):
+                assert process.poll() is None
+            if count:
+                seconds.append(time.perf_counter() - started)
+            time.sleep(0.1)
+            started = time.perf_counter()
+            recipe.write_text(_UR5E.replace("0.0]}", f"0.{count + 20}]}}"))
+    finally:
+        process.terminate()
+        process.communicate()
+    yield _row("ur5e + 2f85, the zip with build --watch", seconds, _ZIP)
 
 
 def _sheet() -> Row:

@@ -34,6 +34,11 @@ class Portable:
         self.context = context
         self.texts = model.origins.texts
         self.named: dict[Path, str] = {}
+        self.models = dict.fromkeys(
+            (each.path.parent, posixpath.dirname(each.reference.replace("\\", "/")))
+            for each in self.sources
+            if each.origin is None
+        )
 
     def name(self, path: Path) -> str:
         """Return the name of a file: `models/arm.xml`, `menagerie:franka_emika_panda/panda.xml`.
@@ -83,12 +88,8 @@ class Portable:
     def _beside(self, real: Path) -> str:
         """Return a name that goes through the nearest model with a path reference."""
         near: tuple[int, str] | None = None
-        for source in self.sources:
-            if source.origin is None:
-                start = real_path(source.path.parent)
-                way = Path(os.path.relpath(real, start)).as_posix()
-                written = source.reference.replace("\\", "/")
-                candidate = posixpath.normpath(posixpath.join(posixpath.dirname(written), way))
-                if near is None or way.count("../") < near[0]:
-                    near = (way.count("../"), candidate)
+        for folder, written in self.models:
+            way = Path(os.path.relpath(real, real_path(folder))).as_posix()
+            if near is None or way.count("../") < near[0]:
+                near = (way.count("../"), posixpath.normpath(posixpath.join(written, way)))
         return real.name if near is None else near[1]

@@ -126,7 +126,8 @@ def _in_order(linking: Linking, tops: Mapping[Part, Node]) -> None:
         return
     world = linking.base.section("worldbody")
     hung = [tops[part] for part in linking.parts if part in tops and tops[part].getparent() is world]
-    if hung != sorted(hung, key=world.index):
+    places = {node: at for at, node in enumerate(world)}
+    if hung != sorted(hung, key=places.__getitem__):
         world.extend(hung)
 
 
@@ -254,7 +255,7 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
     if part.floats and part.place.kind != "world":
         pose = _in_world(linking, parent, pose, offset)
         parent, offset = linking.base.section("worldbody"), {}
-    outer, count = parent, len(parent)
+    outer, last = parent, next(parent.iterchildren(reversed=True), None)
     if part.sense is not None:
         parent, pose = _sensing_body(linking, part, part.sense, parent, pose), {}
     # A frame has one pose, so that the site's and the recipe's offset from it take two.
@@ -277,8 +278,9 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
         part.content = parent
     if part.joints or part.mocap:
         _bound_mass(linking, parent)
-    if len(outer) > count:
-        tops[part] = outer[-1]
+    top = next(outer.iterchildren(reversed=True), None)
+    if top is not None and top is not last:
+        tops[part] = top
     placed = any(keyed is part for keyed, _ in linking.keys.attached)
     if placed or (part.layout is not None and part.layout.in_world_coordinates):
         part.pose_in_world = pose_in_world(frame, *_reading(linking))
@@ -371,7 +373,7 @@ def _bring_world(linking: Linking, part: Part, frame: Node) -> None:
         frame.extend([*above(worldbody, unit.header), *worldbody])
         unit.root.remove(worldbody)
     # The comments at the top of a file stand once, above the first part that is made of it.
-    if all(unit.file != earlier.unit.file for earlier in linking.parts[: linking.parts.index(part)]):
+    if unit.header and next(each for each in linking.parts if each.unit.file == unit.file) is part:
         for comment in reversed(unit.header):
             frame.insert(0, comment)
 
