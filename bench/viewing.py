@@ -64,7 +64,8 @@ def _watched() -> Iterator[Row]:
         env=_environment(), text=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
     )  # fmt: skip
     assert process.stderr is not None
-    seconds = []
+    seconds: list[float] = []
+    started = 0.0
     try:
         for count in range(_ROUNDS):
             while not process.stderr.readline().startswith("watching"):
