@@ -20,7 +20,8 @@ class Difference:
     ``kind`` is MJCF's word for the element, ``name`` its name in the composition; an unnamed one is reported by its
     place. ``field`` is the array of `mjModel`, with an index if only one entry is shown, or ``missing`` for an
     element that the composition lacks, ``extra`` for one that the part lacks. ``expected`` is the value in the part
-    alone, ``actual`` the one in the composition; references are names.
+    alone, ``actual`` the one in the composition; references are names. ``why`` says in words where MuJoCo itself makes
+    the difference.
     """
 
     kind: str
@@ -28,6 +29,7 @@ class Difference:
     field: str
     expected: Value
     actual: Value
+    why: str = ""
 
     @property
     def array(self) -> str:
@@ -40,7 +42,8 @@ class Difference:
             return f"{subject} is missing"
         if self.field == EXTRA:
             return f"{subject} is not in the part alone"
-        return f"{subject}: `{self.field}` is {_shown(self.actual)}, alone it is {_shown(self.expected)}"
+        why = f" ({self.why})" if self.why else ""
+        return f"{subject}: `{self.field}` is {_shown(self.actual)}, alone it is {_shown(self.expected)}{why}"
 
 
 def _shown(value: Value) -> str:

@@ -169,7 +169,7 @@ def _flex_materials(model: Model, index: int) -> Iterator[Link]:
         yield Link(f"flex_matid[{place}]", "material", material)
 
 
-WRAP_JOINT, _WRAP_SITE = 1, 3
+WRAP_JOINT, WRAP_SITE = 1, 3
 """Values of `wrap_type` for which `wrap_objid` is the id of a joint or a site."""
 WRAPS_A_GEOM = (4, 5)
 """The values of `wrap_type` whose `wrap_prm` is the id of a side site."""
@@ -184,7 +184,7 @@ def _tendon(model: Model, index: int) -> Iterator[Link]:
         wrapped, target = int(model.wrap_type[at]), int(model.wrap_objid[at])
         if wrapped == WRAP_JOINT:
             yield Link(f"wrap_objid[{place}]", "joint", target)
-        elif wrapped == _WRAP_SITE:
+        elif wrapped == WRAP_SITE:
             yield Link(f"wrap_objid[{place}]", "site", target)
         elif wrapped in WRAPS_A_GEOM:
             yield Link(f"wrap_objid[{place}]", "geom", target)

@@ -12,6 +12,7 @@ from composer.compiled.links import twists_a_rod
 from composer.compiled.mount import Mount
 from composer.numerics.pose import Pose, rotate
 
+_OF_FLEXES = "MuJoCo does not turn the axes of a flex's vertices with a frame"
 _POSED = {"body": "body", "geom": "geom", "site": "site", "camera": "cam"}
 
 
@@ -65,6 +66,7 @@ class Placing:
         if self.transform is None:
             return found
         bound = max(ROUNDING, tolerance)
+        vertices = set(self.matching.alone.model.flex_vertbodyid.tolist())
         for kind, arrays in _POSED.items():
             for index in self.roots[kind]:
                 expected = self.transform @ _pose(self.matching.alone.model, kind, index)
@@ -74,7 +76,8 @@ class Placing:
                     found.append(Difference(kind, name, f"{arrays}_pos", expected.pos, actual.pos))
                 turned = tuple(-x for x in actual.quat)
                 if not _near(expected.quat, actual.quat, bound) and not _near(expected.quat, turned, bound):
-                    found.append(Difference(kind, name, f"{arrays}_quat", expected.quat, actual.quat))
+                    why = _OF_FLEXES if kind == "body" and index in vertices else ""
+                    found.append(Difference(kind, name, f"{arrays}_quat", expected.quat, actual.quat, why))
         found += self._lights(bound)
         return found
 

@@ -55,7 +55,7 @@ class Notes:
     copy of, and the number of the copy. `inertia_written` are the bodies whose inertia is explicit, so
     that elements added to them add no mass. `drawn` holds the values drawn for an element, by field. `memory` are
     the requests of the sources, if MuJoCo may need more memory. `attached` are the models that MuJoCo attaches, by
-    their `<model>`.
+    their `<model>`. `nameless` are bodies whose name is only for the linker.
     """
 
     aligned: bool = False
@@ -69,3 +69,4 @@ class Notes:
     drawn: dict[Node, dict[str, object]] = field(default_factory=dict)
     memory: tuple[MemoryRequest, ...] = ()
     attached: dict[Node, Node] = field(default_factory=dict)
+    nameless: set[Node] = field(default_factory=set)

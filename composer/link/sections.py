@@ -46,7 +46,9 @@ def worlds(linking: Linking) -> None:
     for part in linking.parts:
         if part.content is not None:
             pose, holder, copied = pose_below(part.content, degrees, sequence)
-            hung = _Hung(part, pose, holder, copied)
+            named = holder.get("name") if holder not in linking.notes.nameless else ""
+            name = WORLD if holder.tag == "worldbody" else str(named or "")
+            hung = _Hung(part, pose, holder, name, copied)
             if copied is not None or holder.tag == "body" or not pose.is_identity:
                 _rename_world(linking, hung)
                 _check_targets(linking, hung)
@@ -55,16 +57,16 @@ def worlds(linking: Linking) -> None:
 
 
 class _Hung(NamedTuple):
-    """A part, the pose of its world in the body or the world that holds it, and a `<replicate>` between the two."""
+    """A part, the pose of its world in the body or the world that holds it, and a `<replicate>` between the two.
+
+    `name` is that of the body, "" if it has none.
+    """
 
     part: Part
     pose: Pose
     holder: Node
+    name: str
     copied: Node | None
-
-    @property
-    def name(self) -> str:
-        return WORLD if self.holder.tag == "worldbody" else str(self.holder.get("name") or "")
 
 
 def _rename_world(linking: Linking, hung: _Hung) -> None:
@@ -110,7 +112,7 @@ def _refuse(linking: Linking, hung: _Hung, found: list[Node]) -> None:
         help = "leave it out (`drop`), or attach the part in the model with the `<replicate>`"
     else:
         why, note = "that body has no name", Note("the body", linking.span(linking.base, hung.holder))
-        help = 'give it one: `edit: [{select: {body: "**", where: {name: ""}}, rename: "b${index}"}]` in its part'
+        help = 'give it one, in its part: `edit: [{select: {body: "**", where: {name: ""}}, rename: "b${index}"}]`'
     linking.sink.error(
         "attach-place",
         f"{first.tag}{named} of `{part.called}` is about the world, which is what the part hangs on: {why}{more}",

@@ -117,6 +117,7 @@ def linked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], *, che
         else:
             choose_classes(linking)
             mounting.add_joints(linking)
+            linking.notes.nameless.update(mounting.named)
             link(linking)
             if not sink.has_errors:
                 finish(linking)

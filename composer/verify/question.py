@@ -110,7 +110,12 @@ def differences_of(value: list[dict[str, Any]]) -> list[Difference]:
     """Return the differences that ``ask`` returned as JSON data."""
     return [
         Difference(
-            each["kind"], each["name"], each["field"], _frozen(each["expected"]), _frozen(each["actual"])
+            each["kind"],
+            each["name"],
+            each["field"],
+            _frozen(each["expected"]),
+            _frozen(each["actual"]),
+            each.get("why", ""),
         )
         for each in value
     ]

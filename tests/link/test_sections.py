@@ -288,3 +288,31 @@ def test_what_mujoco_attaches_is_not_carried(workshop: Workshop, body: str, told
     twice = workshop.link(BASE, Piece(text, files={"s.xml": sub}))
     again = workshop.link(BASE, Piece(twice.xml, "n/", placed(pos=(3, 0, 0)), twice.bundled()))
     assert [each.code for each in again.sink.diagnostics] == ["not-supported"] * told
+
+
+# -- derived numbers of degenerate poses ------------------------------------------------------------------------
+
+SLACK = """<mujoco><worldbody><site name="w" pos="{away} .3 0"/>
+  <body pos="0 .3 0"><joint axis="0 1 0"/><geom size=".2" pos="1 0 0"/><site name="s" pos="1 0 0"/></body></worldbody>
+  <tendon><spatial name="t" damping="5"><site site="s"/><site site="w"/></spatial></tendon>
+  <actuator><motor name="m" tendon="t"/></actuator></mujoco>"""
+TILTED = normalise((0.9, 0.2, 0.1, -0.3))
+
+
+def test_a_tendon_without_a_direction_is_unchanged(workshop: Workshop) -> None:
+    """Its ends lie in one point: MuJoCo takes a direction of its own, by which what follows differs."""
+    at = placed(pos=(1, 2, 3), quat=TILTED)
+    model = workshop.link(BASE, Piece(SLACK.format(away=1), place=at)).check()
+    alone = mujoco.MjModel.from_xml_string(SLACK.format(away=1))
+    assert abs(alone.tendon_invweight0[0] - model.tendon_invweight0[0]) > 1e-5
+    workshop.link(BASE, Piece(SLACK.format(away=1.01), place=at)).check()
+
+
+def test_what_mujoco_does_not_turn_is_said(workshop: Workshop) -> None:
+    flex = '<flexcomp name="c" type="grid" dim="2" count="3 3 1" spacing=".1 .1 .1" mass=".1" radius=".01"/>'
+    text = (
+        f'<mujoco><worldbody>{flex}<body name="b" pos="0 0 9"><geom size=".1"/></body></worldbody></mujoco>'
+    )
+    found = workshop.link(BASE, Piece(text, place=placed(quat=TILTED))).differences()
+    assert found and {each.field for each in found} == {"body_quat"}
+    assert all("vertices" in str(each) for each in found)

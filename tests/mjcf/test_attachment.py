@@ -503,3 +503,11 @@ def test_below_a_body_the_world_of_a_model_is_that_body(arm: mjcf.RootElement, c
     arm.find("site", "flange").attach(child)
     model = compiled(arm)
     assert model.body(model.eq_obj2id[0]).name == "fore"
+    child.detach()
+    unnamed = arm.find("body", "fore").add("body")
+    unnamed.attach(child)
+    with pytest.raises(mjcf.MjcfError, match="has no name"):
+        arm.to_xml_string()
+    unnamed.name = "x"
+    model = compiled(arm)
+    assert model.body(model.eq_obj2id[0]).name == "x"
