@@ -104,11 +104,11 @@ def _refuse(linking: Linking, hung: _Hung, found: list[Node]) -> None:
     part, first = hung.part, found[0]
     named = f" `{first.get('name')}`" if first.get("name") else ""
     more = f" ({len(found) - 1} more such elements)" if len(found) > 1 else ""
-    if hung.name:
+    if hung.copied is not None and hung.name:
         why, note = (
             "a `<replicate>` makes several of it",
             Note("here", linking.span(linking.base, hung.copied)),
-        )  # type: ignore[arg-type]
+        )
         help = "leave it out (`drop`), or attach the part in the model with the `<replicate>`"
     else:
         why, note = "that body has no name", Note("the body", linking.span(linking.base, hung.holder))

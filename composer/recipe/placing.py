@@ -233,9 +233,9 @@ class SenseField(Form):
         for index, item in enumerate(value):
             if item not in QUANTITIES:
                 note, fix = exists_note("quantity", QUANTITIES, str(item)), renaming(str(item), QUANTITIES)
-                help = did_you_mean(str(item), QUANTITIES)
+                meant = did_you_mean(str(item), QUANTITIES)
                 message = f"`sense` cannot measure {kind_of(item)}"
-                faults.append(Fault("wrong-keyword", message, (index,), notes=(note,), help=help, fix=fix))
+                faults.append(Fault("wrong-keyword", message, (index,), notes=(note,), help=meant, fix=fix))
             elif item in value[:index]:
                 faults.append(
                     Fault("wrong-keyword", f"`{item}` is in `sense` twice", (index,), help="leave one out")
