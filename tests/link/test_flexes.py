@@ -3,6 +3,9 @@ from __future__ import annotations
 import pytest
 from link.workshop import BASE, Piece, Workshop, placed
 
+from composer.link.flexes import taken_back
+from composer.link.part import Joint
+
 FLEX = '<flexcomp name="f" type="grid" count="2 2 1" spacing=".1 .1 .1" dim="2" radius=".01"/>'
 ARM = '<body name="arm"><joint name="j"/><geom size=".1"/></body>'
 
@@ -97,3 +100,36 @@ def test_in_a_body_or_a_frame_it_is_what_it_is_alone(workshop: Workshop, inside:
     linked = workshop.link(turned("1 1 0 0"), Piece(turned("1 1 0 0", inside), "p/", placed(pos=(1, 2, 3))))
     assert linked.codes == []
     linked.check()
+
+
+@pytest.mark.parametrize("taken", ['type="slide"', 'axis="1 0 0"', 'pos="1 0 0"'])
+def test_what_a_flex_decides_itself_is_no_default_of_it(workshop: Workshop, taken: str) -> None:
+    workshop.link(model(taken, FLEX), Piece(model("", FLEX.replace('"f"', '"g"')), "p/")).check()
+
+
+@pytest.mark.parametrize("joints", [(Joint("freejoint", {}),), (Joint("joint", {"type": "hinge"}),)])
+def test_a_flex_on_a_body_of_an_attachment_is_not_in_the_world(
+    workshop: Workshop, joints: tuple[Joint, ...]
+) -> None:
+    """It takes the joint defaults of that body, and `main` has none for it."""
+    pinned = FLEX.replace("/>", '><pin id="0"/></flexcomp>')
+    linked = workshop.link(BASE, Piece(model('armature=".5"', pinned), "p/", options={"joints": joints}))
+    assert "<joint " not in linked.xml.split("<worldbody>")[0].split('class="p/"')[0]
+
+
+@pytest.mark.parametrize(("length", "severity"), [(1.0005, "warning"), (1.002, "error"), (1.0 + 1e-12, None)])
+def test_a_turn_that_stretches_is_an_error_from_a_thousandth_on(
+    workshop: Workshop, length: float, severity: str | None
+) -> None:
+    flex = FLEX.replace("/>", f' quat="0 {length!r} 0 0"/>')
+    found = workshop.link(BASE, Piece(model("", flex), "p/")).linking.sink.diagnostics
+    told = [str(each.severity.value) for each in found if "turned by a `quat`" in each.message]
+    assert told == ([severity] if severity else [])
+
+
+def test_settings_of_several_numbers_are_taken_back_number_by_number(workshop: Workshop) -> None:
+    base = model('solreflimit=".01"', FLEX + ARM)
+    found = workshop.link(base, Piece(model("", ARM), "p/")).model()
+    alone = workshop.link(model("", ARM), Piece(model("", ARM), "p/")).model()
+    assert found.joint("p/j").solref.tolist() == alone.joint("p/j").solref.tolist()
+    assert taken_back({"solreflimit": ".01"}) == {"solreflimit": "0.02"}

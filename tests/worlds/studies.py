@@ -70,7 +70,9 @@ def differing(a: mujoco.MjModel, b: mujoco.MjModel) -> set[str]:
     """The arrays that differ, but for the last digits of what was computed in two ways."""
     names = [name for name in dir(a) if not name.startswith("_") and isinstance(getattr(a, name), np.ndarray)]
     pairs = {name: (getattr(a, name), getattr(b, name)) for name in names}
-    pairs |= {f"stat.{name}": (getattr(a.stat, name), getattr(b.stat, name)) for name in ("meaninertia", "meanmass")}
+    pairs |= {
+        f"stat.{name}": (getattr(a.stat, name), getattr(b.stat, name)) for name in ("meaninertia", "meanmass")
+    }
     return {
         name
         for name, (x, y) in pairs.items()
