@@ -73,7 +73,12 @@ class Server(LanguageServer):
     def path(self, uri: str) -> Path:
         """Return the file of an address. A document without a file gets a path in the folder of the workspace."""
         path = to_fs_path(uri) if uri.startswith("file:") else None
-        found = Path(path) if path else self.desk.folder / uri.rpartition(":")[2].strip("/")
+        name = (path or uri.rpartition(":")[2].strip("/")).replace("\0", "?")
+        try:
+            os.fsencode(name)
+        except UnicodeEncodeError:  # no file can be called that
+            name = name.encode("ascii", "replace").decode()
+        found = self.desk.folder / name
         self.uris[found] = uri
         return found
 

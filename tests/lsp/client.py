@@ -6,6 +6,7 @@ import json
 import queue
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from itertools import pairwise
@@ -23,9 +24,10 @@ class Editor:
         self, folder: Path, encodings: list[str] | None = None, environment: dict[str, str] | None = None
     ) -> None:
         self.folder = folder
+        self.stderr = tempfile.TemporaryFile()  # noqa: SIM115  a pipe that nobody reads would hold the server up
         self.process = subprocess.Popen(
             [sys.executable, "-m", "composer", "lsp", "--stdio"],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=folder, env=environment,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self.stderr, cwd=folder, env=environment,
         )  # fmt: skip
         self.messages: queue.Queue[Any] = queue.Queue()
         self.published: dict[str, list[Any]] = {}
@@ -64,7 +66,7 @@ class Editor:
                 self.process.wait(10)
             except (OSError, TimeoutError, subprocess.TimeoutExpired):
                 self.process.kill()
-        for pipe in (self.process.stdin, self.process.stdout, self.process.stderr):
+        for pipe in (self.process.stdin, self.process.stdout, self.stderr):
             if pipe is not None:
                 pipe.close()
 
@@ -113,8 +115,8 @@ class Editor:
         except queue.Empty:
             raise TimeoutError("the server does not answer") from None
         if message is None:
-            stderr = self.process.stderr.read().decode() if self.process.stderr else ""
-            raise AssertionError(f"the server has ended: {stderr}")
+            self.stderr.seek(0)
+            raise AssertionError(f"the server has ended: {self.stderr.read().decode()}")
         method = message.get("method")
         if method == "textDocument/publishDiagnostics":
             uri, version = message["params"]["uri"], message["params"].get("version")

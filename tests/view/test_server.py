@@ -126,6 +126,17 @@ def test_lines_that_are_no_request_are_forbidden(served: Server) -> None:
     ):  # fmt: skip
         status, said = raw(served, sent)
         assert status in (0, 403) and b"<html" not in said and (not said or b"Forbidden" in said), sent[:80]
+    host = b"\r\nHost: " + urlsplit(served.address).netloc.encode() + b"\r\n\r\n"
+    assert raw(served, b"GET " + own + b" HTTP/1.0" + host)[0] == 200
+    for line in (
+        b"GET \xa0 %s HTTP/1.1",
+        b"GET\t%s HTTP/1.1",
+        b"GET  %s HTTP/1.1",
+        b"GET %s\x1fHTTP/1.1",
+        b"GET\x85%s HTTP/1.1",
+        b"GET %s",
+    ):
+        assert raw(served, line % own + host)[0] in (0, 403), line
     for method in ("HEAD", "PUT", "DELETE", "OPTIONS", "PATCH", "TRACE", "CONNECT", "get"):
         assert asked(served, own, method=method)[0] == 403
 
