@@ -185,3 +185,12 @@ def test_a_door_whose_judgement_fails_shows_nothing(
             assert not ask(tree / "own" / "mesh.obj")
         except (error, Refused):
             continue
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+def test_what_is_no_ordinary_file_is_not_even_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """To open a device may do something."""
+    os.mkfifo(tmp_path / "pipe")
+    monkeypatch.setattr(os, "open", lambda *_: pytest.fail("it was opened"))
+    with pytest.raises(Refused, match="named pipe"):
+        read_regular(tmp_path / "pipe")
