@@ -281,11 +281,6 @@ def _named(
         yield from map(Path, door.search(pattern, looks))
 
 
-def packages_found(data: bytes) -> tuple[str, ...]:
-    """The packages that a template looks for with `$(find NAME)`."""
-    return tuple(sorted(set(_FIND.findall(data.decode("utf-8", "replace")))))
-
-
 def parsed(text: bytes) -> Node:
     """The tree of a text that was made here."""
     return etree.fromstring(text, etree.XMLParser(huge_tree=True, resolve_entities=False, no_network=True))

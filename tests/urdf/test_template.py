@@ -121,6 +121,16 @@ def test_nothing_is_searched_elsewhere(tmp_path: Path, monkeypatch: pytest.Monke
     assert not [each for each in looked if not each.startswith(str(folder))]
 
 
+def test_a_file_that_may_not_be_read_is_not_named(tmp_path: Path) -> None:
+    folder = tmp_path / "arm"
+    folder.mkdir()
+    (folder / "in.xml").write_text("<a filename='../../secret.xml'/>")
+    (tmp_path / "secret.xml").write_text("<a/>")
+    text = "<a filename='../in.xml'/><a filename='../../secret.xml'/><a filename='/etc/passwd'/>"
+    assert named(folder, text, Door.of([folder])) == ["arm/in.xml"]
+    assert named(folder, text, Door.of([tmp_path])) == ["arm/in.xml", "secret.xml"]
+
+
 @pytest.mark.parametrize("error", [RecursionError, MemoryError, UnicodeError])
 def test_a_search_whose_judgement_fails_finds_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: type[Exception]
