@@ -7,12 +7,10 @@ it cannot read. From here it gets only messages that it can handle.
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Callable
 from typing import Any, BinaryIO
 
-_LENGTH = re.compile(rb"content-length[ \t]*:[ \t]*([^\r\n]*?)[ \t]*\r?\n\Z", re.IGNORECASE)
-"""At the end of a line: the content of a frame with a wrong length runs into the head of the next one."""
+_LENGTH = b"content-length"
 _MOST_LINE = 1 << 16
 _MOST = 1 << 26
 PARSE_ERROR, INVALID_REQUEST, INVALID_PARAMS = -32700, -32600, -32602
@@ -68,8 +66,10 @@ class Frames:
         found: list[bytes] = []
         is_head = False
         while line := self._stream.readline(_MOST_LINE):
-            if match := _LENGTH.search(line):
-                found.append(match[1])
+            # At the end of a line: the content of a frame with a wrong length runs into the head of the next one.
+            name, _, value = line[max(line.lower().rfind(_LENGTH), 0) :].partition(b":")
+            if name.strip().lower() == _LENGTH:
+                found.append(value.strip())
             is_head = is_head or bool(line.strip())
             if line.strip() or not is_head:
                 continue
