@@ -74,7 +74,7 @@ PROBE = """<mujoco model="probe">
             <body name="b4" pos="0 0 .2"><joint name="j4" type="slide" axis="0 0 1" range="-.1 .1" damping="3" frictionloss=".2"/><geom name="gmesh" type="mesh" mesh="tet"/>
               <geom name="gsph" size=".02" pos=".1 0 0" contype="0" conaffinity="0" group="2"/>
               <body name="b5" pos="0 0 .2"><joint name="j5" axis="0 0 1" armature=".007"/><geom name="g5" type="box" size=".02 .03 .04"/>
-                <body name="b6" pos="0 0 .2"><joint name="j6" axis="0 1 0"/><geom name="g6" type="box" size=".02 .03 .04" rgba="1 0 0 1"/></body>
+                <body name="b6" pos="0 0 .2"><joint name="j6" axis="0 1 0"/><geom name="g6" type="box" size=".02 .03 .04" rgba="1 0 0 1"/><geom name="hidden" type="box" size=".01 .01 .01" contype="0" conaffinity="0" group="3"/></body>
               </body></body></body></body></body></body>
     <body name="free" pos="1 0 1"><freejoint name="ff"/><geom name="gf" type="box" size=".1 .1 .1"/></body>
   </worldbody>

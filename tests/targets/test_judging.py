@@ -39,7 +39,7 @@ def told(*losses: Loss, text: str = PROBE, single: bool = False, **changed: floa
         ("actuator_gear", "the stiffness (`kp`) of the actuator `a4` is 8000, not 2000"),
         ("actuator_ctrlrange", "the greatest force of the actuator `a1` is -12 18, not -12 15"),
         ("actuator_forcerange", "the greatest force of the actuator `a2` is -7 7, not -3.5 3.5"),
-        ("geom_type", "there are 1 geoms of the type `box`, not 4"),
+        ("geom_type", "there are 1 geoms of the type `box`, not 5"),
         ("qpos_spring", "after 0.2 s of motion the joint `j3` is at "),
     ],
 )

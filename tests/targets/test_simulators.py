@@ -89,6 +89,8 @@ def test_what_drake_reads_is_not_lost(tmp_path: Path) -> None:
         ("pybullet", {"joint": 'armature=".1"'}, "PyBullet ignores armature of 1 joint: `j`"),
         ("pybullet", {"joint": 'actuatorfrcrange="-1 1"'}, "PyBullet ignores the greatest force of 1 joint: `j`"),
         ("pybullet", {"geom": 'type="ellipsoid" fromto="0 0 0 0 0 .1"'}, "PyBullet ignores the ellipsoid of 1 geom: `g`"),
+        ("drake", {"geom": 'contype="0" conaffinity="0" group="3"'},
+         "Drake ignores 1 geom: `g`; they neither collide nor are shown"),
         ("drake", {"joint": 'armature=".1"'},
          "Drake ignores armature of 1 joint: `j`; it reads that of joints with an actuator"),
         ("drake", {"joint": 'damping="1 2"'}, "Drake ignores the higher terms of damping of 1 joint: `j`; what is linear is read"),

@@ -21,6 +21,7 @@ from composer.targets.restrictions.unread import (
     NO_EFFORT,
     NO_EMPTY_INERTIA,
     NO_FRICTION,
+    NO_HIDDEN_SHAPES,
     NO_KEYS,
     NO_LIGHTS,
     NO_PAIRS,
@@ -52,7 +53,7 @@ TARGET = Target(
     (
         NO_REFERENCES, SINGLE_JOINTS, NO_EMPTY_INERTIA, NO_KEYS, NO_SENSORS, NO_CAMERAS, NO_LIGHTS, NO_SITES,
         NO_TENDONS, NO_PAIRS, NO_SOFT, NO_PLUGINS, NO_CUSTOM, NO_POLYNOMIALS, NO_SPRINGS, NO_FRICTION, NO_EFFORT,
-        *unread_in("free", "damping"), no_shapes("hfield"), NO_TEXTURES,
+        *unread_in("free", "damping"), no_shapes("hfield"), NO_HIDDEN_SHAPES, NO_TEXTURES,
         servos("motor", "position"), _NO_CONTROL_RANGE, AT_JOINTS, SYMMETRIC_FORCES, NO_SERVO_DAMPING, NO_DELAY,
         NO_ACTUATOR_ARMATURE, NO_ACTUATOR_DAMPING, REFLECTED_ARMATURE,
         only("equality", "equality/*", ("connect",), "what they couple moves freely"),

@@ -59,7 +59,8 @@ for number, name in joints.items():
         found["joints"].setdefault(name, {})
         for word in ("damping", "friction", "armature", "stiffness"):
             found["joints"][name][word] = float(getattr(model, f"joint_{word}").numpy()[dofs[number]])
-for kind in model.shape_type.numpy().tolist():
+sites = model.shape_flags.numpy() & int(newton.ShapeFlags.SITE) != 0
+for kind in model.shape_type.numpy()[~sites].tolist():
     word = SHAPES[newton.GeoType(kind).name]
     found["shapes"][word] = found["shapes"].get(word, 0) + 1
 # Servos are gains of joints.

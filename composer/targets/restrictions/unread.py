@@ -10,6 +10,8 @@ from composer.targets.limit import Limit, Outcome
 
 _DYNAMICS = {"damping": "damping", "frictionloss": "friction", "armature": "armature"}
 _WORDS = {"frictionloss": "dry friction"}
+_SHOWN_GROUP = 2
+"""Programs show the groups up to this one, as MuJoCo does at first."""
 _ZERO = frozenset("0. ")
 
 
@@ -96,6 +98,14 @@ def _without_shapes(kinds: Collection[str], draft: Draft) -> None:
             draft.remove(field)
 
 
+def _hidden(draft: Draft) -> None:
+    for number, geom in list(draft.of("geom")):
+        touches = draft.model.geom_contype[number] or draft.model.geom_conaffinity[number]
+        if not touches and draft.model.geom_group[number] > _SHOWN_GROUP:
+            draft.lose("shapes", geom, "they neither collide nor are shown")
+            draft.remove(geom)
+
+
 def _linear(draft: Draft) -> None:
     for path in (".//joint", "tendon/*", "actuator/*"):
         for element in draft.root.iterfind(path):
@@ -127,6 +137,7 @@ def _bare(draft: Draft) -> None:
         compiler.attrib.pop("inertiafromgeom", "")  # their geoms are written without a mass
 
 
+NO_HIDDEN_SHAPES = Limit("shapes", Outcome.PARTLY, _hidden)
 NO_EMPTY_INERTIA = Limit("massless", Outcome.KEPT, _bare)
 """For a target in which an inertia needs a mass."""
 NO_KEYS = left_out("keys", "keyframe/key")
