@@ -123,12 +123,13 @@ def _moved(mujoco: Any, model: Any) -> set[int]:
         if kind == int(kinds.mjEQ_JOINT) and other >= 0:
             coupled.append({one, other})
         elif kind == int(kinds.mjEQ_TENDON) and other >= 0:
+            has = model if hasattr(model, "ten_J_rowadr") else data  # MuJoCo 3 has them in the data
             rows = [
-                slice(model.ten_J_rowadr[n], model.ten_J_rowadr[n] + model.ten_J_rownnz[n])
-                for n in (one, other)
+                slice(has.ten_J_rowadr[n], has.ten_J_rowadr[n] + has.ten_J_rownnz[n]) for n in (one, other)
             ]
-            columns = getattr(model, "ten_J_colind", getattr(data, "ten_J_colind", None))
-            coupled.append({int(model.dof_jntid[dof]) for row in rows for dof in columns.ravel()[row]})
+            coupled.append(
+                {int(model.dof_jntid[dof]) for row in rows for dof in has.ten_J_colind.ravel()[row]}
+            )
         elif kind in (int(kinds.mjEQ_CONNECT), int(kinds.mjEQ_WELD)):
             if int(model.eq_objtype[each]) == int(mujoco.mjtObj.mjOBJ_SITE):
                 one, other = (int(model.site_bodyid[site]) for site in (one, other))
@@ -177,7 +178,7 @@ def _least(mujoco: Any, model: Any, pair: tuple[int, int], random: np.random.Gen
 
     def apart() -> float:
         mujoco.mj_kinematics(model, data)
-        return min(mujoco.mj_geomDistance(model, data, one, other, _FAR, None) for one, other in meant)
+        return float(min(mujoco.mj_geomDistance(model, data, one, other, _FAR, None) for one, other in meant))
 
     best = _FAR
     for start in range(_STARTS):

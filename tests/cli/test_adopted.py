@@ -64,3 +64,19 @@ def test_explain_names_the_part_and_its_line(folder: Path) -> None:
     _recipe(folder)
     text = run("explain", "r.yaml", "option", "impratio").stdout
     assert "adopted from in/two/: neither base nor recipe writes it, two.xml:1" in text
+
+
+def test_build_says_how_many_pairs_do_not_collide(folder: Path) -> None:
+    link = '<body name="{}" pos="0 0 {}"><joint axis="0 1 0" range="-10 10"/><geom size="0.05"/>'
+    (folder / "chain.xml").write_text(
+        f"<mujoco><worldbody>{link.format('a', 1)}{link.format('b', 0.3)}{link.format('c', 0.3)}"
+        "</body></body></body></worldbody></mujoco>"
+    )
+    (folder / "r.yaml").write_text("recipe: 1\nbase: ./chain.xml\ncontact: {exclude: auto}\n")
+    for begins in ("wrote", "r.zip is up to date"):
+        lines = run("build", "r.yaml", "-o", "r.zip").stdout.splitlines()
+        assert lines[0].startswith(begins)
+        assert "  excluded 1 pair of bodies from colliding: `mjcompose plan` names them" in lines
+    assert (
+        json.loads(run("build", "r.yaml", "-o", "r.zip", "--json").stdout.splitlines()[-1])["excluded"] == 1
+    )

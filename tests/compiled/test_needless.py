@@ -65,7 +65,7 @@ JAW = '<body name="{}" pos="0 {} 0.1"><joint name="{}" type="slide" axis="0 {} 0
 JAWS = """<mujoco>
   <worldbody><body name="palm"><joint name="roll" axis="0 0 1" range="-3 3"/><geom type="box" size=".02 .1 .02"/>{}{}</body>
   </worldbody>
-  <tendon><fixed name="t"><joint joint="l" coef="1"/></fixed></tendon>
+  <tendon><fixed name="t"><joint joint="l" coef="1"/></fixed><fixed name="u"><joint joint="r" coef="1"/></fixed></tendon>
   <equality>{}</equality>
   <actuator>{}</actuator>
   <keyframe><key name="closed" qpos="0 0 0"/><key name="open" qpos="0 .04 .04"/></keyframe>
@@ -77,6 +77,7 @@ PAD = '<geom type="box" size="0.01 0.005 0.02"/>'
     ("gap", "equality", "actuator"),
     [
         (0.0, '<joint joint1="l" joint2="r"/>', '<position tendon="t"/>'),  # they touch where both are at 0
+        (0.0, '<tendon tendon1="u" tendon2="t"/>', '<motor joint="l"/>'),
         (0.001, "", '<position joint="l"/><motor joint="r"/>'),  # samples miss the last millimetre
         (
             0.05,
