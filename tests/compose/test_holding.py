@@ -123,3 +123,18 @@ def test_what_has_no_control_has_a_place_in_the_manifest(tmp_path: Path, order: 
     model, data = built(tmp_path, "".join([passive, SERVOS[0].replace('"s"', '"e"')][::order]), "hold")
     assert model.nu == 1 and data.ctrl.tolist() == [pytest.approx(np.deg2rad(-40))]
     assert built(tmp_path, passive, "hold")[0].nu == 0
+
+
+def test_an_activation_that_the_recipe_writes_stands(tmp_path: Path) -> None:
+    servo = SERVOS[2]
+    held, _ = built(tmp_path, servo, "hold")
+    (tmp_path / "r.yaml").write_text(
+        "recipe: 1\nbase: ./arm.xml\nkeyframe:\n"
+        "  up: {qpos: {shoulder: -40deg, elbow: 30deg}, ctrl: hold, act: {s: 0.25rad}}\n"
+    )
+    context = Context(environment={}, folder=tmp_path)
+    made = build(Request(tmp_path / "r.yaml"), context)
+    assert made is not None, [each.message for each in context.sink.diagnostics]
+    model = mujoco.MjModel.from_xml_string(made.bundle.files["model.xml"].decode())
+    assert model.key("up").act.tolist() == [0.25] != held.key("up").act.tolist()
+    assert model.key("up").ctrl.tolist() == held.key("up").ctrl.tolist()
