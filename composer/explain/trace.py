@@ -10,8 +10,6 @@ from dataclasses import field
 from types import FunctionType
 from typing import TYPE_CHECKING
 
-from lxml import etree
-
 from composer.dataclass import dataclass
 from composer.diagnostics.span import Span
 from composer.link.linking import Linking
@@ -19,6 +17,7 @@ from composer.link.part import Part
 from composer.tree.line import line_of
 from composer.tree.origin import Origins, Place
 from composer.tree.unit import Unit
+from composer.tree.write import as_it_is
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -162,7 +161,7 @@ class Trace:
 
     def _looks_other(self, root: Node) -> bool:
         """Return whether a tree is not what it was: to write it takes a tenth of the time to compare its elements."""
-        text = etree.tostring(root, encoding="utf-8", with_tail=False)
+        text = as_it_is(root)
         same = self._texts.get(root) == text and self._members[root] == list(root.iter("*"))
         self._texts[root] = text
         return not same
@@ -191,7 +190,7 @@ class Trace:
             node in cause.unit.origins.keys
         )  # by the edits of a part that is not linked to anything yet
         made = cause if cause.linking is not None or laid_out else None
-        items = node.items()
+        items: list[tuple[str, str]] = node.items()  # type: ignore[assignment]  # of a parsed tree
         parent = node.getparent()
         root = cause.unit.root
         life = Life(
@@ -206,7 +205,8 @@ class Trace:
         return life
 
     def _compare(self, life: Life, cause: Cause, unit: Unit) -> None:
-        items, tag = life.node.items(), life.node.tag
+        items: list[tuple[str, str]] = life.node.items()  # type: ignore[assignment]
+        tag = life.node.tag
         if items != life.items or tag != life.last_tag:
             owner = unit.origins.owner(life.node, unit.file)
             if tag != life.last_tag:

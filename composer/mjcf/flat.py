@@ -10,8 +10,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 
-from lxml import etree
-
 from composer.bundle.collect import collect, read
 from composer.context import Context
 from composer.dataclass import dataclass
@@ -36,7 +34,7 @@ from composer.mjcf.relocated import relocated_text
 from composer.mjcf.unique_names import is_inner, rename_file, with_unique_names
 from composer.tree.name_index import UP
 from composer.tree.unit import Unit
-from composer.tree.write import to_text
+from composer.tree.write import as_it_is, to_text
 
 # The linker speaks to the writers of recipes; this is what a Python user can do.
 _RENAME = "rename one of the two, or the attached model: `child.model = '…'`"
@@ -183,11 +181,11 @@ def _state(model: Model, conflict: Policy) -> list[object] | None:
         if next(root.iter("skin", "model", "attach"), None) is not None:
             return None
         hung = [
-            (prefix, root.getroottree().getelementpath(to.host), etree.tostring(to.frame))
+            (prefix, root.getroottree().getelementpath(to.host), as_it_is(to.frame))
             for prefix, to in each.attachments.items()
         ]
         awaited = [(text, *target) for target, text in each.awaited.values()]
-        state.append((etree.tostring(root), unit.file, label(each), unit.directory, unit.door, hung, awaited))
+        state.append((as_it_is(root), unit.file, label(each), unit.directory, unit.door, hung, awaited))
     return state
 
 

@@ -59,7 +59,7 @@ def quantile(p: Floats) -> Floats:
     found[tails & ~inside] = np.copysign(np.inf, q[tails & ~inside])
     p, q = p[inside], q[inside]
     r = np.sqrt(-log(np.where(q < 0, p, 1.0 - p)))
-    tail = np.where(r <= 5.0, normal.near(r), normal.far(r))
+    tail = np.where(r <= 5.0, normal.near(r), normal.far(r))  # type: ignore[arg-type]
     found[inside] = np.where(q < 0, -tail, tail)
     return found
 

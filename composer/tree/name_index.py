@@ -60,7 +60,7 @@ class NameIndex:
             for node in (
                 section.iterdescendants(*rows) if rows else ()
             ):  # as `note` does, in a third of the time
-                values = dict(node.items())
+                values: dict[str, str] = dict(node.items())  # type: ignore[arg-type]  # of a parsed tree
                 for attribute, kind, namespace in rows[node.tag] if values else ():
                     value = values.get(attribute)
                     if kind == DECLARES:

@@ -14,3 +14,8 @@ def write(root: Node) -> bytes:
 def to_text(root: Node) -> str:
     """Return the text of a `<mujoco>` tree, not encoded."""
     return etree.tostring(root, encoding="unicode", pretty_print=True)
+
+
+def as_it_is(node: Node) -> bytes:
+    """Return the text of a tree without a new line or space: two trees with the same text say the same."""
+    return etree.tostring(node, encoding="utf-8", with_tail=False)
