@@ -15,6 +15,7 @@ from targets.writing import codes, compiled, written
 from composer.bundle.write import write
 from composer.context import Context
 from composer.stages import Request, build
+from composer.targets.names import MUJOCO, NAMES
 from composer.targets.plain.plain import plain
 from composer.targets.same import differences
 
@@ -71,6 +72,15 @@ def test_every_feature(path: Path, tmp_path: Path) -> None:
     (tmp_path / "model.xml").write_bytes(etree.tostring(draft.root))
     again = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
     assert list(differences(draft.model, again)) == []
+
+
+@pytest.mark.parametrize("target", [name for name in NAMES if name != MUJOCO])
+def test_an_empty_body_in_a_frame(target: str, tmp_path: Path) -> None:
+    """MuJoCo takes the place of such a body, in its frame or without it, for its centre of mass."""
+    text = """<mujoco><worldbody><frame pos="0 1 1" euler="30 0 0"><body name="mount" pos=".1 0 0"><body name="hinge" pos=".2 0 0">
+      <body name="door"><joint name="j"/><geom size=".1"/></body></body></body></frame></worldbody></mujoco>"""
+    bundle, context = written(text, target, tmp_path)
+    assert bundle is not None and not context.sink.has_errors
 
 
 def test_what_differs_is_told() -> None:

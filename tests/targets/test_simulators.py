@@ -9,7 +9,9 @@ import mujoco
 import pytest
 from lxml import etree
 from targets.refused import ALL, CARRIED, ELASTIC, model
-from targets.writing import codes, losses, written
+from targets.writing import codes, compiled, losses, written
+
+from composer.targets.same import differences
 
 _POLYNOMIALS = 3_007_000  # of mj_version(): damping and stiffness of several numbers
 
@@ -27,6 +29,10 @@ def test_what_they_have(target: str, tmp_path: Path) -> None:
     text = model(option='integrator="implicitfast" cone="elliptic"', joint='damping="1"', more=more)
     bundle, context = written(text, target, tmp_path)
     assert bundle is not None and codes(context) == []
+    text = text.replace('model="m"', 'model="recipe"')
+    before, after = mujoco.MjModel.from_xml_string(text), compiled(bundle, tmp_path / "out")
+    assert [after.opt.integrator, after.opt.cone] == [before.opt.integrator, before.opt.cone]
+    assert list(differences(before, after)) == []
 
 
 @pytest.mark.parametrize(
