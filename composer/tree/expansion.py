@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 from lxml.etree import XPath
 from lxml.etree import _Element as Node
@@ -109,16 +109,18 @@ def _is_small(root: Node, elements: int) -> bool:
     # At most all in one tree carry each other: what hangs in the world at different places has nothing in common.
     by_default, trees = default_dofs(root), []
     for section in root.iterchildren("*"):
-        places = section.iterchildren("*") if section.tag == "worldbody" else (section,)
-        trees += [sum(_dofs_in(place, by_default)) for place in places]
+        if section.tag == "worldbody":
+            trees += [
+                sum(joint_dofs(joint, by_default) for joint in place.iter(*_JOINTS)) for place in section
+            ]
+        else:
+            joints = (joint for joint in section.iter(*_JOINTS) if _holds_joints(joint.getparent()))
+            trees.append(sum(joint_dofs(joint, by_default) for joint in joints))
     return sum(trees) <= limits.dofs and sum(own * (own + 1) // 2 for own in trees) <= limits.mass_matrix
 
 
-def _dofs_in(place: Node, by_default: int) -> Iterator[int]:
-    for joint in place.iter(*_JOINTS):
-        above = joint.getparent()
-        if above is not None and above.tag in _HOLDING_JOINTS:
-            yield joint_dofs(joint, by_default)
+def _holds_joints(above: Node | None) -> bool:
+    return above is not None and above.tag in _HOLDING_JOINTS
 
 
 def _is_heavy(unit: Unit, model: Weight, made: dict[Node, Weight], sink: Sink) -> bool:
@@ -182,7 +184,7 @@ def _made(
             made[node] = weight._replace(elements=weight.elements - 1 - count)
         elif tag == "body":
             weight = inside.in_body()
-        elif tag in _JOINTS and (above is None or above.tag in _HOLDING_JOINTS):
+        elif tag in _JOINTS and (above is None or _holds_joints(above)):
             dofs = joint_dofs(node, by_default)
             weight = Weight(1, 0, dofs, 0, dofs)
         else:
