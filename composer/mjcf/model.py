@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import field
 from functools import cached_property
 from threading import Lock
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from lxml.etree import _Element as Node
 
@@ -16,7 +16,7 @@ from composer.diagnostics.span import Span
 from composer.grammar import GRAMMAR
 from composer.tree.classes import MAIN
 from composer.tree.kinds import WORLD_SECTION, kind_of, naming_attribute, section_of
-from composer.tree.name_index import SEPARATOR, UP, NameIndex, own_name
+from composer.tree.name_index import LEADING_OUT, SEPARATOR, UP, NameIndex, own_name
 from composer.tree.names import WORLD, may_be_generated
 from composer.tree.removal import names_in
 from composer.tree.unit import Unit
@@ -39,10 +39,18 @@ class Attachment:
     the two models. Their names get the child's prefix; a joint without a name has just the prefix as its name.
     """
 
+    made: ClassVar[int] = 0
+    """How many there have been in this process."""
+
     parent: Model
     child: Model
     host: Node
     frame: Node
+
+    def __post_init__(self) -> None:
+        Attachment.made += 1
+        for model in (self.parent, self.child):
+            model.names  # noqa: B018  # whether they lead out is known only then
 
     @property
     def is_body(self) -> bool:
@@ -92,6 +100,7 @@ class Model:
     views: dict[Node, Any] = field(default_factory=dict)
     attachments: dict[str, Attachment] = field(default_factory=dict)
     hung: Attachment | None = None
+    leading: tuple[tuple[int, int], list[Model]] | None = None
     awaited: dict[tuple[Node, str], tuple[Target, str]] = field(default_factory=dict)
     lock: Lock = field(default_factory=Lock)
     written: tuple[list[object], str, list[Diagnostic]] | None = None
@@ -139,13 +148,20 @@ class Model:
         while model.hung is not None:
             model, prefix = model.hung.parent, model.prefix + prefix
             yield model, prefix
-        if not model.attachments:
+        if not LEADING_OUT or not model.attachments:
             return
-        for other in model.composition():
-            if other.names.leads_out and other is not self:
+        for other in model._leading_out():
+            if other is not self:
                 way = other.prefix_of(self)
                 if way is not None and way.startswith(UP):
                     yield other, way
+
+    def _leading_out(self) -> list[Model]:
+        """Return the models of this composition that refer to something outside of themselves."""
+        state = len(LEADING_OUT), Attachment.made
+        if self.leading is None or self.leading[0] != state:
+            self.leading = state, [each for each in self.composition() if each.names.leads_out]
+        return self.leading[1]
 
     def section(self, tag: str) -> Node:
         """Return the node of a top-level section. If there is none, create it at its usual place in MJCF."""

@@ -31,6 +31,8 @@ UP = "../"
 MAY_REPEAT = frozenset({"model"})
 ALWAYS = frozenset({("body", WORLD), ("default", MAIN)})
 """Names that exist in every model, with their namespace."""
+LEADING_OUT: list[int] = []
+"""As long as the number of models of this process, so far, that refer to something outside of themselves."""
 _ALWAYS_NAMES = frozenset(name for _, name in ALWAYS)
 
 Use = tuple[Node, str]
@@ -75,6 +77,7 @@ class NameIndex:
                         if target and (name not in _ALWAYS_NAMES or (target, name) not in ALWAYS):
                             uses.setdefault(target, {}).setdefault(name, {})[node, attribute] = None
         index.leads_out = any(name.startswith(UP) for names in uses.values() for name in names)
+        LEADING_OUT.extend([1] if index.leads_out else [])
         return index
 
     def find(self, namespace: str, name: str) -> Node | None:
@@ -89,7 +92,9 @@ class NameIndex:
         for attribute, namespace, name, _ in own_references(node, section):
             if name not in _ALWAYS_NAMES or (namespace, name) not in ALWAYS:
                 self.uses.setdefault(namespace, {}).setdefault(name, {})[node, attribute] = None
-                self.leads_out = self.leads_out or name.startswith(UP)
+                if not self.leads_out and name.startswith(UP):
+                    self.leads_out = True
+                    LEADING_OUT.append(1)
 
     def forget(self, node: Node, section: str) -> None:
         """Drop the names of one node, as they are written in it now."""

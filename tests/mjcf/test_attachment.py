@@ -2,7 +2,10 @@ from __future__ import annotations
 
 import copy
 import pickle
+import subprocess
+import sys
 from collections.abc import Callable
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -447,6 +450,18 @@ def test_what_is_referred_to_from_beside_may_be_renamed_and_removed(compiled: Co
     root.attach(three)
     sensor.objname = three.find("body", "b")
     assert 'objname="third/b"' in root.to_xml_string()
+
+
+def test_references_follow_in_a_process_that_made_none_of_them(tmp_path: Path) -> None:
+    root, (one, _two, three) = _scene()
+    one.sensor.add("framepos", name="there", objtype="site", objname=three.find("site", "s"))
+    (tmp_path / "model.pickle").write_bytes(pickle.dumps(root))
+    program = (
+        "import pickle, sys\nroot = pickle.load(open(sys.argv[1], 'rb'))\n"
+        "root.find('site', 'two/three/s').name = 'renamed'\n"
+        "assert 'objname=\"two/three/renamed\"' in root.to_xml_string()\n"
+    )
+    subprocess.run([sys.executable, "-c", program, str(tmp_path / "model.pickle")], check=True)
 
 
 def test_what_is_referred_to_may_be_attached_later(compiled: Compiled) -> None:
