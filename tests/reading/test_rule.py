@@ -70,7 +70,7 @@ WRITES_ITSELF = {
         targets/reading.py:read_back urdf/read.py:UrdfReader._written verify/compiles.py:_written
         verify/world_table.py:with_worlds verify/worlds.py:compute view/live.py:_opened worlds/union_model.py:compose_union""",
     "into a folder of ours, in an environment of its own": """
-        migrate/dump.py:main targets/readers/drake.py targets/readers/genesis.py targets/readers/newton.py
+        migrate/dump.py:main migrate/dump.py:_marks targets/readers/drake.py targets/readers/genesis.py targets/readers/newton.py
         targets/readers/pinocchio.py targets/readers/pybullet.py targets/readers/shared/mujoco_facts.py""",
     "the folder of a worker of a cluster, or a token beside the models": """
         cluster/stations.py:_token         cluster/mirror.py:lay_out cluster/station.py:_keep""",
@@ -145,7 +145,8 @@ def _how(call: ast.Call) -> str | None:
         return "write" if writes or flags & {"O_WRONLY", "O_RDWR", "O_CREAT", "O_APPEND"} else "read"
     if name in MOVES and isinstance(call.func, ast.Attribute):
         # `replace` of a text has two arguments, and that of a dataclass names its fields.
-        of_a_path = name in ("replace", "rename") and len(call.args) == 1 and not call.keywords
+        is_alone = len(call.args) == 1 and not (call.keywords or isinstance(call.args[0], ast.Starred))
+        of_a_path = name in ("replace", "rename") and is_alone
         return "write" if of in ("os", "shutil") or of_a_path else None
     if (of, name) in (("np", "load"), ("numpy", "load"), ("etree", "parse"), ("Image", "open")):
         return "read"
