@@ -80,7 +80,7 @@ class Recorder:
     """Records one model's state world by world, and makes it the nominal one again after each.
 
     MuJoCo keeps all arrays of a model in one buffer, from which they are compared in one step. The options and
-    `stat.meaninertia` are elsewhere.
+    numbers of `stat` are elsewhere.
     """
 
     def __init__(self, model: Model) -> None:
@@ -99,8 +99,8 @@ class Recorder:
         self._ranges = [(0, len(self._now))]
         self._words = np.empty(0, np.int64)
         self._blocks: list[Numbers] = []
-        self._inertia: list[float] = []
-        self._nominal_inertia = float(model.stat.meaninertia)
+        self._means: list[tuple[float, ...]] = []
+        self._nominal_means = _means(model)
         names = [name for name in arrays(model) if name.startswith("opt.")]
         views = {name: value for name in names if isinstance(value := value_of(model, name), np.ndarray)}
         self._options = list(views.values())
@@ -140,19 +140,20 @@ class Recorder:
             now[words] = self._nominal[words]
         if self._options_now() != self._nominal_options:
             raise RuntimeError("a draw changes an option of the model")
-        self._inertia.append(self._model.stat.meaninertia)
-        self._model.stat.meaninertia = self._nominal_inertia
+        self._means.append(_means(self._model))
+        self._model.stat.meaninertia, self._model.stat.meanmass = self._nominal_means
         self.worlds += 1
 
     def found(self) -> Iterator[tuple[str, Numbers, Numbers]]:
         """Yield for each differing array the flat indices, `(numbers,)`, and the numbers, `(worlds, numbers)`."""
         order = np.argsort(self._words)
         words = self._words[order]
-        for name in sorted((*self._spans, MEAN_INERTIA)):
-            if name == MEAN_INERTIA:
-                inertia = np.array(self._inertia)[:, None]
-                if _different(inertia, np.array([self._nominal_inertia])).any():
-                    yield name, np.zeros(1, np.int64), inertia
+        for name in sorted((*self._spans, *MEANS)):
+            if name in MEANS:
+                at = MEANS.index(name)
+                means = np.array([each[at] for each in self._means])[:, None]
+                if _different(means, np.array([self._nominal_means[at]])).any():
+                    yield name, np.zeros(1, np.int64), means
                 continue
             first, end = self._spans[name]
             ours = slice(*np.searchsorted(words, (first // _WORD, -(-end // _WORD))))
@@ -190,6 +191,10 @@ class Recorder:
 
     def _options_now(self) -> tuple[object, ...]:
         return self._numbers(self._model.opt), *(each.tobytes() for each in self._options)
+
+
+def _means(model: Model) -> tuple[float, float]:
+    return model.stat.meaninertia, model.stat.meanmass
 
 
 def _different(now: Numbers, nominal: Numbers) -> Numbers:
