@@ -213,18 +213,24 @@ def _tendon(section: Node, made: Node, found: Bare) -> None:
 
 
 def _actuators(section: Node, made: Node, found: Bare) -> None:
-    # Those that act on something in a replicate are multiplied.
+    # Those that act on something in a replicate are multiplied with it, also by a tendon.
     tree = section.getroottree().getroot()
-    replicates = [[each, *each.iterancestors("replicate")] for each in tree.iterfind("worldbody//replicate")]
+    multiplied: dict[str, list[Node]] = {}
+    for each in tree.iterfind("worldbody//replicate//*[@name]"):
+        multiplied.setdefault(str(each.get("name")), list(each.iterancestors("replicate")))
+    for tendon in tree.iterfind("tendon/*[@name]") if multiplied else ():
+        ends = (str(value) for each in tendon.iter("*") for value in each.attrib.values())
+        if around := next((multiplied[end] for end in ends if end in multiplied), None):
+            multiplied.setdefault(str(tendon.get("name")), around)
     own = made.makeelement("actuator")
     for actuator in section.iterchildren("*"):
         each = _actuator(actuator, own)
         if actuator.get("class"):
             each.set("class", str(actuator.get("class")))
         _name(actuator, each, "actuator", found, ())
-        name = str(each.get("name"))
-        for chain in replicates:
-            _note_copies(actuator, name, "actuator", found, tuple(chain))
+        acted = (str(value) for name, value in actuator.attrib.items() if name not in ("name", "class"))
+        if around := next((multiplied[end] for end in acted if end in multiplied), None):
+            _note_copies(actuator, str(each.get("name")), "actuator", found, tuple(around))
         own.append(each)
     made.append(own)
 

@@ -97,6 +97,11 @@ attach:
       keyframe: {held: {qpos: {j: 0.3rad}, ctrl: {m: hold}}, k: {ctrl: {hold: forces}}}
 keyframe: {mine: {from: {t: held}}, other: {from: {t: k}, qpos: {t/j: 0.1rad}}}
 """
+IN_ROWS = """
+attach:
+  r: {model: {base: ./posts.xml, attach: {t: {model: ./posts.xml, drop: [actuator], site: hook}}}, keyframes: prefix}
+  s: {model: ./posts.xml, pos: [9, 0, 0], replicate: [{count: 2, offset: [0, 5, 0]}]}
+"""
 IN_A_POST = """
 base: ./posts.xml
 attach: {t: {model: ./rod.xml, pos: [0, 2, 0]}}
@@ -108,7 +113,9 @@ keyframe: {mine: {from: {t: k}}}
 """
 
 
-@pytest.mark.parametrize("recipe", [IN_REPLICATE, EVERYTHING, NESTED, *([] if OLDER else [IN_A_POST])])
+@pytest.mark.parametrize(
+    "recipe", [IN_REPLICATE, EVERYTHING, NESTED, IN_ROWS, *([] if OLDER else [IN_A_POST])]
+)
 def test_keys_that_are_right_are_no_error(wrong: Wrong, recipe: str) -> None:
     assert wrong(recipe) == []
 
