@@ -112,9 +112,9 @@ def _local(distributed: Any, workers: int) -> Iterator[Any]:
         security = Security.temporary()
     except ImportError:  # Dask installs without it
         raise _missing("cryptography") from None
-    # Dask leaves its folders and lock files where it is killed; the next run sweeps those of ours.
-    with scratch("dask") as folder, config.set(_IDLE), distributed.LocalCluster(
+    # Where it is killed, Dask leaves folders and lock files of its scheduler and workers; the next run sweeps ours.
+    with scratch("dask") as folder, config.set({**_IDLE, "temporary-directory": str(folder)}), distributed.LocalCluster(
         n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, memory_limit=0,
-        security=security, silence_logs=logging.CRITICAL, worker_dashboard_address=None, local_directory=str(folder),
+        security=security, silence_logs=logging.CRITICAL, worker_dashboard_address=None,
     ) as cluster:  # fmt: skip
         yield cluster

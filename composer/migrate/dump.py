@@ -98,7 +98,8 @@ def _words(model: Any, mujoco: Any) -> dict[str, Any]:
 def _marks(model: Any, mujoco: Any, saved: str) -> list[list[int] | None]:
     """The colour of the random marks of each texture, or None for one without: the text alone knows."""
     mujoco.mj_saveLastXML(saved, model)
-    textures = ElementTree.parse(saved, ElementTree.XMLParser(encoding="utf-8")).iterfind("asset/texture")
+    parser = ElementTree.XMLParser(encoding="utf-8")  # nosec B314  # MuJoCo wrote the text, without a document type
+    textures = ElementTree.parse(saved, parser).iterfind("asset/texture")  # nosec B314
     return [
         [int(255 * float(each)) for each in texture.get("markrgb", "0 0 0").split()]
         if texture.get("mark") == "random"

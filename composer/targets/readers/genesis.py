@@ -10,8 +10,9 @@ import numpy as np
 
 gs.init(backend=gs.cpu, precision="64", logging_level="error")
 STEP = 0.0005
+tree = ElementTree.parse(sys.argv[1])  # nosec B314  # mjcompose wrote the model, without a document type
 # Constraints cannot be switched off without dry friction.
-constrained = ElementTree.parse(sys.argv[1]).find("equality") is not None
+constrained = tree.find("equality") is not None
 scene = gs.Scene(
     show_viewer=False,
     sim_options=gs.options.SimOptions(dt=STEP),
@@ -69,9 +70,7 @@ found["shapes"] = {"all": len(entity.vgeoms)}  # of which kind each is, it does 
 # Its actuators have no names: they are gains of joints.
 forces = [each.cpu().numpy() for each in entity.get_dofs_force_range()]
 bias = [each.cpu().numpy() for each in entity.get_dofs_act_bias()]
-drives = [
-    (each.get("name"), each.get("joint")) for each in ElementTree.parse(sys.argv[1]).iterfind("actuator/*")
-]
+drives = [(each.get("name"), each.get("joint")) for each in tree.iterfind("actuator/*")]
 for name, joint in drives:
     if joint in joints and [each for _, each in drives].count(joint) == 1:
         dof = joints[joint].dofs_idx_local[0]
