@@ -29,6 +29,11 @@ ODD_TEXT = tuple(str(each) for each in ODD)
 Mutate = Callable[[bytes, Random, Sequence[bytes]], bytes]
 
 
+def _odd(random: Random) -> Any:
+    """A copy of an odd value. Changes made to a shared list would stay, until it holds itself and no walk through it ends."""
+    return deepcopy(random.choice(ODD))
+
+
 def flipped(data: bytes, random: Random, pool: Sequence[bytes] = ()) -> bytes:
     """Bytes changed, taken out, repeated, or put in the place of others, wherever they are."""
     made = bytearray(data)
@@ -68,7 +73,7 @@ def tree_changed(tree: Any, random: Random, others: Sequence[Any] = ()) -> Any:
     for _ in range(random.choice((1, 1, 2, 3))):
         places = _places(tree)
         if not places:
-            return random.choice(ODD)
+            return _odd(random)
         holder, key = random.choice(places)
         kind = random.randrange(6)
         if kind == 0:
@@ -87,7 +92,7 @@ def tree_changed(tree: Any, random: Random, others: Sequence[Any] = ()) -> Any:
                 "utf-8", "replace"
             )
         else:
-            holder[key] = random.choice(ODD)
+            holder[key] = _odd(random)
     return tree
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import faulthandler
 import hashlib
 import multiprocessing
 import os
@@ -44,6 +45,8 @@ def _work(name: str, seed: int, seconds: float, current: Path, told: Connection)
     os.setpgrp()
     _limit_memory()
     os.environ |= {"MJCOMPOSE_TRACEBACK": "1", "MJCOMPOSE_CACHE": str(current.parent / "store")}
+    stack = (current.parent / "stack").open("w+", encoding="utf-8")
+    faulthandler.register(signal.SIGUSR1, stack)
     target, random = TARGETS[name], Random(f"{name} {seed}")
     corpus = os.environ.get("MJCOMPOSE_CORPUS")
     with Session(limits()) as session:
@@ -86,7 +89,7 @@ def fuzz(name: str, seconds: float, seed: int, out: Path) -> tuple[int, Counter[
         patience = _STARTING
         while True:
             try:
-                wrong = here.recv() if here.poll(patience) else ("hang", current.read_bytes())
+                wrong = here.recv() if here.poll(patience) else (_hang(worker, current), current.read_bytes())
             except EOFError:
                 worker.join()
                 wrong = f"ended-{worker.exitcode}", current.read_bytes()
@@ -104,7 +107,19 @@ def fuzz(name: str, seconds: float, seed: int, out: Path) -> tuple[int, Counter[
         _end(worker)
         round_ += 1
     current.unlink(missing_ok=True)
+    (folder / "stack").unlink(missing_ok=True)
     return count, found
+
+
+def _hang(worker: multiprocessing.process.BaseProcess, current: Path) -> str:
+    """Where a worker hangs. It may be in the change that makes the next case, and not in the case that is kept."""
+    stack = current.parent / "stack"
+    if worker.pid is not None and stack.exists():
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(worker.pid, signal.SIGUSR1)
+        time.sleep(1)
+        return f"hang\n{stack.read_text(encoding='utf-8')}"
+    return "hang"
 
 
 def _kind(wrong: str) -> str:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from random import Random
 
 import pytest
 from fuzz.execution import wrong_with
-from fuzz.mutation import ODD_TEXT
+from fuzz.mutation import ODD, ODD_TEXT, tree_changed
 from fuzz.target import Tools, limits
 from fuzz.targets.table import TARGETS
 
@@ -49,3 +50,10 @@ def _breaks(path: Path, tools: Tools) -> str | None:
 
 def test_what_is_put_in_is_text() -> None:
     assert len(set(ODD_TEXT)) > 50
+
+
+def test_a_change_leaves_the_odd_values_as_they_are() -> None:
+    random, before = Random(1), repr(ODD)
+    for _ in range(400):
+        tree_changed(tree_changed({"a": [1, {"b": 2}]}, random), random)
+        assert repr(ODD) == before

@@ -236,6 +236,12 @@ def _editor() -> Editor:
     return editor
 
 
+def _give_up(editor: Editor) -> None:
+    """End a server that does not answer: it would go on beside the next one."""
+    editor.process.kill()
+    _editor.cache_clear()
+
+
 def check_frames(path: Path, tools: Tools) -> str | None:
     """Everything that is no message is answered here, and every request that is one by the server."""
     from composer.lsp.frames import Frames
@@ -255,16 +261,16 @@ def check_frames(path: Path, tools: Tools) -> str | None:
             else:
                 editor.tell(message["method"], message.get("params"))
         except TimeoutError:
-            _editor.cache_clear()
+            _give_up(editor)
             return f"unanswered-{message['method']}"
         except AssertionError as error:
             if editor.process.poll() is not None:
-                _editor.cache_clear()
+                _give_up(editor)
                 return f"ended: {error}"
     try:
         editor.ask("textDocument/foldingRange", {"textDocument": {"uri": "file:///tmp/none.yaml"}}, 15)
     except (TimeoutError, AssertionError, OSError) as error:
-        _editor.cache_clear()
+        _give_up(editor)
         return f"gone: {error}"
     return None if all(code < 0 and words for _, code, words in answers) else "an answer without words"
 
