@@ -34,8 +34,8 @@ from fuzz.targets.table import TARGETS  # noqa: E402
 from composer.engine import Session  # noqa: E402
 
 _MEMORY = 2 << 30
-_STARTING = 60
-"""Seconds that a worker has for its first case."""
+_STARTING = 180
+"""Seconds that a worker has for its first case: on a busy machine it takes a minute to import all and start a server."""
 _KEPT = 2
 """Cases of one kind that are kept."""
 
