@@ -10,11 +10,9 @@ from lxml.etree import _Element as Node
 def scales(frame: Node) -> bool:
     """Return whether a frame changes sizes or masses.
 
-        >>> from collections.abc import Iterator
-
-    from lxml.etree import fromstring
-        >>> scales(fromstring('<frame scale="1 1 1"/>')), scales(fromstring('<frame scale="2"/>'))
-        (False, True)
+    >>> from lxml.etree import fromstring
+    >>> scales(fromstring('<frame scale="1 1 1"/>')), scales(fromstring('<frame scale="2"/>'))
+    (False, True)
     """
     factors = str(frame.get("scale") or "1").split()
     return any(float(factor) != 1 for factor in factors) or bool(float(str(frame.get("massscale") or 0)))
