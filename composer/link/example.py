@@ -10,7 +10,7 @@ from lxml import etree
 
 from composer.context import Context
 from composer.diagnostics.sink import Sink
-from composer.link.contract import Fact
+from composer.link.contract import AT_THE_START, Fact
 from composer.link.link import FINISHING, PASSES, row_of
 from composer.link.linking import Linking
 from composer.link.measure import measure_with
@@ -28,9 +28,10 @@ def after(
     Both are the text inside `<mujoco>`; `files` are models that the part names, as whole texts. `hung` says how the
     part hangs, as in `_part`. Errors are printed, too.
     """
-    linking, before, joined = _linked(run, part, base, files or {}, **hung)
-    units = [("model" if joined else "base", linking.base)]
-    units += [] if joined else [("part", each.unit) for each in linking.parts]
+    linking, before, facts = _linked(run, part, base, files or {}, **hung)
+    units = [("model" if Fact.JOINED in facts else "base", linking.base)]
+    if Fact.OWN_SECTIONS in facts:  # also once the bodies of the part are in the base
+        units += [("part", each.unit) for each in linking.parts]
     for (label, unit), old in zip(units, before, strict=False):
         for text in _sections(unit):
             if text not in old:
@@ -47,23 +48,23 @@ def noted(run: object, part: str = "", base: str = "", **hung: Any) -> Linking:
 
 def _linked(
     run: object, part: str, base: str, files: Mapping[str, str], **hung: Any
-) -> tuple[Linking, list[list[str]], bool]:
-    """Return the linking after a pass, the sections of its units before it, and whether the units are joined."""
+) -> tuple[Linking, list[list[str]], set[Fact]]:
+    """Return the linking after a pass, the sections of its units before it, and the facts that hold after it."""
     row = row_of(run)
     assert row is not None
     sink = Sink()
     measure = measure_with(Context(sink=sink, environment={}))
     linking = Linking(_unit("base", base), [_part(part, files, **hung)], sink, measure=measure)
     linking.notes.memory = asked(linking)
-    facts: set[Fact] = set()
+    facts = set(AT_THE_START)
     before: list[list[str]] = []
     for each in (*PASSES, *FINISHING):
         before = [_sections(unit) for unit in linking.units]
         each.run(linking)
-        facts |= each.leaves
+        facts = (facts | each.leaves) - each.ends
         if each is row:
             break
-    return linking, before, Fact.JOINED in facts
+    return linking, before, facts
 
 
 def _part(text: str, files: Mapping[str, str], *, on: str = "", joint: str = "", weld: bool = False) -> Part:

@@ -64,8 +64,9 @@ def runs_on(work: Work, asked: dict[str, Any]) -> Found:
 
 
 def _lacking(name: str, lacked: Sequence[Loss], at: int) -> Fault:
-    lines = _sentences(name, lacked)
-    notes = ["expected: nothing that it lacks", f"actual: {len(lacked)} elements", *lines[1:_SHOWN]]
+    lines, several = _sentences(name, lacked), "s" * (len(lacked) != 1)
+    actual = f"actual: it lacks {len(lacked)} thing{several}"
+    notes = ["expected: nothing that it lacks", actual, *lines[1:_SHOWN]]
     if len(lines) > _SHOWN:
         notes.append(f"and {len(lines) - _SHOWN} more")
     help = next((each.help for each in lacked if each.help), None)

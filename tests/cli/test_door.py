@@ -296,7 +296,7 @@ def test_a_bundle_that_is_loaded_reads_only_itself(
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
 @pytest.mark.parametrize("name", ["mesh.xml", "include.xml", "pipe.xml"])
-def test_a_model_in_python_reads_its_project(
+def test_a_model_in_python_is_confined_to_its_project(
     places: tuple[Path, Path, Path], name: str, tmp_path: Path
 ) -> None:
     from composer import mjcf
@@ -306,17 +306,17 @@ def test_a_model_in_python_reads_its_project(
     model.parent.mkdir()
     model.write_text(hostile(secret)[name])
 
-    def exported(path: Path, trust: Sequence[Path] = ()) -> None:
-        mjcf.export_with_assets(mjcf.from_path(path, trust=trust), tmp_path / "out")
+    def exported(path: Path, confine_to: Sequence[Path]) -> None:
+        mjcf.export_with_assets(mjcf.from_path(path, confine_to=confine_to), tmp_path / "out")
 
     for read in (exported, mjcf.Physics.from_path):
         with pytest.raises(mjcf.MjcfError) as caught:
-            read(model)
+            read(model, confine_to=[model.parent])
         (found,) = caught.value.diagnostics
         assert found.code == "source-outside"
         if name == "mesh.xml":
-            assert f"trust=['{secret}']" in (found.help or "")
-            read(model, trust=[secret])
+            assert f"confine_to=[…, '{secret}']" in (found.help or "")
+            read(model, confine_to=[model.parent, secret])
 
 
 AUDIT = """

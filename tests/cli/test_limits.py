@@ -61,8 +61,8 @@ def test_the_time_of_mujoco_has_two_names(
     seen: list[float] = []
 
     class Seeing(Session):
-        def __init__(self) -> None:
-            super().__init__()
+        def __init__(self, *, remembers: bool) -> None:
+            super().__init__(remembers=remembers)
             seen.append(self.limits.seconds)
 
     monkeypatch.setattr("composer.engine.Session", Seeing, raising=False)

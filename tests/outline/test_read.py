@@ -112,7 +112,9 @@ def test_parts() -> None:
     assert parts["left/base"] == "left" and parts["left/gripper/base"] == "left/gripper"
     listed = {each.name: each for each in found.parts}
     assert listed["left/gripper"].model == "recipes/models/gripper2/gripper2.xml"
-    assert listed["left/gripper"].body == "left/flange"
+    assert listed["left/gripper"].body == "left/gripper/sense"  # which `sense` puts below the flange
+    flange = next(body for body in found.bodies if body.name == "left/flange")
+    assert [body.name for body in flange.children] == ["left/gripper/sense"]
 
 
 def test_what_the_recipe_adds_and_what_the_linker_makes(tmp_path: Path) -> None:
