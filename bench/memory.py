@@ -15,7 +15,7 @@ _STATUS = Path("/proc/self/status")
 
 
 def rows() -> list[Row]:
-    name = f"peak memory of {_COPIES} copies"
+    name = f"link: peak memory of {_COPIES} copies"
     if not _STATUS.exists():
         return [Row(f"{name} / their text", None, _TO_TEXT, "measured on Linux only")]
     text = Path("copies.xml").absolute()

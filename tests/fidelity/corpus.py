@@ -10,7 +10,7 @@ from itertools import permutations
 from pathlib import Path
 from typing import Any
 
-from fidelity.decided import NOT_YET
+from fidelity.decided import NOT_YET, OTHERWISE
 
 Numbers = tuple[float, ...]
 
@@ -32,7 +32,8 @@ class Composition:
     """A base with its parts. `refused` says why it has to be refused; empty for what must build.
 
     `expected` are the counts and facts that the composed model must show, for feature cases; `left_open` are
-    the paths of facts that are nobody's to decide. Only what is `compared` is asked of MuJoCo's own attach too.
+    the paths of facts that are nobody's to decide. Only what is `compared` is asked of MuJoCo's own attach too;
+    `unlike` says why the two differ on purpose.
     """
 
     id: str
@@ -42,6 +43,7 @@ class Composition:
     expected: Mapping[str, Any] = field(default_factory=dict)
     left_open: tuple[str, ...] = ()
     compared: bool = True
+    unlike: str = ""
 
 
 def pairs(corpus: Path) -> list[Composition]:
@@ -72,7 +74,7 @@ def _case(folder: Path) -> Composition:
         tuple(_attachment(folder, attachment) for attachment in given["attach"]),
         refused=given.get("must_fail", "") or NOT_YET.get(folder.name, ""),
         expected=expected,
-        left_open=tuple(given.get("not_checked", ())),
+        left_open=(*given.get("not_checked", ()), *OTHERWISE.get(folder.name, ())),
     )
 
 

@@ -48,6 +48,7 @@ class Verdict:
     options: list[str] = field(default_factory=list)
     error: str = ""
     seconds: float = 0.0
+    unlike: str = ""
 
     @property
     def unchanged(self) -> bool:
@@ -56,7 +57,7 @@ class Verdict:
     @property
     def like_rival(self) -> bool:
         """As MuJoCo's attach has it, but for what that has wrong itself; or it has nothing."""
-        return self.compiled and (not self.rival_differences or self.id in UNLIKE_MJSPEC)
+        return self.compiled and (not self.rival_differences or bool(self.unlike))
 
     @property
     def fine(self) -> bool:
@@ -89,7 +90,8 @@ def by_recipe(composition: Composition, out: Path) -> Build:
 
 def judge(composition: Composition, builder: Builder = by_recipe, roots: Roots = Roots.MOVED) -> Verdict:
     """Build in a folder of its own, compile, and compare. Raises nothing that MuJoCo or a build raises."""
-    verdict = Verdict(composition.id, composition.refused)
+    unlike = composition.unlike or UNLIKE_MJSPEC.get(composition.id, "")
+    verdict = Verdict(composition.id, composition.refused, unlike=unlike)
     start = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
         warnings.simplefilter("ignore")

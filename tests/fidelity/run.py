@@ -1,4 +1,4 @@
-"""The whole fidelity table: `python tests/fidelity/run.py [--pairs] [--cases] [--robots N] [--roundtrip]`.
+"""The whole fidelity table: `python tests/fidelity/run.py [--pairs] [--cases] [--robots N] [--made] [--roundtrip]`.
 
 Without a choice of sets all are run. What needs the corpus is left out where MJCOMPOSE_CORPUS names none.
 Exits with 1 where anything is not as it should be. The table goes to standard output, the progress to
@@ -21,9 +21,10 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent), str(HERE.parent.parent)]
 
 from fidelity import corpus as corpora  # noqa: E402
-from fidelity import isolated, summary, table  # noqa: E402
+from fidelity import isolated, made, summary, table  # noqa: E402
 from fidelity.corpus import Composition  # noqa: E402
-from fidelity.judging import Verdict, judge  # noqa: E402
+from fidelity.judging import Verdict  # noqa: E402
+from fidelity.made import Made, judge  # noqa: E402
 from fidelity.roundtrip import Trip, travel  # noqa: E402
 from fidelity.settings import with_settings  # noqa: E402
 
@@ -37,7 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     folder = os.environ.get("MJCOMPOSE_CORPUS")
     corpus = Path(folder).resolve() if folder else None
     if corpus is None:
-        print("MJCOMPOSE_CORPUS names no corpus: only models of packages are read", file=sys.stderr)  # noqa: T201
+        print("MJCOMPOSE_CORPUS names no corpus: what needs one is left out", file=sys.stderr)  # noqa: T201
     rows: list[summary.Row] = []
     pages: list[str] = []
     fine = True
@@ -77,6 +78,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="N",
         help="every compiler setting on N models, in both places",
     )
+    parser.add_argument("--made", action="store_true", help="small models made here")
     parser.add_argument("--roundtrip", action="store_true", help="parse, write and compile every model")
     parser.add_argument("--only", metavar="TEXT", default="", help="only what has this in its name")
     parser.add_argument("--sample", type=int, default=1, metavar="N", help="every Nth of each set")
@@ -93,28 +95,37 @@ def _cores() -> int:
 
 
 def _everything(options: argparse.Namespace) -> bool:
-    return not (options.pairs or options.cases or options.robots or options.roundtrip or options.settings)
+    chosen = ("pairs", "cases", "robots", "made", "roundtrip", "settings")
+    return not any(getattr(options, each) for each in chosen)
 
 
 def _chosen(
     options: argparse.Namespace, corpus: Path | None, written: Path
-) -> Iterator[tuple[str, list[Composition]]]:
-    if corpus is None:
-        return
+) -> Iterator[tuple[str, list[Composition] | list[Made]]]:
     every = _everything(options)
-    robots = options.robots or (ROBOTS if every else 0)
-    sets: list[tuple[str, Iterable[Composition]]] = []
-    if options.pairs or every:
-        sets.append(("pairs of robots, tools and scenes", corpora.pairs(corpus)))
-    if options.cases or every:
-        sets.append(("feature cases", corpora.cases(corpus)))
-    if robots:
-        sets.append((f"ordered pairs of {robots} robots side by side", corpora.robots(corpus, robots)))
-    if options.settings:
-        title = f"compiler settings on {options.settings} models"
-        sets.append((title, with_settings(corpus, written, options.settings)))
+    sets: list[tuple[str, Iterable[Composition] | Iterable[Made]]] = []
+    if corpus is not None:
+        sets += _of_the_corpus(options, corpus, written)
+    if options.made or every:
+        sets += made.sets(written)
     for title, found in sets:
         yield title, [each for each in found if options.only in each.id][:: options.sample]
+
+
+def _of_the_corpus(
+    options: argparse.Namespace, corpus: Path, written: Path
+) -> Iterator[tuple[str, Iterable[Composition]]]:
+    every = _everything(options)
+    robots = options.robots or (ROBOTS if every else 0)
+    if options.pairs or every:
+        yield "pairs of robots, tools and scenes", corpora.pairs(corpus)
+    if options.cases or every:
+        yield "feature cases", corpora.cases(corpus)
+    if robots:
+        yield f"ordered pairs of {robots} robots side by side", corpora.robots(corpus, robots)
+    if options.settings:
+        title = f"compiler settings on {options.settings} models"
+        yield title, with_settings(corpus, written, options.settings)
 
 
 def _files(options: argparse.Namespace, corpus: Path | None) -> Iterator[tuple[str, Path, list[Path]]]:
@@ -127,8 +138,10 @@ def _files(options: argparse.Namespace, corpus: Path | None) -> Iterator[tuple[s
         yield f"parse → write → compile: {title}", root, chosen
 
 
-def _judge_all(title: str, compositions: list[Composition], options: argparse.Namespace) -> list[Verdict]:
-    def failed(composition: Composition, error: str) -> Verdict:
+def _judge_all(
+    title: str, compositions: Sequence[Composition | Made], options: argparse.Namespace
+) -> list[Verdict]:
+    def failed(composition: Composition | Made, error: str) -> Verdict:
         return Verdict(composition.id, composition.refused, error=error)
 
     found: dict[str, Verdict] = {}

@@ -33,11 +33,15 @@ def of_compositions(title: str, verdicts: Sequence[Verdict]) -> Iterator[Row]:
         title,
         len(wanted),
         sum(verdict.unchanged and not verdict.error for verdict in wanted),
-        sum(verdict.rival == "right" for verdict in wanted),
-        sum(verdict.dm_control == "right" for verdict in wanted) if there else None,
+        _right([verdict.rival for verdict in wanted]),
+        _right([verdict.dm_control for verdict in wanted]) if there else None,
     )
     if refused:
         yield Row(f"{title}: to be refused, and refused", len(refused), sum(v.fine for v in refused))
+
+
+def _right(verdicts: Sequence[str]) -> int | None:
+    return verdicts.count("right") if any(verdicts) else None
 
 
 def of_trips(title: str, trips: Sequence[Trip]) -> Row:

@@ -45,7 +45,9 @@ def totals(verdicts: Sequence[Verdict]) -> list[str]:
     )
     theirs = _of(v.rival == "right" for v in wanted)
     failed = len(wanted) - len(rivals)
-    lines = [ours, f"MjSpec itself: leaves the parts unchanged {theirs}, fails {failed}"]
+    lines = [ours]
+    if any(v.rival for v in wanted):
+        lines.append(f"MjSpec itself: leaves the parts unchanged {theirs}, fails {failed}")
     if refused:
         lines.append(f"refused as they must be {_of(v.fine for v in refused)}")
     differing = [v for v in wanted if v.options]

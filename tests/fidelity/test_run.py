@@ -1,9 +1,12 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+import mujoco
 import pytest
-from fidelity import run
+from fidelity import made, run
+from fidelity.made import Made
 from fidelity.summary import BEGIN, END
 
 
@@ -31,5 +34,42 @@ def test_without_a_corpus_only_packages_are_read(
 ) -> None:
     monkeypatch.delenv("MJCOMPOSE_CORPUS", raising=False)
     monkeypatch.setattr(run.corpora, "packaged", lambda: iter(()))
-    assert run.main([]) == 0
+    assert run.main(["--roundtrip"]) == 0
     assert "names no corpus" in capsys.readouterr().err
+
+
+@pytest.mark.mujoco4("the models have rods")
+def test_what_is_made_holds(tmp_path: Path) -> None:
+    """Some of each set."""
+    for title, found in made.sets(tmp_path):
+        for each in found[:: len(found) // 3]:
+            verdict = made.judge(each)
+            assert verdict.fine, (title, each.id, verdict.first_differences, verdict.diagnostics)
+
+
+def damage_eq(model: mujoco.MjModel) -> None:
+    model.eq_data[:, :6] += 0.05
+
+
+def damage_key(model: mujoco.MjModel) -> None:
+    model.key_act[0, -1] += 1
+
+
+def damage_gain(model: mujoco.MjModel) -> None:
+    model.actuator_gainprm[:, 0] *= 1.01
+
+
+def damage_mass(model: mujoco.MjModel) -> None:
+    model.body_mass[-1] *= 1.01
+
+
+@pytest.mark.mujoco4("the models have rods")
+def test_what_is_asked_of_the_made_sees_a_damage(tmp_path: Path) -> None:
+    asked = [found[0] for _, found in made.sets(tmp_path) if isinstance(found[0], Made)]
+    for each, damage in zip(asked, (damage_eq, damage_key, damage_gain, damage_mass), strict=True):
+
+        def ask(model: mujoco.MjModel, about: Made, folder: Path) -> list[str]:
+            damage(model)  # noqa: B023
+            return each.ask(model, about, folder)  # noqa: B023
+
+        assert not made.judge(replace(each, ask=ask)).fine, each.id
