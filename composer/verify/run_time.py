@@ -131,5 +131,6 @@ def are_close(a: Any, b: Any) -> bool:
         return bool(np.array_equal(a, b))
     part = _CLOSE if a.dtype.itemsize == 8 else 1e-5
     scale = np.maximum(1.0, np.abs(b))
-    near = (np.abs(a - b) <= part * scale) & np.isfinite(b)  # everything is near an infinite number
+    with np.errstate(invalid="ignore"):  # of two infinite numbers
+        near = (np.abs(a - b) <= part * scale) & np.isfinite(b)  # everything is near an infinite number
     return bool(np.all(near | (a == b) | (np.isnan(a) & np.isnan(b))))

@@ -97,8 +97,9 @@ class Computed:
 
     def __init__(self, mujoco: Any, model: Model, data: Any) -> None:
         self._mujoco, self._model, self._data = mujoco, model, data
-        self._has_inertia = are_close(_mean_inertia(model), model.stat.meaninertia)
-        self._has_mass = are_close(_mean_mass(model), model.stat.meanmass)
+        self._inertia, self._mass = model.stat.meaninertia, model.stat.meanmass
+        self._has_inertia = are_close(_mean_inertia(model), self._inertia)
+        self._has_mass = are_close(_mean_mass(model), self._mass)
         lengths = self._lengths() if model.ntendon else np.empty(0)
         # `springlength` is a range. If it is not set, both ends are the length in the springs' reference
         # pose.
@@ -112,10 +113,9 @@ class Computed:
         # MuJoCo 3.12 computes lengths of tendons with mocap bodies where the data has them; 4.0 moves them first.
         self._mujoco.mj_resetData(model, self._data)
         self._mujoco.mj_setConst(model, self._data)
-        if self._has_inertia:
-            model.stat.meaninertia = _mean_inertia(model)
-        if self._has_mass:
-            model.stat.meanmass = _mean_mass(model)
+        # MuJoCo 3.12 computes these anew even if `<statistic>` gives them; 4.0 never does.
+        model.stat.meaninertia = _mean_inertia(model) if self._has_inertia else self._inertia
+        model.stat.meanmass = _mean_mass(model) if self._has_mass else self._mass
         if self._springs:
             model.tendon_lengthspring[self._springs] = self._lengths()[self._springs, None]
 

@@ -78,6 +78,7 @@ PAD = '<geom type="box" size="0.01 0.005 0.02"/>'
     [
         (0.0, '<joint joint1="l" joint2="r"/>', '<position tendon="t"/>'),  # they touch where both are at 0
         (0.0, '<tendon tendon1="u" tendon2="t"/>', '<motor joint="l"/>'),
+        (0.0, '<joint joint1="l" joint2="r"/><joint joint1="l" joint2="roll"/>', '<motor joint="roll"/>'),
         (0.001, "", '<position joint="l"/><motor joint="r"/>'),  # samples miss the last millimetre
         (
             0.05,

@@ -608,3 +608,22 @@ def test_lights_at_the_root_turn_with_the_part(array: str, value: list[float]) -
     getattr(composed, array)[0] = value
     found = compare(alone, composed, hung_on=hung_on)
     assert [(each.name, each.array) for each in found] == [("l", array)]
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_turn_of_a_weld_and_its_negative_are_the_same(sign: int) -> None:
+    def model(pose: Pose, prefix: str = "", frame: str = "", by: int = 1) -> mujoco.MjModel:
+        body = f'<body name="{prefix}b"><freejoint/><geom size=".1"/></body>{"</frame>" if frame else ""}'
+        numbers = " ".join(map(repr, [*pose.pos, *(by * each for each in pose.quat)]))
+        weld = f'<weld name="{prefix}w" body1="world" body2="{prefix}b" relpose="{numbers}"/>'
+        return mujoco.MjModel.from_xml_string(
+            f"<mujoco><worldbody>{frame}{body}</worldbody><equality>{weld}</equality></mujoco>"
+        )
+
+    moved, pose = Pose((1, 2, 3), (0.6, 0, 0, 0.8)), Pose((0, 0, 1), (0.8, 0.6, 0, 0))
+    for there, expected in (
+        (pose, set()),
+        (Pose(pose.pos, (0.8, -0.6, 0, 0)), {("equality", "p/w", "eq_data")}),
+    ):
+        both = model(moved @ there, "p/", '<frame pos="1 2 3" quat=".6 0 0 .8">', sign)
+        assert told(compare(model(pose), both, prefix="p/", hung_on=Mount(None, moved))) == expected

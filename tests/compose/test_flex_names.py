@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import mujoco
@@ -143,9 +144,13 @@ def test_a_rod_whose_twists_are_elsewhere_is_left_out(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(OLDER, reason="rods twist since MuJoCo 4.0")
-@pytest.mark.parametrize("source", ["flexcomp", "flex"])
+@pytest.mark.parametrize("source", ["flexcomp", "flex", "circle"])
 def test_a_moved_rod_is_unchanged(tmp_path: Path, source: str) -> None:
-    text = TWISTED if source == "flexcomp" else raw(tmp_path)
+    """The bends of a circle have four vertices, and no joint where other bends have one."""
+    circle = re.sub("<actuator>.*</sensor>", "", TWISTED).replace(
+        'type="grid" count="4', 'type="circle" count="5'
+    )
+    text = {"flexcomp": TWISTED, "flex": raw(tmp_path), "circle": circle}[source]
     base = (
         '<mujoco><worldbody><body name="b" pos="0 0 1"><joint/><geom size=".1"/></body></worldbody></mujoco>'
     )

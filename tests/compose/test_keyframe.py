@@ -593,6 +593,22 @@ def test_the_twists_of_a_rod_keep_their_numbers(built: Built, recipe: str) -> No
         assert list(reset.data.qpos[first : first + 3]) == [3 * at - 1, 3 * at, 3 * at + 1]
 
 
+@pytest.mark.skipif(mujoco.mj_versionString().startswith("3."), reason="rods twist since MuJoCo 4.0")
+@pytest.mark.parametrize(
+    "edit",
+    [
+        "{pin: '**'}, set: {id: [0, 1]}",
+        "{elasticity: '**'}, set: {young: 0}",
+        "{elasticity: '**'}, remove: true",
+    ],
+)
+def test_what_is_in_a_flexcomp_decides_on_its_joints(built: Built, edit: str) -> None:
+    model = built(f"base: ./rod.xml\nedit: [{{select: {edit}}}]", **{"rod.xml": ROD})
+    reset = Reset(model, "k")
+    assert model.nq < 15
+    assert [reset.qpos(each) for each in ("hj", "ij", "aj")] == [[1], [11], [15]]
+
+
 @pytest.mark.parametrize("attribute", ["joint", "jointinparent"])
 def test_a_control_by_the_joint_of_its_actuator(built: Built, attribute: str) -> None:
     motor = '<motor name="shoulder" joint="shoulder"/>'

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from composer.context import Context
-from composer.plan.part_record import PartRecord
+from composer.plan.part_record import IN_PLACE, PartRecord
 from composer.stages import Request, build
 
 PART = """<mujoco><worldbody><site name="origin"/>
@@ -79,3 +79,12 @@ def test_a_part_of_a_recipe_of_which_one_body_is_taken_is_not_compared(tmp_path:
     assert {each.obscure for each in found.values()} == {"only its body `b` was taken"}
     found, _ = made(tmp_path, "attach: {a: {model: ./p.xml, subtree: b}}\n")
     assert (found["a"].obscure, found["a"].subtree) == (None, "b")
+
+
+@pytest.mark.parametrize("inside", ['<frame name="f" pos="0 0 1"/>', '<frame><frame name="f"/></frame>'])
+def test_a_part_in_a_replicate_has_no_single_pose(tmp_path: Path, inside: str) -> None:
+    base = f'<frame pos="0 0 5"><replicate count="2" offset="1 0 0">{inside}</replicate></frame>'
+    (tmp_path / "base.xml").write_text(f"<mujoco><worldbody>{base}</worldbody></mujoco>")
+    found, model = made(tmp_path, "base: ./base.xml\nattach: {a: {model: ./p.xml, frame: f}}\n")
+    assert model.site("a/origin0").pos[0] != model.site("a/origin1").pos[0]
+    assert (found["a"].pose, found["base"].pose) == (None, IN_PLACE)

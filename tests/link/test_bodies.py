@@ -3,6 +3,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -240,6 +241,20 @@ def test_a_mocap_part_stands_in_the_world_where_its_place_is(workshop: Workshop)
     model = workshop.link(ARM, Piece(still, "hand/", place, options={"mocap": True})).check()
     assert model.body("hand/").mocapid == 0
     assert where(model, "hand/plate") == pytest.approx(where(fixed, "hand/plate"), abs=1e-14)
+
+
+@pytest.mark.parametrize("bounds", ['boundmass=".5"', 'boundinertia=".01"'])
+@pytest.mark.parametrize("options", [{"mocap": True}, {"joints": (hinge(),)}])
+def test_the_body_of_an_attachment_has_the_least_mass_of_the_base(
+    workshop: Workshop, bounds: str, options: dict[str, Any]
+) -> None:
+    """MuJoCo gives it to every body of the base, those without a mass of their own, too."""
+    base = f'<mujoco><compiler {bounds}/><worldbody><body name="empty"/></worldbody></mujoco>'
+    part = '<mujoco><worldbody><body name="b"><geom size=".1"/></body></worldbody></mujoco>'
+    linked = workshop.link(base, Piece(part, "p/", options=options))
+    made, empty = linked.model().body("p/"), linked.alone(0).body("empty")
+    assert made.mass == empty.mass and made.inertia.tolist() == empty.inertia.tolist()
+    assert made.mass[0] or made.inertia.all()
 
 
 def where(model: mujoco.MjModel, geom: str) -> list[float]:

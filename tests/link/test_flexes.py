@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from link.workshop import BASE, Piece, Workshop, placed
 
+from composer.diagnostics.span import Span
 from composer.link.flexes import taken_back
-from composer.link.part import Joint
+from composer.link.part import Joint, Sense
 
 FLEX = '<flexcomp name="f" type="grid" count="2 2 1" spacing=".1 .1 .1" dim="2" radius=".01"/>'
 ARM = '<body name="arm"><joint name="j"/><geom size=".1"/></body>'
@@ -107,13 +110,30 @@ def test_what_a_flex_decides_itself_is_no_default_of_it(workshop: Workshop, take
     workshop.link(model(taken, FLEX), Piece(model("", FLEX.replace('"f"', '"g"')), "p/")).check()
 
 
-@pytest.mark.parametrize("joints", [(Joint("freejoint", {}),), (Joint("joint", {"type": "hinge"}),)])
+@pytest.mark.parametrize("damped", ['damping="3"', 'springdamper=".1 1"'])
+def test_damping_is_no_default_of_a_flex(workshop: Workshop, damped: str) -> None:
+    """MuJoCo refuses it to vertices that move; a rigid flex has none of these."""
+    rigid = FLEX.replace("/>", ' rigid="true"/>')
+    linked = workshop.link(model(damped, rigid + ARM), Piece(model("", rigid), "p/"))
+    linked.check()
+    assert "<joint " not in linked.xml.split("<worldbody>")[0].split("<default class")[0]
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"joints": (Joint("freejoint", {}),)},
+        {"joints": (Joint("joint", {"type": "hinge"}),)},
+        {"mocap": True},
+        {"sense": Sense("wrist", (("force", "wrist"),), "", Span("r.yaml", 1, 1))},
+    ],
+)
 def test_a_flex_on_a_body_of_an_attachment_is_not_in_the_world(
-    workshop: Workshop, joints: tuple[Joint, ...]
+    workshop: Workshop, options: dict[str, Any]
 ) -> None:
     """It takes the joint defaults of that body, and `main` has none for it."""
     pinned = FLEX.replace("/>", '><pin id="0"/></flexcomp>')
-    linked = workshop.link(BASE, Piece(model('armature=".5"', pinned), "p/", options={"joints": joints}))
+    linked = workshop.link(BASE, Piece(model('armature=".5"', pinned), "p/", options=options))
     assert "<joint " not in linked.xml.split("<worldbody>")[0].split('class="p/"')[0]
 
 

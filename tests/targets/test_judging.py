@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import mujoco
 import pytest
 from targets.models import PROBE
@@ -70,6 +72,41 @@ def test_what_is_lost_is_not_compared_nor_moved(loss: Loss, array: str) -> None:
     only = PROBE.replace(' damping=".3"', "").replace(' damping=".1"', "").replace(' damping="3"', "")
     only = only.replace(' frictionloss=".2"', "")
     assert told(loss, text=only, **{array: 0.0}) == []
+
+
+def test_what_an_actuator_loses_is_still_that_of_the_joint_of_its_number() -> None:
+    assert told(Loss("damping", "actuator", 0, "motor", "a1", what="damping")) == []
+
+
+def test_a_motion_that_does_not_end_in_numbers() -> None:
+    truth = mujoco.MjModel.from_xml_string(PROBE)
+    facts = facts_of(mujoco, truth, ASKED)
+    facts["motion"]["j2"] = math.nan
+    (found,) = [each.message for each in differences(mujoco, truth, facts, ASKED, single=True)]
+    assert found.startswith("after 0.2 s of motion the joint `j2` is at nan, not at ")
+
+
+def test_no_limit_may_be_written_as_none_on_both_sides() -> None:
+    truth = mujoco.MjModel.from_xml_string(PROBE)
+    facts = facts_of(mujoco, truth, ASKED)
+    without = [each for each in facts["joints"].values() if each["range"] is None]
+    for each in without:
+        each["range"] = [None, None]
+    assert without and list(differences(mujoco, truth, facts, ASKED, single=False)) == []
+    facts["joints"]["j1"]["range"] = None
+    assert len(list(differences(mujoco, truth, facts, ASKED, single=False))) == 1
+
+
+def test_a_motion_begins_at_the_home_key() -> None:
+    """At the first key if none has that name, else at the reference."""
+
+    def start(*keys: str) -> float:
+        rows = "".join(f'<key name="{name}" qpos="{at}"/>' for at, name in enumerate(keys, 1))
+        body = '<body><joint name="j"/><geom size=".1"/></body>'
+        text = f"<mujoco><worldbody>{body}</worldbody><keyframe>{rows}</keyframe></mujoco>"
+        return float(questions(mujoco.MjModel.from_xml_string(text), 0)["home"]["joints"]["j"][0])
+
+    assert (start("a", "home", "b"), start("a", "b"), start()) == (2, 1, 0)
 
 
 def test_a_joint_that_is_missing() -> None:

@@ -14,7 +14,9 @@ from targets.writing import compiled, written
 from composer.targets.judging import questions
 from composer.targets.limit import Limit
 from composer.targets.plain.plain import plain
+from composer.targets.restrictions.actuators import CARRIED_FORCES
 from composer.targets.restrictions.tree import NAME, NO_REFERENCES, one_root
+from composer.targets.restrictions.unread import NO_HIDDEN_SHAPES, no_shapes
 
 
 @pytest.mark.parametrize("limit", [NO_REFERENCES, one_root(with_free=False)], ids=lambda limit: limit.feature)
@@ -34,6 +36,44 @@ def test_it_moves_as_before(limit: Limit, tmp_path: Path) -> None:
             mujoco.mj_kinematics(model, data)
             placed.append([data.body(before.body(n).name).xpos.copy() for n in range(1, before.nbody)])
         assert np.allclose(*placed, atol=1e-12)
+
+
+def left(limit: Limit, world: str, folder: Path, rest: str = "") -> etree._Element:
+    (folder / "model.xml").write_text(f"<mujoco><worldbody>{world}</worldbody>{rest}</mujoco>")
+    draft = plain(mujoco, folder / "model.xml")
+    limit.apply(draft)
+    return draft.root
+
+
+def test_a_limit_of_actuators_is_none_of_the_compensation_that_goes_through_them(tmp_path: Path) -> None:
+    """`actuatorfrcrange` limits the sum of both."""
+    joint = '<body name="{0}" gravcomp="1"><joint name="{0}" {1}/><geom size=".1"/></body>'
+    root = left(
+        CARRIED_FORCES,
+        joint.format("a", 'actuatorgravcomp="true"') + joint.format("b", ""),
+        tmp_path,
+        '<actuator><motor joint="a" forcerange="-4 4"/><motor joint="b" forcerange="-4 4"/></actuator>',
+    )
+    ranges = {str(each.get("name")): each.get("actuatorfrcrange") for each in root.iter("joint")}
+    assert ranges == {"a": None, "b": "-4 4"}
+
+
+def test_only_what_neither_touches_nor_shows_is_left_out(tmp_path: Path) -> None:
+    kinds = {"shown": (0, 0, 2), "by_type": (1, 0, 3), "by_affinity": (0, 1, 3), "hidden": (0, 0, 3)}
+    geoms = [
+        f'<geom name="{name}" size="1" contype="{one}" conaffinity="{two}" group="{group}"/>'
+        for name, (one, two, group) in kinds.items()
+    ]
+    root = left(NO_HIDDEN_SHAPES, "".join(geoms), tmp_path)
+    assert [each.get("name") for each in root.iter("geom")] == ["shown", "by_type", "by_affinity"]
+
+
+@pytest.mark.parametrize(("kind", "fields"), [("ellipsoid", 1), ("hfield", 0)])
+def test_a_height_field_that_is_used_stays(tmp_path: Path, kind: str, fields: int) -> None:
+    field = '<asset><hfield name="t" nrow="2" ncol="2" size="1 1 .1 .1" elevation="0 0 0 1"/></asset>'
+    geoms = '<geom type="hfield" hfield="t"/><geom type="ellipsoid" size="1 2 3"/><geom size="1"/>'
+    root = left(no_shapes(kind), geoms, tmp_path, field)
+    assert len(list(root.iter("geom"))) == 2 and len(list(root.iter("hfield"))) == fields
 
 
 def test_references_are_gone(tmp_path: Path) -> None:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 
 import mujoco
 import pytest
 
+from composer.compiled.key_rows import key_rows
 from composer.context import Context
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.engine import Session
-from composer.link import key_layouts, keyframes, layout
+from composer.link import key_layouts, keyframes, layout, numbers
+from composer.link.key_meaning import MARK
 from composer.link.layout import Layout
 from composer.stages import Request, build
 
@@ -102,6 +105,8 @@ attach:
   r: {model: {base: ./posts.xml, attach: {t: {model: ./posts.xml, drop: [actuator], site: hook}}}, keyframes: prefix}
   s: {model: ./posts.xml, pos: [9, 0, 0], replicate: [{count: 2, offset: [0, 5, 0]}]}
 """
+# The key `short` says nothing of this body.
+MOVED = "base: ./tool.xml\nedit: [{select: {body: loose}, set: {pos: [7, 7, 7]}}]"
 IN_A_POST = """
 base: ./posts.xml
 attach: {t: {model: ./rod.xml, pos: [0, 2, 0]}}
@@ -114,7 +119,7 @@ keyframe: {mine: {from: {t: k}}}
 
 
 @pytest.mark.parametrize(
-    "recipe", [IN_REPLICATE, EVERYTHING, NESTED, IN_ROWS, *([] if OLDER else [IN_A_POST])]
+    "recipe", [IN_REPLICATE, EVERYTHING, NESTED, IN_ROWS, MOVED, *([] if OLDER else [IN_A_POST])]
 )
 def test_keys_that_are_right_are_no_error(wrong: Wrong, recipe: str) -> None:
     assert wrong(recipe) == []
@@ -189,8 +194,15 @@ def test_twists_that_stand_with_their_rod_are_found(wrong: Wrong, monkeypatch: p
     assert "_twist_" in found[0].message + str(found[0].notes)
 
 
-@pytest.mark.parametrize("vector", ["qpos", "qvel", "act", "ctrl", "mpos", "mquat"])
-@pytest.mark.parametrize("damage", ["lost", "reversed"])
+@pytest.mark.parametrize(
+    ("vector", "damage"),
+    [
+        *product(("qpos", "qvel", "act", "ctrl", "mpos", "mquat"), ("lost", "reversed")),
+        *product(
+            ("qpos", "qvel", "act", "ctrl", "mpos"), ("negated",)
+        ),  # a negative quaternion is the same turn
+    ],
+)
 def test_a_damage_to_any_vector_is_found(
     wrong: Wrong, monkeypatch: pytest.MonkeyPatch, vector: str, damage: str
 ) -> None:
@@ -198,6 +210,8 @@ def test_a_damage_to_any_vector_is_found(
 
     def damaged(self: keyframes.Reference, which: str, final: Layout, values: object, void: object) -> object:
         found = row(self, which, final, {} if which == vector and damage == "lost" else values, void)  # type: ignore[arg-type]
+        if which == vector and damage == "negated":
+            return [each._replace(text=numbers.text([-float(each.text)])) for each in found]
         return found[::-1] if which == vector and damage == "reversed" else found
 
     monkeypatch.setattr(keyframes.Reference, "row", damaged)
@@ -208,6 +222,17 @@ def test_a_damage_to_any_vector_is_found(
     assert all(f"`{vector}` of the " in each.message for each in found)
     tool = [each.span for each in found if "in the key `k`" in each.message]
     assert all(span is not None and span.file in SOURCES for span in tool)
+
+
+@pytest.mark.parametrize("names", ["ab", "ba", "a", "abc"])
+def test_only_a_bare_model_with_the_same_names_is_a_measure(names: str) -> None:
+    texts = [
+        "<mujoco><worldbody>" + "".join(f'<body><joint name="{each}"/><geom size="1"/></body>' for each in joints)
+        + "</worldbody></mujoco>" for joints in (names, "ab")
+    ]  # fmt: skip
+    whole = mujoco.MjModel.from_xml_string(texts[1])
+    found = key_rows(mujoco, whole, {"texts": texts[:1], "mark": MARK, "held": []})
+    assert ("unlike" in found) == (names != "ab")
 
 
 def test_a_layout_that_reads_sources_wrongly_is_found(wrong: Wrong, monkeypatch: pytest.MonkeyPatch) -> None:

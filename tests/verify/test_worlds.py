@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from composer.compiled.varying import flat
-from composer.verify.worlds import _following
+from composer.verify.run_time import are_close
+from composer.verify.worlds import Computed, _following
 
 MODEL = """<mujoco><worldbody>
   <body name="fixed" pos="{fixed}"/>
@@ -52,3 +53,32 @@ def test_an_orientation_goes_into_every_key_that_has_it(name: str, mocap: int) -
     assert [index for array, index in found if array == "key_mquat"] == [
         key * 12 + mocap * 4 + 2 for key in range(3)
     ]
+
+
+@pytest.mark.parametrize("given", ["meaninertia", "meanmass"])
+def test_a_mean_that_is_given_is_not_computed(given: str) -> None:
+    text = MODEL.format(**POSES).replace("<keyframe>", f'<statistic {given}="7"/><keyframe>')
+    model = mujoco.MjModel.from_xml_string(text)
+    computed = Computed(mujoco, model, mujoco.MjData(model))
+    before = model.stat.meaninertia, model.stat.meanmass
+    model.body_mass[3] *= 2
+    model.body_inertia[3] *= 2
+    computed.settle()
+    other = "meanmass" if given == "meaninertia" else "meaninertia"
+    assert getattr(model.stat, given) == 7
+    assert getattr(model.stat, other) > 1.5 * before[other == "meanmass"]
+
+
+def test_infinite_numbers_are_near_themselves_alone() -> None:
+    inf = np.inf
+    pairs = [
+        (inf, inf),
+        (-inf, -inf),
+        (inf, -inf),
+        (1, inf),
+        (inf, 1),
+        (np.nan, np.nan),
+        (np.nan, inf),
+        (1, 1),
+    ]
+    assert [are_close(*pair) for pair in pairs] == [True, True, False, False, False, True, False, True]

@@ -141,10 +141,11 @@ def _new_gear(values: Values, written: Mapping[str, Any], model: ActuatorModel, 
 
 
 def _geared(value: Any, gear: float, power: int) -> Any:
-    """Return a number, or the ends of a range in their order, times a power of the gear."""
-    if isinstance(value, tuple):
-        return tuple(sorted(_geared(each, gear, power) for each in value))
-    return value * gear**power if power > 0 else value / gear**-power
+    """Return a size, which has no sign, or the ends of a range in their order, times a power of the gear."""
+    ends = value if isinstance(value, tuple) else (value,)
+    by = gear if len(ends) > 1 else abs(gear)
+    found = tuple(sorted(each * by**power if power > 0 else each / by**-power for each in ends))
+    return found if isinstance(value, tuple) else found[0]
 
 
 def _text(attribute: Attribute, value: Any, gear: float, power: int) -> str:

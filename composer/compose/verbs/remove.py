@@ -55,6 +55,8 @@ def _take_out(editing: Editing, node: Node) -> None:
     parent = node.getparent()
     assert parent is not None
     parent.remove(node)
+    if parent.tag == "flexcomp":  # without its pins or its elasticity it has other joints
+        editing.reshaped(parent)
     editing.linking.base.forget_classes()
 
 

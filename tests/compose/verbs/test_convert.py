@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -258,6 +259,36 @@ def test_a_joint_feels_the_gains_of_the_recipe_through_a_gear(
         assert sorted(model.actuator(name).ctrlrange / gear) == pytest.approx([-0.5, 1])
 
 
+SERVO = {
+    "input": ["pos", "vel", "ff"], "kp": 90, "kv": 3, "ki": 60, "imax": 0.05, "slewmax": 0.7,
+    "posrange": [-0.4, 0.6], "velrange": [-1, 2], "ffrange": [-9, 5],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "gear"), [("a", 80), ("b", -12), ("d", 7)])
+def test_a_joint_moves_as_with_the_same_pid_without_a_gear(tmp_path: Path, name: str, gear: float) -> None:
+    """The sizes of a negative gear have no sign: MuJoCo 4.0 refuses an `imax` or a `slewmax` below 0."""
+    written = ", ".join(f"{each}: {value}" for each, value in SERVO.items())
+    model, _ = converted(tmp_path, GEARED, [name], f"pid, {written}")
+    assert model is not None
+    held = re.search(rf'name="{name}" (joint="\w")', GEARED)
+    numbers = {
+        each: " ".join(map(str, value if isinstance(value, list) else [value]))
+        for each, value in SERVO.items()
+    }
+    plainly = " ".join(f'{each}="{value}"' for each, value in numbers.items())
+    plain = re.sub(rf'<\w+ name="{name}" .*', f'<pid name="{name}" {held[1]} {plainly}/>', GEARED)  # type: ignore[index]
+    ends = []
+    for each, by in ((model, gear), (mujoco.MjModel.from_xml_string(plain), 1)):
+        data = mujoco.MjData(each)
+        first = each.actuator_ctrladr[each.actuator(name).id]
+        for control in ((0.9, 0.1, 0), (0.2, 3, -1), (-0.9, -3, 20)):
+            data.ctrl[first : first + 3] = np.array(control) * (by, by, 1 / by)
+            mujoco.mj_step(each, data, 150)
+            ends.append([*data.qpos, *data.qvel])
+    assert np.allclose(ends[:3], ends[3:], rtol=1e-6, atol=1e-9) and np.abs(ends).max() > 0.1
+
+
 def test_values_now_are_those_of_the_joint(tmp_path: Path) -> None:
     model, told = converted(tmp_path, GEARED, ["d"], 'position, kp: "${value * 3}"')
     assert model is not None and not told
@@ -292,6 +323,15 @@ def test_a_plugin_is_no_motor(tmp_path: Path, name: str, to: str) -> None:
     model, (loss,) = converted(tmp_path, PLUGIN, [name], to)
     assert model is not None and model.actuator_plugin.tolist().count(-1) == 1
     assert loss.code == "convert-loss" and any("plugin" in note.message for note in loss.notes)
+
+
+@pytest.mark.parametrize("names", ["p", "pr"])
+def test_an_instance_of_a_plugin_is_there_as_long_as_an_actuator_has_it(tmp_path: Path, names: str) -> None:
+    shared = PLUGIN.replace(
+        "<plugin name", '<plugin name="r" joint="j" plugin="mujoco.pid" instance="i"/><plugin name', 1
+    )
+    model, _ = converted(tmp_path, shared, names, "motor")
+    assert model is not None and model.nplugin == 3 - len(names)
 
 
 def test_a_type_of_a_user_is_no_motor(tmp_path: Path) -> None:
