@@ -17,6 +17,8 @@ from composer.compiled.mount import Mount
 from composer.compiled.ragged import IN_THE_WORLD
 from composer.compiled.unchanged import compare
 
+pytestmark = pytest.mark.mujoco4("its attach does not find the material of a skin")
+
 _USER = " ".join(
     f'nuser_{kind}="1"' for kind in ("body", "jnt", "site", "cam", "tendon", "actuator", "sensor")
 )

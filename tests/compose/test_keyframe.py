@@ -477,6 +477,7 @@ ARMLET = """
 """
 
 
+@pytest.mark.mujoco4("it refuses keys beside joints in a replicate")
 @pytest.mark.parametrize(
     ("recipe", "changed"),
     [
@@ -521,6 +522,7 @@ def test_keys_follow_what_is_inside_of_a_replicate(
         assert found == [0.4, 0.5, 0.4, 0.5]
 
 
+@pytest.mark.mujoco4("it refuses keys beside joints in a replicate")
 def test_copies_that_differ_cannot_leave_their_replicate(built: Built) -> None:
     with pytest.raises(AssertionError, match="different numbers for the copies of `lj`"):
         built(

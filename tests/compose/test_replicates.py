@@ -45,6 +45,7 @@ def built(folder: Path, recipe: str, posts: str = POSTS.format("")) -> mujoco.Mj
     return mujoco.MjModel.from_xml_string(done.bundle.files["model.xml"].decode())
 
 
+@pytest.mark.mujoco4("it refuses keys beside joints in a replicate")
 @pytest.mark.parametrize("attach", ["", "attach: {t: {model: ./t.xml}}\n"])
 def test_what_the_recipe_adds_is_not_multiplied(tmp_path: Path, attach: str) -> None:
     alone = mujoco.MjModel.from_xml_string(POSTS.format(""))
@@ -60,6 +61,7 @@ def test_what_the_recipe_adds_is_not_multiplied(tmp_path: Path, attach: str) -> 
         assert model.key("k").qpos[model.joint(name).qposadr] == alone.key("k").qpos[alone.joint(at).qposadr]
 
 
+@pytest.mark.mujoco4("it refuses keys beside joints in a replicate")
 @pytest.mark.parametrize(
     ("added", "posts"),
     [(ADDED, POSTS.format(HELD)), (ADDED + "actuator: {m: {type: motor, joint: pj}}\n", POSTS.format(""))],
@@ -72,12 +74,14 @@ def test_what_would_be_multiplied_is_one_error(tmp_path: Path, added: str, posts
     assert all(each.span is not None and each.span.file == "r.yaml" for each in found)
 
 
+@pytest.mark.mujoco4("it refuses keys beside joints in a replicate")
 def test_sensors_of_replicated_joints_are_multiplied(tmp_path: Path) -> None:
     model = built(tmp_path, "sensor: {s: {type: jointpos, joint: pj}}\n")
     assert isinstance(model, mujoco.MjModel), model
     assert model.nsensor == 4
 
 
+@pytest.mark.mujoco4("it refuses keys beside joints in a replicate")
 def test_contacts_by_parts_name_every_copy(tmp_path: Path) -> None:
     recipe = (
         "attach: {t: {model: ./t.xml}}\ncontact:\n"

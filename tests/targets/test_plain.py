@@ -44,6 +44,18 @@ def test_nothing_is_left_to_expand(tmp_path: Path) -> None:
     assert [each.tag for each in root.find("actuator")] == ["position", "motor"]  # type: ignore[union-attr]
 
 
+def test_a_site_outside_of_the_class_of_its_body(tmp_path: Path) -> None:
+    """MuJoCo 3.12 does not save `class="main"`."""
+    classes = '<default><default class="a"><site group="4" rgba="1 0 0 1"/></default></default>'
+    body = '<body name="b" childclass="a"><geom size=".1"/><site name="in"/><site name="out" class="main"/></body>'
+    text = f"<mujoco>{classes}<worldbody>{body}</worldbody></mujoco>"
+    bundle, context = written(text, "plain", tmp_path)
+    assert bundle is not None, codes(context)
+    before, after = mujoco.MjModel.from_xml_string(text), compiled(bundle, tmp_path / "out")
+    for array in ("site_group", "site_rgba"):
+        assert getattr(after, array).tolist() == getattr(before, array).tolist()
+
+
 @pytest.mark.parametrize("name", rest_slow(SHIPPED, ("demo", "gantry", "soft_arm"), lambda name: name))
 def test_every_recipe(name: str, tmp_path: Path, menagerie_root: Path) -> None:
     context = Context(environment={**os.environ, "MENAGERIE_ROOT": str(menagerie_root)})

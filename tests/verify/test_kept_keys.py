@@ -18,7 +18,7 @@ from composer.link.key_meaning import MARK
 from composer.link.layout import Layout
 from composer.stages import Request, build
 
-OLDER = mujoco.mj_versionString().startswith("3.")
+pytestmark = pytest.mark.mujoco4("it refuses keys beside joints in a replicate, and short ones")
 POSTS = """
 <mujoco model="posts"><worldbody>
   <replicate count="2" offset="0 1 0"><body name="post"><joint name="pj"/><geom size=".05"/><site name="hook" pos="0 0 .2"/>
@@ -118,9 +118,7 @@ keyframe: {mine: {from: {t: k}}}
 """
 
 
-@pytest.mark.parametrize(
-    "recipe", [IN_REPLICATE, EVERYTHING, NESTED, IN_ROWS, MOVED, *([] if OLDER else [IN_A_POST])]
-)
+@pytest.mark.parametrize("recipe", [IN_REPLICATE, EVERYTHING, NESTED, IN_ROWS, MOVED, IN_A_POST])
 def test_keys_that_are_right_are_no_error(wrong: Wrong, recipe: str) -> None:
     assert wrong(recipe) == []
 
@@ -180,7 +178,6 @@ def test_another_order_inside_of_a_replicate_is_found(wrong: Wrong, monkeypatch:
     assert found[0].span is not None and found[0].span.file == "posts.xml"
 
 
-@pytest.mark.skipif(OLDER, reason="rods twist since MuJoCo 4.0")
 def test_twists_that_stand_with_their_rod_are_found(wrong: Wrong, monkeypatch: pytest.MonkeyPatch) -> None:
     recipe = "base: ./posts.xml\nattach: {t: {model: ./rod.xml}}\nadd: [{to: t/in, body: {name: x, joint: {name: xj}, geom: {size: 1}}}]"
     assert wrong(recipe) == []

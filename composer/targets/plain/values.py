@@ -37,6 +37,10 @@ def write_values(mujoco: Any, model: Any, elements: Elements) -> None:
     for number, site in enumerate(elements["site"]):
         _shape(site, words(mujoco, "site_type")[int(model.site_type[number])], model.site_size[number])
         _place(site, model.site_pos[number], model.site_quat[number])
+        # MuJoCo 3.12 saves no `class="main"`, which keeps a site out of the class of its body.
+        site.set("group", text(model.site_group[number]))
+        if site.get("material") is None:
+            site.set("rgba", text(model.site_rgba[number]))
     for number, camera in enumerate(elements["camera"]):
         _place(camera, model.cam_pos[number], model.cam_quat[number])
     for number, light in enumerate(elements["light"]):
