@@ -58,4 +58,15 @@ def _installer() -> Sequence[str]:
     # An environment that uv has made has no pip.
     if uv := shutil.which("uv"):
         return (uv, "pip", "install", "--quiet", "--python", sys.executable)
-    return (sys.executable, "-m", "pip", "install", "--quiet", "--retries", "1", "--timeout", "15")
+    return (
+        sys.executable,
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--no-compile",
+        "--retries",
+        "1",
+        "--timeout",
+        "15",
+    )

@@ -1,7 +1,8 @@
 """Other projects' tests and models, with mjcompose: `make foreign`, or `python tests/foreign/run.py`.
 
-dm_control's own tests of `dm_control.mjcf` run with `composer.mjcf`, and every MJCF model in the tests and data of packages
-about MuJoCo is read, written and compiled. What is meant to be otherwise stands in `intended.toml` and `strings.toml`; the
+dm_control's own tests of `dm_control.mjcf` run with `composer.mjcf`. Every MJCF model in the tests and data of packages
+about MuJoCo is read, written and compiled; the suites' models are also composed, each twice, turned and tilted, and
+robosuite's own compositions are made again. What is meant to be otherwise stands in `intended.toml` and `strings.toml`; the
 run fails where anything else differs. The packages come from PyPI, by pip or uv, into a folder that is kept; one that
 cannot be had is skipped, with the reason.
 """
@@ -12,10 +13,13 @@ import argparse
 import os
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TypeVar
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
@@ -23,8 +27,11 @@ sys.path[:0] = [str(HERE.parent), str(ROOT)]
 
 from fidelity import isolated  # noqa: E402
 from fidelity.summary import between_markers  # noqa: E402
-from foreign import outcomes, rewriting, strings  # noqa: E402
+from foreign import merging, outcomes, rewriting, strings, turned  # noqa: E402
 from foreign.fetching import Unavailable, fetched, pins  # noqa: E402
+from foreign.strings import Source, Verdict  # noqa: E402
+
+T = TypeVar("T")
 
 PAGE = ROOT / "docs" / "fidelity.md"
 MARKERS = ("<!-- foreign: begin -->", "<!-- foreign: end -->")
@@ -34,19 +41,33 @@ MODELS = {
     "mujoco-mjx": "mujoco/mjx",
     "brax": "brax",
     "dm_control": "dm_control",
+    "metaworld": "metaworld",
+    "robosuite": "robosuite",
+    "gym-quadruped": "gym_quadruped",
+    "mani-skill": "mani_skill",
+    "playground": "mujoco_playground",
+    "myosuite": "myosuite",
+    "flygym": "flygym",
+    "newton": "newton",
 }
+# Those whose models are composed, too.
+SUITES = frozenset(MODELS) - {"mujoco-mjx", "brax", "dm_control"}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     options.cache = options.cache.resolve()
+    if options.write:
+        options.sample = None
     if not version("mujoco").startswith("4."):
         _say(f"skipped: the lists of differences are of MuJoCo 4, this is {version('mujoco')}")
         return 0
     start = time.monotonic()
+    with ThreadPoolExecutor(4) as fetching:
+        list(fetching.map(lambda name: _prefetch(name, options.cache), pins()))
     rows: list[str] = []
     surprises: list[str] = []
-    for part in (_tests, _models):
+    for part in (_tests, _models, _compositions):
         for row, told in part(options):
             _say(row)
             rows.append(row)
@@ -71,6 +92,12 @@ def _parser() -> argparse.ArgumentParser:
         default=ROOT / "build" / "foreign",
         metavar="FOLDER",
         help="where packages are kept",
+    )
+    parser.add_argument(
+        "--sample",
+        type=int,
+        metavar="N",
+        help="of each suite at most N models, evenly spread; all where it is not given",
     )
     parser.add_argument("--write", action="store_true", help="put the numbers into docs/fidelity.md")
     return parser
@@ -101,7 +128,6 @@ def _tests(options: argparse.Namespace) -> Iterator[tuple[str, list[str]]]:
 
 def _models(options: argparse.Namespace) -> Iterator[tuple[str, list[str]]]:
     """Models in the tests and data of packages."""
-    expected = strings.intended()
     for name in ("mujoco", *MODELS):
         try:
             package = _package(name, options.cache)
@@ -109,13 +135,72 @@ def _models(options: argparse.Namespace) -> Iterator[tuple[str, list[str]]]:
             yield f"{name}: skipped, {reason}", []
             continue
         sources = strings.found_in(package, name)
-        running = isolated.each(strings.judge, sources, failed=strings.failed, workers=_cores())
-        verdicts = sorted(running, key=lambda each: each.id)
-        mine = {place: reason for place, reason in expected.items() if place.startswith(f"{name}/")}
-        loaded = [each for each in verdicts if each.loads]
-        same = sum(not each.said for each in loaded)
-        row = f"{name} {_pinned(name)}: {len(verdicts)} models, {len(loaded)} load, {same} stay the same to the bit"
-        yield row, strings.surprises(verdicts, mine)
+        chosen = _spread(sources, options.sample)
+        # What is only read is quick: all models of a package that is no suite are.
+        verdicts = _judged(strings.judge, chosen if name in SUITES - {"mujoco-warp"} else sources)
+        loaded, same = _counted(verdicts)
+        told = strings.surprises(verdicts, _of(name, strings.intended(), verdicts, sources))
+        row = (
+            f"{name} {_pinned(name)}: {len(verdicts)} models, {loaded} load, {same} stay the same to the bit"
+        )
+        if name in SUITES:
+            verdicts = _judged(turned.judge, chosen)
+            loaded, same = _counted(verdicts)
+            told += strings.surprises(verdicts, _of(name, strings.intended("turned"), verdicts, sources))
+            row += f", {same} of {loaded} are unchanged where they stand twice, turned and tilted"
+        yield row, told
+
+
+def _compositions(options: argparse.Namespace) -> Iterator[tuple[str, list[str]]]:
+    """What robosuite composes itself."""
+    title = f"robosuite {_pinned('robosuite')}, its own merging of robot, mount and grippers"
+    try:
+        folder = fetched("robosuite", options.cache)
+    except Unavailable as reason:
+        yield f"{title}: skipped, {reason}", []
+        return
+    robots = _spread(merging.ROBOTS, options.sample)
+    running = isolated.each(
+        merging.judge,
+        [merging.Merging(robot, folder) for robot in robots],
+        failed=merging.failed,
+        workers=_cores(),
+    )
+    verdicts = sorted(running, key=lambda each: each.id)
+    yield (
+        f"{title}: {len(verdicts)} robots, {_counted(verdicts)[1]} equal by name",
+        strings.surprises(verdicts, {}),
+    )
+
+
+def _judged(judge: Callable[[Source], Verdict], sources: Sequence[Source]) -> list[Verdict]:
+    running = isolated.each(judge, sources, failed=strings.failed, workers=_cores())
+    return sorted(running, key=lambda each: each.id)
+
+
+def _counted(verdicts: Sequence[Verdict]) -> tuple[int, int]:
+    """How many load, and how many of these are as they should be."""
+    loaded = [each for each in verdicts if each.loads]
+    return len(loaded), sum(not each.said for each in loaded)
+
+
+def _of(
+    name: str, expected: Mapping[str, str], verdicts: Sequence[Verdict], sources: Sequence[Source]
+) -> Mapping[str, str]:
+    """The lines of a list that are of a package, without those of models that were left out of the sample."""
+    left_out = {each.id for each in sources} - {each.id for each in verdicts}
+    mine = {place: reason for place, reason in expected.items() if place.startswith(f"{name}/")}
+    return {place: reason for place, reason in mine.items() if place not in left_out}
+
+
+def _spread(every: Sequence[T], most: int | None) -> Sequence[T]:
+    """At most that many, evenly spread."""
+    return every if most is None else every[:: max(1, -(-len(every) // most))]
+
+
+def _prefetch(name: str, cache: Path) -> None:
+    with suppress(Unavailable):  # whoever needs it says why it is not there
+        fetched(name, cache)
 
 
 def _package(name: str, cache: Path) -> Path:

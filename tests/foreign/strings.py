@@ -96,9 +96,9 @@ def _load(source: Source) -> mujoco.MjModel:
     return mujoco.MjModel.from_xml_string(source.text)
 
 
-def intended(path: Path = LIST) -> Mapping[str, str]:
-    """Why a text is refused, or compiles to another model, by its place."""
-    groups = tomllib.loads(path.read_text(encoding="utf-8")).get("group", [])
+def intended(kind: str = "group", path: Path = LIST) -> Mapping[str, str]:
+    """Why a text is refused, or compiles to another model, by its place; of `turned` ones, why a copy of it does."""
+    groups = tomllib.loads(path.read_text(encoding="utf-8")).get(kind, [])
     return {place: group["reason"] for group in groups for place in group["places"]}
 
 
