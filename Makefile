@@ -65,6 +65,7 @@ test-targets: $(STAMP)
 # Other projects' tests and models, with mjcompose. The packages come from PyPI, into build/foreign; what cannot be had is
 # skipped, with the reason.
 #   FOREIGN_ARGS=--write             the numbers into docs/fidelity.md
+#   FOREIGN_ARGS="--sample 12"       at most twelve models of each suite
 foreign: $(STAMP)
 	@$(BIN)/python tests/foreign/run.py $(FOREIGN_ARGS)
 

@@ -257,7 +257,8 @@ class Values:
             return []
         elif moved and name == "flex_vert":
             first = int(self.alone.flex_vertadr[index])
-            free = self.alone.flex_vertbodyid[first : first + len(mine)] != 0
+            # -1: nodes carry the vertex. `flex_vert0` says where it is between them, and this where the frame puts it.
+            free = self.alone.flex_vertbodyid[first : first + len(mine)] > 0
             mine, other = mine[free], other[free]
         elif moved and name in FROM_THE_WORLD and mine.size:
             bound = max(bound, DERIVED_ROUNDING * max(1.0, float(np.abs(mine.astype(np.float64)).max())))

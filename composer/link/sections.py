@@ -54,6 +54,7 @@ def worlds(linking: Linking) -> None:
                 _check_targets(linking, hung)
                 _check_attached(linking, hung)
             _check_free_motors(linking, hung, degrees, sequence)
+            _check_flexes(linking, hung)
 
 
 class _Hung(NamedTuple):
@@ -215,6 +216,29 @@ def _check_free_motors(linking: Linking, hung: _Hung, degrees: bool, sequence: s
             _warn(linking, hung.part, actuator,
                   f"pushes along the axes of the world, which is another way for `{hung.part.called}`: it is turned",
                   "let it act on a site of the body: its `gear` is in the axes of the site")  # fmt: skip
+
+
+def _check_flexes(linking: Linking, hung: _Hung) -> None:
+    """Warn of flexes in the world of a moved part that MuJoCo lays out by axes or the origin of what holds the part.
+
+    MuJoCo 4.0 moves the vertices with the frame around the flex, and makes slides and nodes of them afterwards. Three
+    slides for each vertex (`full`) are the same flex on every axes.
+    """
+    if hung.pose.is_identity:
+        return
+    turned = abs(hung.pose.quat[0]) != 1.0
+    around = f"the body `{hung.name}`" if hung.holder.tag == "body" else "the world"
+    for flex in linking.notes.flexes:
+        dof = str(flex.element.get("dof") or "full")
+        if flex.part is not hung.part or dof == "full" or not (turned or dof == "radial"):
+            continue
+        where = (
+            f"slides away from the origin of {around}, and not of"
+            if dof == "radial"
+            else f"is laid out along the axes of {around}, and not of"
+        )
+        _warn(linking, hung.part, flex.element, f"has `dof=\"{dof}\"`: it {where} `{hung.part.called}`",
+              "put it into a body of its own in the part: it is laid out by that")  # fmt: skip
 
 
 def _is_free(joint: Node, linking: Linking) -> bool:

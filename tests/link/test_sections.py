@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from link.workshop import BASE, Piece, Workshop, placed
 
+from composer.compiled.mount import Mount
+from composer.compiled.unchanged import compare
 from composer.link.part import Joint, Place
 from composer.numerics.pose import Pose, normalise, rotate
 
@@ -317,3 +319,35 @@ def test_what_mujoco_does_not_turn_is_said(workshop: Workshop) -> None:
     found = workshop.link(BASE, Piece(text, place=placed(quat=TILTED))).differences()
     assert found and {each.field for each in found} == {"body_quat"}
     assert all("vertices" in str(each) for each in found)
+
+
+SOFT = """<mujoco><worldbody>{open}<flexcomp name="f" type="grid" dim="3" count="2 2 2" spacing=".1 .1 .1" mass="1"
+  pos="0 0 1" radius=".01" dof="{dof}"><edge equality="true"/><contact selfcollide="none"/></flexcomp>{close}</worldbody></mujoco>"""
+
+
+@pytest.mark.mujoco4("MuJoCo 3 leaves a flex where it is, and a build says so")
+@pytest.mark.parametrize(
+    ("dof", "pose", "words"),
+    [
+        ("full", POSE, ""),
+        ("2d", POSE, "along the axes of the world"),
+        ("2d", Pose(POSE.pos), ""),
+        ("trilinear", POSE, "along the axes of the world"),
+        ("trilinear", Pose(POSE.pos), ""),
+        ("quadratic", POSE, "along the axes of the world"),
+        ("radial", Pose(POSE.pos), "from the origin of the world"),
+        ("radial", Pose(), ""),
+    ],
+)
+def test_a_flex_that_mujoco_lays_out_by_other_axes_is_reported(
+    workshop: Workshop, dof: str, pose: Pose, words: str
+) -> None:
+    """A warning stands exactly where the flex is another one; in a body of its own it never is."""
+    for top, bottom in (("", ""), ('<body name="own">', "</body>")):
+        text = SOFT.format(dof=dof, open=top, close=bottom)
+        linked = workshop.link(BASE, Piece(text, place=placed(pos=pose.pos, quat=pose.quat)))
+        told = [each.message for each in linked.linking.sink.diagnostics]
+        assert len(told) == bool(words and not top) and words in "".join(told or [words])
+        alone = mujoco.MjModel.from_xml_string(text)
+        kept = compare(alone, linked.model(), prefix="part/", hung_on=Mount(None, pose), tolerance=1e-9)
+        assert any(not each.why or dof == "2d" for each in kept) == bool(told)
