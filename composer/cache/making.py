@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from composer.cache.builder import Maker, Placing
 from composer.cache.cache import Package, opened_cache
 from composer.cache.cache_key import BuildOptions, CacheKey
-from composer.cache.cells import text_of
 from composer.cache.entry import Record
 from composer.cache.files import Seen
 from composer.cache.result import Made, files_of, recalled
@@ -19,15 +19,17 @@ from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
-from composer.document.node import Node
 from composer.engine import Session
-from composer.expand.matrix import Cell
 from composer.limits import Limits, allow, in_force
 from composer.processes.deferring import interruptible
 from composer.reading import sources
 from composer.sources.fetching import quiet
 from composer.sources.store import Store
 from composer.verify.outcome import Outcome
+
+if TYPE_CHECKING:
+    from composer.document.node import Node
+    from composer.expand.matrix import Cell
 
 Finish = Callable[[Made, Maker, Context, Session], "Made | None"]
 """Processes each model that is made, for example by writing it; returns None after a failure, which it reports."""
@@ -122,6 +124,8 @@ class CellMaker:
             self.maker.note_written(recalled(record, ()) if made is None else made)
 
     def _key(self, cell: Cell) -> CacheKey | None:
+        from composer.cache.cells import text_of  # a known recipe without cells needs no reader
+
         values = {f"`{name}`": text_of(node) for name, node in cell.given.items()}
         return self.maker.key(cell.name, {**values, "the sample": str(cell.sample)})
 
