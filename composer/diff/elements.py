@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from composer.compiled.kinds import KINDS
 from composer.explain import query
 from composer.explain.traced import Traced
+from composer.link.inertia import has_mass
 from composer.tree.effective import levels, value
 from composer.tree.kinds import kind_of
 from composer.tree.kinds import query as paths_of
@@ -74,6 +75,13 @@ class Elements:
     def inside(self, node: Node, *tags: str) -> list[Node]:
         """Return the children of a body with these tags, including those in frames."""
         return list(_inside(node, tags))
+
+    def weighs(self, body: Node) -> bool:
+        """Return whether a body has an inertial, or a geom with mass."""
+        return any(
+            each.tag == "inertial" or has_mass(each, self.traced.classes)
+            for each in self.inside(body, "inertial", "geom")
+        )
 
     def frames(self, node: Node) -> list[Node]:
         """Return the frames between an element and its body, the innermost first."""

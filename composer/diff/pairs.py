@@ -18,6 +18,8 @@ ASSETS = {"mesh": "mesh", "material": "material", "hfield": "hfield", "texture":
 _TARGETS = {"joint": "joint", "jointinparent": "joint", "tendon": "tendon"}
 _PATH = {"site": "site", "geom": "geom", "sidesite": "site", "joint": "joint"}
 _POSE = quantity("body_pos").attributes
+_AT_POSE = ("body_ipos", "body_iquat")
+"""MuJoCo 3.12 to 4.0 copy the pose of a body that has no mass here."""
 
 Pair: TypeAlias = "tuple[Node | None, Node | None, tuple[str, ...] | None]"
 """An element of A, its counterpart in B, and the attributes to compare; None for all."""
@@ -38,6 +40,10 @@ class Pairs:
                 for mine, theirs in zip_longest(self.a.inside(before, tag), self.b.inside(after, tag)):
                     yield mine, theirs, None
                     yield from self.referred(mine, theirs, ASSETS)
+            if change.field in _AT_POSE and not (self.a.weighs(before) or self.b.weighs(after)):
+                pose = quantity(change.field.replace("body_i", "body_")).attributes
+                yield before, after, pose
+                yield from self.frames(before, after, pose)
             return
         yield before, after, wanted
         if "pos" in wanted or change.field.endswith(("_bodyid", "_parentid")):
@@ -58,9 +64,11 @@ class Pairs:
                     yield from self.above(first, second)
 
     def frames(self, before: Node, after: Node, wanted: tuple[str, ...]) -> Iterator[Pair]:
-        """Yield the frames around an element up to its body, with the places of parts."""
-        for mine, theirs in zip_longest(self.a.frames(before)[::-1], self.b.frames(after)[::-1]):
-            yield mine, theirs, wanted
+        """Yield the frames around an element up to its body, and the places of parts that they or it are made for."""
+        around = zip_longest(self.a.frames(before)[::-1], self.b.frames(after)[::-1])
+        for mine, theirs in (*around, (before, after)):
+            if mine is not before:
+                yield mine, theirs, wanted
             places = [
                 None if node is None else side.place(node)
                 for side, node in ((self.a, mine), (self.b, theirs))

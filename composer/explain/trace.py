@@ -249,6 +249,6 @@ def _carried(life: Life, linking: Linking) -> Part | None:
         carries = {"frame": "childclass", "default": "class"}.get(life.tag, "")
         if part.top_class and life.attributes.get(carries) == part.top_class:
             return part
-        if part.span is not None and life.owner == part.span:
+        if part.span is not None and life.owner in (part.span, part.sense and part.sense.span):
             return part
     return None
