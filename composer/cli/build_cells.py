@@ -99,7 +99,7 @@ def build_cells(
     report(context, wanted.form)
     say_details(context)
     results.tally.say(wanted.form)
-    if wanted.form == "text" and not results.tally.failed:
+    if wanted.form == "text" and results.tally.whole == len(chosen) and not context.sink.has_errors:
         count, known = results.tally.whole, results.tally.whole - results.new
         from_cache = f", {known} from the cache" if known else ""
         say(f"{maker.recipe}: {count} model{'s' * (count != 1)} built{from_cache}")
@@ -209,7 +209,8 @@ def _take_all(
             for each in running.finished():
                 if not found_no_room(each):
                     results.take(each)
-            click.echo(_how_to_go_on(results.tally.whole, len(chosen), maker), err=True)
+            if results.tally.whole:  # else the error alone says what to do
+                click.echo(_how_to_go_on(results.tally.whole, len(chosen), maker), err=True)
     except (KeyboardInterrupt, SystemExit) as ended:
         for each in running.finished():
             results.take(each)

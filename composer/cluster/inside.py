@@ -35,7 +35,7 @@ def opened_away(
     """Open a job whose files are a mirror below `root`; cached results go to a store of this worker."""
     limit(memory, 0)
     here = loaded(job, root)
-    context = here.context
+    context, is_cached = here.context, here.store is not None
     environment = dict(context.environment)
     for name in ("MJCOMPOSE_CACHE", *(each for kind in KINDS for each in kind.variables)):
         path = f"{root}{environment.get(name, '')}"
@@ -43,7 +43,8 @@ def opened_away(
             environment[name] = path
     here = replace(here, context=replace(context, environment=environment), store=Store(Path(store)))
     kept: list[tuple[Record, tuple[Seen, ...]]] = []
-    with here.opened(lambda *each: kept.append(each)) as make, replace(here, finish=None).opened() as try_out:
+    trial = replace(here, finish=None, store=None)  # the run does not find in a cache what was only tried
+    with here.opened(lambda *each: kept.append(each)) as make, trial.opened() as try_out:
 
         def made(task: Any) -> Any:
             if isinstance(task, Canary):
@@ -51,6 +52,8 @@ def opened_away(
                 return None if found.made is None else found.made.sha256
             kept.clear()
             cell = without_root(make(task), root)
+            if not is_cached and cell.made is not None:  # the store is of this run: you have no cache
+                cell = replace(cell, made=replace(cell.made, is_new=True))
             # Kept for the cell, with its recipes, and then for its plan; of sources that may move, for the plan alone.
             record, inputs = kept[0] if len(kept) > 1 else (None, ())
             away = Away(cell, without_root(record, root), without_root(inputs, root))
