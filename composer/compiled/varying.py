@@ -23,7 +23,7 @@ _FIRST = 4
 _WORD = 8
 _BLOCK = 2048
 _PADDED = 64
-"""MuJoCo allocates whole multiples of so many bytes."""
+"""MuJoCo allocates memory in multiples of this number of bytes."""
 
 
 class Differences:

@@ -71,7 +71,7 @@ def _exclude_needless(
     step: SetCollisions, linking: Linking, making: ElementBuilder, context: Context,
     session: engine.Session | None,
 ) -> list[tuple[Node, str]]:  # fmt: skip
-    from composer.compiled.needless import ADJACENT, NEVER, TOUCHING, needless  # numpy comes along
+    from composer.compiled.needless import ADJACENT, NEVER, TOUCHING, needless  # imports numpy
 
     samples, seed = step.collisions.samples, step.collisions.seed
     with ExitStack() as stack:

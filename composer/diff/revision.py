@@ -26,7 +26,7 @@ _SECONDS = 600
 _POINTER = 1024
 """Pointers of Git LFS are smaller, in bytes."""
 _LINKS = 5000
-"""At most so many, the nearest first."""
+"""The most entries that are linked, the nearest first."""
 _OID = re.compile(rb"^oid sha256:([0-9a-f]{64})$", re.MULTILINE)
 # these variables would direct git to another repository or index than that of the folder
 _OWN = ("GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE", "GIT_PREFIX", "GIT_OBJECT_DIRECTORY")
@@ -59,7 +59,7 @@ def split(text: str) -> tuple[str, str] | None:
 def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, str]) -> Tree:
     """Write all files of a revision of the repository around `path` below the empty folder `into`.
 
-    What the repository names outside of itself, such as `../models/arm.xml`, is found there by links.
+    Links lead to what the repository refers to outside of it, such as `../models/arm.xml`.
     `path` need not exist any more. Raises RevisionError.
     """
     near = next(each for each in path.absolute().parents if os.path.isdir(each))

@@ -146,11 +146,11 @@ def _mocap(linking: Linking, part: Part, body: Node, called: str, alone: bool) -
         part.place.span or part.span or linking.span(part.unit, body),
         notes=(Note(f"the mocap {called}", linking.span(part.unit, body)),),
         help=(
-            f"leave `{_added_by(part)}` out: then it stands in the world"
+            f"leave `{_added_by(part)}` out: then it is attached to the world"
             if part.place.kind == "world"
             else "write `joint: mocap` to put it into the world at the pose of that place"
             if alone
-            else f"leave `{part.place.kind}` out: then it stands in the world"
+            else f"leave `{part.place.kind}` out: then it is attached to the world"
         ),
         subjects=(part.called,),
     )

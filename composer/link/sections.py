@@ -32,7 +32,7 @@ def worlds(linking: Linking) -> None:
     """Let each part name what its world became: the body that it hangs on, and carry what is measured in its world.
 
     MuJoCo's own attach leaves all of this as it is: in 4.0 a `<weld body1="b"/>` pulls an attached part back to where
-    it stands in its file, and on a moving body it nails the part to the world.
+    it is in its file, and on a moving body it nails the part to the world.
 
     >>> from composer.link.example import after
     >>> part = (

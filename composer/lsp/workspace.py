@@ -45,7 +45,7 @@ def is_recipe(path: Path, text: str) -> bool:
 
 
 _MOST_TEXT = 1_000_000
-"""Characters of a recipe: the analysis of so many takes up to 20 seconds, for every letter that is typed."""
+"""The longest recipe that is analyzed, in characters: it takes up to 20 seconds for every letter that you type."""
 
 
 def _too_large(text: str, file: str) -> Diagnostic:

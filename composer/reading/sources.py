@@ -1,7 +1,7 @@
 """The files that a run reads: no output of the run takes the place of one of them.
 
 Every reader notes its files here, and the one writer (`bundle/staging.py`) asks here. Paths are resolved when something
-is written, and not before. A file that the run itself has written is no source of it.
+is written, and not before. A file that the run itself wrote does not count as a source.
 """
 
 from __future__ import annotations
@@ -153,7 +153,7 @@ def current() -> Run:
 
 @contextmanager
 def run() -> Iterator[Run]:
-    """Begin a run for the block: what others have read is no source of it."""
+    """Begin a run for the block, which starts without sources."""
     _runs.append(Run())
     try:
         yield _runs[-1]
