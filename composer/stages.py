@@ -171,7 +171,7 @@ def _built(
             ahead(bundle)
         compiled = _verified(plan, composed, bundle, context, session, merged, note)
     if composed.tabled and not context.sink.has_errors:
-        bundle = _with_table(plan, composed, bundle, compiled, context, session, request.deduplicated)
+        bundle = _with_worlds(plan, composed, bundle, compiled, context, session, request.deduplicated)
     if context.sink.has_errors:
         return None
     making = Making(
@@ -264,7 +264,7 @@ def _of_targets(
     return {word: partial(check, work) for word, check in CHECKS.items()}
 
 
-def _with_table(
+def _with_worlds(
     plan: Plan,
     composed: Composed,
     bundle: Bundle,
@@ -273,15 +273,16 @@ def _with_table(
     session: Session,
     deduplicated: bool,
 ) -> Bundle:
-    """Return the bundle with the table of `randomize`, compared with one sample that is built."""
+    """Return the bundle with the draws of `randomize` and its worlds; some are compared with samples that are built."""
     from composer.verify.compile_report import judge
     from composer.verify.draw_table import CODE, SAMPLE, DrawTable
+    from composer.verify.world_table import with_worlds
 
     if compiled is None:
         help = "build without `--no-verify`, or write `emit: models`"
         span = locate(plan.document, ("randomize", "emit"))
         context.sink.error(
-            CODE, "only MuJoCo knows where in the model the draws of a table go", span, help=help
+            CODE, "only MuJoCo knows where in the model the draws of worlds go", span, help=help
         )
         return bundle
     table = DrawTable(plan, composed.tabled, session, context)
@@ -300,10 +301,4 @@ def _with_table(
             and judge(made, sample.model, context, session, keep=SAMPLE, at=plan.span) is not None
         )
 
-    if plan.randomize is not None and plan.randomize.emit == "worlds":
-        from composer.verify.world_table import with_worlds
-
-        return table.added(with_worlds(table, bundle, build_sample))
-    if build_sample(1):
-        table.compare()
-    return table.added(bundle)
+    return table.added(with_worlds(table, bundle, build_sample))

@@ -27,7 +27,7 @@ def sample_name(name: str, sample: int) -> str:
 def with_samples(path: Path, matrix: Matrix, given: dict[str, Node], context: Context) -> list[Cell]:
     """Return every cell, or the recipe if it has no matrix, as its samples, the nominal model first.
 
-    A cell stays as it is if it draws nothing, or if a single model with a table is wanted.
+    A cell stays as it is if it draws nothing, or if a single model with worlds is wanted.
     """
     document, cells, sink = matrix.document, matrix.cells, context.sink
     if not {"randomize", "variants"} & document.entries.keys() or (
@@ -61,7 +61,7 @@ def _samples(concrete: Mapping, cell: Cell) -> Iterator[Cell]:
     written, emit = find(concrete, ("randomize", "samples")), find(concrete, ("randomize", "emit"))
     count = written.value if isinstance(written, Scalar) else None
     whole = isinstance(count, int | float) and not isinstance(count, bool) and 0 < count <= in_force().samples
-    if not whole or (isinstance(emit, Scalar) and emit.value in ("table", "worlds")):
+    if not whole or (isinstance(emit, Scalar) and emit.value == "worlds"):
         yield cell  # planning reports its errors
         return
     assert isinstance(count, int | float)

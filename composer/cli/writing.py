@@ -202,10 +202,10 @@ def _deliver(
 
 
 def _check_holds_all(bundle: Bundle, out: str) -> None:
-    """Refuse an output form that cannot hold a table of draws."""
-    from composer.bundle.bundle import DRAWS
+    """Refuse an output form that cannot hold worlds."""
+    from composer.bundle.bundle import WORLDS
     from composer.bundle.output_error import OutputError
 
-    if DRAWS in bundle.files:
+    if WORLDS in bundle.files:
         help = "write a folder or an archive, such as `-o build/{name}.zip`"
-        raise OutputError("output-kind", f"`{out}` has no room for the table of draws", help)
+        raise OutputError("output-kind", f"`{out}` has no room for the worlds", help)

@@ -17,6 +17,7 @@ from composer.recipe.shown import kind_of
 from composer.recipe.text import Choice
 
 MAX_SEED = 2**64 - 1
+_FORMER = (("table", "worlds"),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,9 +81,11 @@ class Randomize(Model):
     """What makes these draws differ from those of another seed: a whole number below 2**64."""
     samples: Annotated[int, Whole("samples", 1, "samples")]
     """How many samples there are, besides sample 0, the model without any draw."""
-    emit: Annotated[Literal["models", "table", "worlds", "union"], Choice("emit", chosen=True)] = "models"
-    """What `build --all` writes: a model for each sample, or one with the draws for use at run time: a table of
-    them, or with `worlds` also all numbers of mjModel that differ. With `union` it writes models, and `build --worlds`
+    emit: Annotated[Literal["models", "worlds", "union"], Choice("emit", chosen=True, former=_FORMER)] = (
+        "models"
+    )
+    """What `build --all` writes: a model for each sample, or with `worlds` one and a table of all numbers of mjModel
+    that differ between the samples. With `union` it writes models, and `build --worlds`
     makes one with the parts of all where these draw different ones."""
     fields: Annotated[tuple[DrawField, ...], Fields()]
     """What is drawn: a mapping from a name, which is part of the seed, to a distribution and what it is for."""
@@ -90,7 +93,7 @@ class Randomize(Model):
     @property
     def at_run_time(self) -> bool:
         """Return whether only one model is built, and its draws are used at run time."""
-        return self.emit in ("table", "worlds")
+        return self.emit == "worlds"
 
     @property
     def of_parameters(self) -> tuple[DrawField, ...]:

@@ -9,6 +9,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidatorFuncti
 from pydantic_core import CoreSchema, core_schema
 
 from composer.dataclass import dataclass
+from composer.diagnostics.fix import Fix
 from composer.diagnostics.suggest import closest, exists_note, renaming
 from composer.recipe.fault import Fault, Path, validation_error
 from composer.recipe.form import Form
@@ -68,11 +69,13 @@ class Text(Form):
 class Choice:
     """Form of a `Literal` of keywords. `key` is its name in messages.
 
-    If it is `chosen`, it may also be a `${…}`, for editors too.
+    If it is `chosen`, it may also be a `${…}`, for editors too. `former` has keywords that are no more, each with the
+    one to write instead.
     """
 
     key: str
     chosen: bool = False
+    former: tuple[tuple[str, str], ...] = ()
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         words = _words(source)
@@ -94,13 +97,15 @@ class Choice:
             return Fault(
                 "wrong-type", f"`{self.key}` expects a keyword, got {kind_of(value)}", help=_one_of(words)
             )
-        near = closest(value, words) or [word for word in words if len(value) > 1 and word.startswith(value)]
+        instead = dict(self.former).get(value)
+        near = [instead] if instead else closest(value, words)
+        near = near or [word for word in words if len(value) > 1 and word.startswith(value)]
         return Fault(
             "wrong-keyword",
             f"`{self.key}` cannot be `{value}`",
             notes=(exists_note("keyword", words, value),),
             help=f"write `{self.key}: {near[0]}`" if near else None,
-            fix=renaming(value, words),
+            fix=Fix(instead, value) if instead else renaming(value, words),
         )
 
 

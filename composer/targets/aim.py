@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from composer import engine
-from composer.bundle.bundle import DRAWS, MANIFEST, WORLDS, Bundle
+from composer.bundle.bundle import MANIFEST, WORLDS, Bundle
 from composer.bundle.licences import LICENCES
 from composer.bundle.manifest import Aimed, LeftOut, files_of, from_json, with_manifest
 from composer.bundle.manifest_index import index_of
@@ -44,8 +44,8 @@ def aimed(
     written; `at` is the place of losses that belong to no element. The result is None if the target cannot express
     the model, or if MuJoCo reads the plain text as another model.
     """
-    if DRAWS in bundle.files or WORLDS in bundle.files:
-        message = f"`{target}` has no room for a table of draws"
+    if WORLDS in bundle.files:
+        message = f"`{target}` has no room for worlds"
         context.sink.error(CANNOT, message, at, help="write `emit: models` in `randomize`")
         return None
     with scratch("target") as folder:

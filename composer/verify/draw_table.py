@@ -1,4 +1,4 @@
-"""The table of all draws of a model, for drawing at run time: the fields, their addresses and their values."""
+"""The table of all draws of a model, as a bundle with worlds has it: the fields, their addresses and their values."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from composer import engine
 from composer.bundle.bundle import DRAWS, MODEL, Bundle
 from composer.bundle.rows import write_rows
 from composer.context import Context
-from composer.diagnostics.diagnostic import Note
 from composer.document.node import locate
 from composer.expr.angle import UNITS, Angle
 from composer.grammar.degrees import is_in_degrees
@@ -22,7 +21,7 @@ from composer.plan.plan import Plan
 from composer.recipe.distribution import CHOICE
 from composer.recipe.draw_field import DrawField
 from composer.verify.compiles import WHOLE
-from composer.verify.run_time import compare, resolve
+from composer.verify.run_time import resolve
 
 SAMPLES = "samples.csv"
 SAMPLE = "sample"
@@ -40,7 +39,6 @@ class DrawTable:
         self.plan, self.tabled, self.session, self.context = plan, tabled, session, context
         self.columns: dict[str, dict[str, Any]] = {}
         self.values: dict[str, Sequence[Any]] = {}
-        self.left: list[str] = []
 
     def fill(self) -> bool:
         """Look up the address of every number, and return whether each has one."""
@@ -62,33 +60,6 @@ class DrawTable:
                 self._add(each, found)
         return self.context.sink.error_count == before
 
-    def compare(self) -> None:
-        """Put sample 1 into the nominal model and compare that with the built sample, which the session keeps."""
-        row = [values[0] for values in self.values.values()]
-        question = {"columns": list(self.columns.values()), "row": row}
-        answer = engine.call(self.session, compare, [WHOLE, SAMPLE], question)
-        if not answer.ok:
-            self.crashed(answer)
-            return
-        self.left = sorted(answer.value["arrays"])
-        for field in answer.value["fields"]:
-            step = next(each for each in self.plan.draws if each.field.name == field)
-            message = (
-                f"field `{field}` cannot be drawn at run time, with the others: a build makes another number"
-            )
-            self._fault(step.field, message)
-        if answer.value["fields"]:
-            return
-        if self.left:
-            listed = ", ".join(f"`{name}`" for name in self.left)
-            self.context.sink.warning(
-                CODE,
-                "what is drawn at run time does not reach everything that a build computes of it",
-                locate(self.plan.document, ("randomize", "emit")),
-                notes=(Note(f"of sample 1, these differ after mj_setConst: {listed}"),),
-                help=f"write `emit: models` where that matters; `{DRAWS}` lists them too",
-            )
-
     def added(self, bundle: Bundle) -> Bundle:
         """Return the bundle with the table in it."""
         wanted = self.plan.randomize
@@ -102,7 +73,6 @@ class DrawTable:
             "mujoco": self.session.mujoco_version,
             "fields": {each.name: _field(each) for each in wanted.fields},
             "columns": [{"column": name, **column} for name, column in self.columns.items()],
-            "not_recomputed": self.left,
         }
         table = io.BytesIO()
         with io.TextIOWrapper(table, "utf-8", newline="", write_through=True) as text:

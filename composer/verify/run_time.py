@@ -1,4 +1,4 @@
-"""In MuJoCo's process: find drawn attributes in a compiled model and apply draws to it."""
+"""In MuJoCo's process: find drawn attributes in a compiled model; tell whether numbers are equal but for rounding."""
 
 from __future__ import annotations
 
@@ -77,49 +77,6 @@ def _id(mujoco: Any, model: Model, asked: dict[str, Any]) -> int | str:
     if len(there) != count:
         return f"of the {family}s in body `{body}` that have no name it is not known which is which"
     return int(there[position])
-
-
-def compare(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -> dict[str, Any]:
-    """Return how a built sample differs from the nominal model with the same draws in it.
-
-    Runs under `composer.engine.call`. ``asked`` has the draws as `row` and `columns`. The answer has the
-    `arrays` that differ after mj_setConst, and the `fields` with a drawn number that differs.
-    """
-    apply(nominal, asked["columns"], asked["row"])
-    mujoco.mj_setConst(nominal, mujoco.MjData(nominal))
-    arrays = []
-    for name in dir(nominal):
-        mine, other = getattr(nominal, name), getattr(sample, name)
-        if not name.startswith("_") and isinstance(mine, np.ndarray) and not are_close(mine, other):
-            arrays.append(name)
-    fields = [column["field"] for column in asked["columns"] for target in column["targets"]
-              if target["array"] in arrays and _differs(nominal, sample, target)]  # fmt: skip
-    return {"arrays": arrays, "fields": list(dict.fromkeys(fields))}
-
-
-def _differs(nominal: Model, sample: Model, target: dict[str, Any]) -> bool:
-    index = tuple(target["index"])
-    mine, other = getattr(nominal, target["array"]), getattr(sample, target["array"])
-    return mine.shape != other.shape or not are_close(mine[index], other[index])
-
-
-def apply(model: Model, columns: list[dict[str, Any]], row: list[float | None]) -> None:
-    """Put the draws of one sample into a model; None leaves a number as it is."""
-    for column, value in zip(columns, row, strict=True):
-        ratio = 1.0
-        if value is None:
-            continue
-        for target in column["targets"]:
-            array, index = getattr(model, target["array"]), tuple(target["index"])
-            before = float(array[index])
-            if target.get("follows"):
-                array[index] = before * ratio
-                continue
-            signed = value * target.get("sign", 1)
-            array[index] = {"set": signed, "scale": before * value, "offset": before + signed}[
-                column["operation"]
-            ]
-            ratio = float(array[index]) / before if before else 1.0
 
 
 def are_close(a: Any, b: Any) -> bool:

@@ -44,7 +44,7 @@ def _drawn(
     model: Model, columns: list[dict[str, Any]], following: list[tuple[Place, list[Place]]], rows: Numbers,
     found: Recorder,
 ) -> Iterator[tuple[Numbers, Numbers, Numbers]]:  # fmt: skip
-    """Yield where in the model's memory drawn numbers go, and the numbers, `(worlds, numbers)`: as `apply` does."""
+    """Yield where in the model's memory drawn numbers go, and the numbers, `(worlds, numbers)`."""
     values: dict[Place, Numbers] = {}
     with np.errstate(all="ignore"):  # as with single numbers
         for column, drawn in zip(columns, rows.T, strict=True):

@@ -7,7 +7,7 @@ import shutil
 from dataclasses import replace
 from pathlib import Path
 
-from composer.bundle.bundle import DRAWS, WORLDS, Bundle
+from composer.bundle.bundle import WORLDS, Bundle
 from composer.bundle.folder import write_folder
 from composer.cache.builder import Maker
 from composer.cache.result import Made
@@ -20,9 +20,7 @@ from composer.expand.matrix import Cell
 from composer.loading.load import load
 from composer.plan.read import read_recipe
 from composer.reading.regular import read_regular
-from composer.worlds.errors import failure
 from composer.worlds.joining import Joined
-from composer.worlds.parts import CODE
 from composer.worlds.table_file import read
 
 
@@ -49,9 +47,6 @@ class Shelf:
         loaded, table = load(folder), None
         if os.path.exists(folder / WORLDS):
             table = read(read_regular(folder / WORLDS))
-        elif os.path.exists(folder / DRAWS):
-            help = "write `emit: worlds`, or `emit: models`, which builds each sample"
-            raise failure(CODE, f"`{made.name}` has a table of its draws, not worlds", help)
         named = {"name": cell.cell or loaded.manifest.name}
         return Joined(loaded, made.name, {**named, **cell.values()}, cell.sample, table, folder)
 

@@ -155,8 +155,8 @@ def test_check_looks_at_every_sample(folder: Path) -> None:
     assert "of field `friction` gives geom `g` the friction -" in result.stderr
 
 
-def test_a_table_is_one_model(folder: Path) -> None:
-    draws = DRAWS.replace("samples: 3", "samples: 3\n  emit: table").replace(
+def test_worlds_are_one_model(folder: Path) -> None:
+    draws = DRAWS.replace("samples: 3", "samples: 3\n  emit: worlds").replace(
         "    size: {param: size, scale: {uniform: [0.5, 2]}}\n", ""
     )
     (folder / "r.yaml").write_text(HEAD + draws)
@@ -164,7 +164,7 @@ def test_a_table_is_one_model(folder: Path) -> None:
     assert len(table(folder / "ball" / "samples.csv")) == 4
     assert not (folder / "samples.csv").exists()
     result = run("build", "r.yaml", "-o", "ball.xml")
-    assert result.exit_code == 1 and "`ball.xml` has no room for the table of draws" in result.stderr
+    assert result.exit_code == 1 and "`ball.xml` has no room for the worlds" in result.stderr
     result = run("build", "r.yaml", "-o", "other/", "--no-verify")
     assert result.exit_code == 1 and "only MuJoCo knows" in result.stderr
 
@@ -178,12 +178,12 @@ def test_a_second_run_builds_nothing_and_has_the_same_table(folder: Path) -> Non
     assert (folder / "build" / "samples.csv").read_bytes() == first
 
 
-def test_a_known_table_is_not_lost_in_a_form_without_room(folder: Path) -> None:
+def test_known_worlds_are_not_lost_in_a_form_without_room(folder: Path) -> None:
     (folder / "r.yaml").write_text(HEAD.replace("params: {size: 1}\n", "") + DRAWS.replace(
-        "    size: {param: size, scale: {uniform: [0.5, 2]}}\n", "").replace("  fields:", "  emit: table\n  fields:"))  # fmt: skip
+        "    size: {param: size, scale: {uniform: [0.5, 2]}}\n", "").replace("  fields:", "  emit: worlds\n  fields:"))  # fmt: skip
     assert run("build", "r.yaml").exit_code == 0
     refused = run("build", "r.yaml", "-o", "ball.mjb")
-    assert refused.exit_code == 1 and "has no room for the table of draws" in refused.stderr
+    assert refused.exit_code == 1 and "has no room for the worlds" in refused.stderr
     assert not list(folder.glob("*.mjb"))
 
 

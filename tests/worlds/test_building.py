@@ -167,7 +167,7 @@ def test_a_table_of_another_model(tmp_path: Path) -> None:
         (MATRIX, ("--worlds", "study.csv"), 2, "error[output-kind]: no table of worlds is called `*.csv`"),
         (MATRIX, ("--shard", "1/2"), 2, "--shard is not for --worlds"),
         (MATRIX, ("--samples", "s.csv"), 2, "--samples is not for --worlds"),
-        (MATRIX + DRAWN.format(samples=2, emit="table", field=DAMPING), (), 1, "has a table of its draws, not worlds"),
+        (MATRIX + DRAWN.format(samples=2, emit="table", field=DAMPING), (), 1, "help: write `emit: worlds`"),
         (MATRIX + DRAWN.format(samples=2, emit="worlds", field=PARAM), (), 1, "error[draw-at-run-time]"),
         (MATRIX.replace("0.1, 0.2", "-1, 0.2"), (), 1, "error["),
     ],
