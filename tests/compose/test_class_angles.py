@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from cases import Case
 
 from composer.context import Context
 from composer.stages import Request, build
 
-LEGS = (Path(__file__).parents[1] / "errors" / "class_angle_of_slide" / "legs.xml").read_text(
-    encoding="utf-8"
-)
+ERRORS = Path(__file__).parents[1] / "errors"
+LEGS = Case(ERRORS / "angles" / "class_angle_of_slide.txt").texts["legs.xml"]
 BY_DEFAULT = "default: {main: {joint: {range: VALUE}}}"
 BY_EDIT = "edit: [{select: {default: main}, set: {joint: {range: VALUE}}}]"
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from cases import Case
 
 from composer.compose import load
 from composer.compose.foresee import foresee
@@ -16,9 +17,8 @@ from composer.plan.planner import make_plan
 TESTS = Path(__file__).parents[1]
 
 
-def foreseen(case: str, folder: Path) -> Foreseen:
-    shutil.copytree(TESTS / case, folder / "case")
-    context = Context(environment={}, folder=folder / "case")
+def foreseen(folder: Path) -> Foreseen:
+    context = Context(environment={}, folder=folder)
     plan = make_plan(Path("recipe.yaml"), context)
     assert plan is not None
     return foresee(plan, context)
@@ -33,13 +33,14 @@ def test_each_file_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         return parse(path, *args, **given)
 
     monkeypatch.setattr(load, "parse_file", counting)
-    found = foreseen("golden/contacts_of_parts", tmp_path)
+    found = foreseen(shutil.copytree(TESTS / "golden" / "contacts_of_parts", tmp_path / "case"))
     assert sorted(read) == ["arm.xml", "cube.xml", "tool.xml"]
     assert Excluded("upper", "stand/palm", "") in found.excluded
 
 
 def test_of_a_source_that_is_not_mjcf_nothing_is_foreseen(tmp_path: Path) -> None:
-    found = foreseen("errors/source_not_mjcf", tmp_path)
+    case = Case(TESTS / "errors" / "sources" / "source_not_mjcf.txt")
+    found = foreseen(case.lay(tmp_path / "case"))
     assert (found.adopted, found.excluded) == ((), ())
 
 

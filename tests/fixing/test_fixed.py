@@ -1,15 +1,14 @@
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import pytest
+from cases import Case, cases
 
 from composer.context import Context
 from composer.fixing.fixed import Fixed, fix
 
-ROOT = Path(__file__).resolve().parents[2]
-ERRORS = ROOT / "tests" / "errors"
+ERRORS = Path(__file__).resolve().parents[1] / "errors"
 ARM = """<mujoco><worldbody><body name="base"><geom size="0.1"/><body name="link"><joint name="elbow" damping="1"/>
   <joint name="hip"/><geom name="rod" size="0.1"/><site name="tip"/></body></body></worldbody></mujoco>"""
 
@@ -113,13 +112,10 @@ def test_models_are_not_touched(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "case", sorted(path.name for path in ERRORS.iterdir() if (path / "recipe.yaml").exists())
-)
-def test_every_wrong_recipe(case: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("case", cases(ERRORS), ids=lambda case: case.id)
+def test_every_wrong_recipe(case: Case, tmp_path: Path) -> None:
     """What is fixed is not found again, nothing else breaks, and there is nothing to fix the second time."""
-    folder = tmp_path / "case"
-    shutil.copytree(ERRORS / case, folder)
+    folder = case.lay(tmp_path / "case")
     found = fix(folder / "recipe.yaml", Context(folder=folder))
     for path, (_, after) in found.files.items():
         path.write_bytes(after)

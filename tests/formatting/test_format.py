@@ -6,6 +6,7 @@ from textwrap import dedent
 from typing import Any
 
 import pytest
+from cases import cases
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
@@ -16,17 +17,17 @@ from composer.document.tokens import comments, tokens
 from composer.formatting.format import format_recipe
 
 ROOT = Path(__file__).parents[2]
-FILES = [
-    path
-    for pattern in (
-        "recipes/*.yaml",
-        "tests/golden/*/*.yaml",
-        "tests/errors/*/*.yaml",
-        "tests/recipe/errors/*/*.yaml",
-    )
+RECIPES = {
+    "/".join(path.parts[-3:]): path.read_bytes()
+    for pattern in ("recipes/*.yaml", "tests/golden/*/*.yaml", "tests/errors/*/*/recipe.yaml")
     for path in sorted(ROOT.glob(pattern))
-    if path.is_file()
-]
+} | {
+    f"{case.id}/{name}": text.encode()
+    for folder in ("errors", "recipe/errors")
+    for case in cases(ROOT / "tests" / folder)
+    for name, text in case.texts.items()
+    if name.endswith(".yaml")
+}  # fmt: skip
 
 
 def formatted(text: str | bytes) -> str:
@@ -162,13 +163,12 @@ def test_layout(text: str, expected: str) -> None:
     assert formatted(dedent(text)) == dedent(expected)
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: "/".join(path.parts[-3:]))
-def test_of_every_recipe(path: Path) -> None:
-    source = path.read_bytes()
+@pytest.mark.parametrize("source", RECIPES.values(), ids=RECIPES)
+def test_of_every_recipe(source: bytes) -> None:
     sink = Sink()
-    node = load(source, path.name, sink)
+    node = load(source, "recipe.yaml", sink)
     if not isinstance(node, Mapping | Sequence) or sink.diagnostics:
-        assert format_recipe(source, path.name, Sink()) is None
+        assert format_recipe(source, "recipe.yaml", Sink()) is None
         return
     formatted(source)
 

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
+from cases import cases
 from fuzz.mutation import Mutate
 
 from composer.context import Context
@@ -49,6 +52,21 @@ class Target:
     mutate: Mutate
     check: Check
     beside: Path | None = None
+
+
+@cache
+def _temporary() -> TemporaryDirectory[str]:
+    """A folder that goes when the process ends."""
+    return TemporaryDirectory(prefix="fuzz-")
+
+
+def error_cases() -> Path:
+    """A folder with those of `tests/errors`, each a folder of its files."""
+    folder = Path(_temporary().name)
+    for each in cases(ROOT / "tests" / "errors"):
+        if not (folder / each.id).exists():
+            each.lay(folder / each.id)
+    return folder
 
 
 def limits() -> Limits:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from cases import Case
 
 from composer.grammar import GRAMMAR
 
@@ -49,8 +50,8 @@ def test_nothing_to_say_about_a_shipped_recipe(yaml_server: YamlServer, path: Pa
 
 @pytest.mark.parametrize(("case", "line", "message"), WRONG, ids=[case for case, *_ in WRONG])
 def test_wrong_recipe_is_marked(yaml_server: YamlServer, case: str, line: int, message: str) -> None:
-    path = ERRORS / case / "recipe.yaml"
-    marked = yaml_server.diagnostics(path, path.read_text(encoding="utf-8"))
+    text = Case(ERRORS / f"{case}.txt").texts["recipe.yaml"]
+    marked = yaml_server.diagnostics(ERRORS / case / "recipe.yaml", text)
     there = [each["message"] for each in marked if each["range"]["start"]["line"] == line - 1]
     assert any(message in each for each in there), marked
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from cases import Case, cases
 
 from composer.diagnostics import Sink, render
 from composer.document import load, to_python
@@ -22,7 +23,7 @@ from composer.recipe.tendon import MARKS
 ROOT = Path(__file__).parents[2]
 FILE = ROOT / "schemas" / "recipe.schema.json"
 RECIPES = sorted((ROOT / "recipes").glob("*.yaml"))
-CASES = sorted(Path(__file__).parent.joinpath("errors").iterdir())
+CASES = cases(Path(__file__).parent / "errors")
 
 # What a schema cannot see: how an angle is written, characters that XML cannot hold, what is in a fragment.
 UNSEEN = {"bare_angle", "bare_angle_of_joint", "no_orientation", "unprintable", "expression"}
@@ -36,8 +37,8 @@ def validator() -> Any:
     return jsonschema.Draft202012Validator(schema)
 
 
-def parsed(path: Path) -> Any:
-    node = load(path.read_text(encoding="utf-8"), path.name, Sink())
+def parsed(text: str) -> Any:
+    node = load(text, "recipe.yaml", Sink())
     assert node is not None
     return to_python(node)
 
@@ -69,14 +70,14 @@ def test_choices_by_type_are_no_giant_alternatives() -> None:
 
 @pytest.mark.parametrize("path", RECIPES, ids=lambda path: path.name)
 def test_accepts_shipped_recipe(validator: Any, path: Path) -> None:
-    assert list(validator.iter_errors(parsed(path))) == []
+    assert list(validator.iter_errors(parsed(path.read_text(encoding="utf-8")))) == []
 
 
 @pytest.mark.parametrize(
-    "case", [case for case in CASES if case.name not in UNSEEN], ids=lambda case: case.name
+    "case", [case for case in CASES if case.path.stem not in UNSEEN], ids=lambda case: case.path.stem
 )
-def test_refuses_wrong_recipe(validator: Any, case: Path) -> None:
-    assert list(validator.iter_errors(parsed(case / "recipe.yaml"))) != []
+def test_refuses_wrong_recipe(validator: Any, case: Case) -> None:
+    assert list(validator.iter_errors(parsed(case.texts["recipe.yaml"]))) != []
 
 
 @pytest.mark.parametrize(
@@ -242,7 +243,7 @@ def test_no_attribute_is_called_like_a_key_of_the_language() -> None:
 @pytest.mark.parametrize("seed", range(3))
 def test_what_is_valid_is_valid_in_editors(validator: Any, seed: int) -> None:
     chance = random.Random(seed)
-    values = [parsed(path) for path in RECIPES]
+    values = [parsed(path.read_text(encoding="utf-8")) for path in RECIPES]
     accepted = 0
     for _ in range(150):
         value = pruned(chance.choice(values), chance)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from cases import cases
 
 from composer.diagnostics import Diagnostic, Sink
 from composer.document import load, to_python
@@ -21,12 +22,16 @@ from composer.recipe.settable_schema import TAGS
 from composer.tree.selector import known_tags
 
 ROOT = Path(__file__).parents[2]
-FILES = [
-    path
-    for pattern in ("recipes/**/*.yaml", "tests/golden/*/*.yaml", "tests/errors/*/*.yaml")
+RECIPES = [
+    path.read_bytes()
+    for pattern in ("recipes/**/*.yaml", "tests/golden/*/*.yaml")
     for path in sorted(ROOT.glob(pattern))
-    if path.is_file()
-]
+] + [
+    text.encode()
+    for case in cases(ROOT / "tests" / "errors")
+    for name, text in case.texts.items()
+    if name.endswith(".yaml")
+]  # fmt: skip
 # What is judged elsewhere, or by the files that are named.
 _NOT_HERE = ("extends", "trust", "variants", "matrix", "recipe")
 _VALUES: list[Any] = [
@@ -39,8 +44,8 @@ _SEEN = ("unknown-key", "unknown-attribute", "unknown-element")
 
 def recipes() -> list[dict[str, Any]]:
     found = []
-    for path in FILES:
-        node = load(path.read_bytes(), path.name, Sink())
+    for source in RECIPES:
+        node = load(source, "recipe.yaml", Sink())
         value = None if node is None else to_python(node)
         if isinstance(value, dict):
             found.append({name: each for name, each in value.items() if name not in _NOT_HERE})

@@ -1,14 +1,14 @@
-"""Wrong recipes, each a folder of `errors/` with what is told; set `UPDATE_EXPECTED=1` to write that anew."""
+"""Wrong recipes, each a case in `errors/` with what is told; set `UPDATE_EXPECTED=1` to write that anew."""
 
 from __future__ import annotations
 
-import os
 import random
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from cases import Case, cases
 
 from composer.context import Context
 from composer.diagnostics import Diagnostic, Sink, Span, render
@@ -18,7 +18,7 @@ from composer.expand.expand import expand
 from composer.plan.read import read_recipe
 from composer.recipe import Recipe, validate
 
-CASES = sorted(Path(__file__).parent.joinpath("errors").iterdir())
+CASES = cases(Path(__file__).parent / "errors")
 RECIPES = sorted(Path(__file__).parents[2].joinpath("recipes").glob("*.yaml"))
 PLACE = Span("recipe.yaml", 1, 1, 1, 2)
 
@@ -29,21 +29,17 @@ def parse(text: str, sink: Sink) -> Node:
     return node
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
-def test_wrong_recipe(case: Path) -> None:
-    text = (case / "recipe.yaml").read_text(encoding="utf-8")
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.path.stem)
+def test_wrong_recipe(case: Case) -> None:
+    text = case.texts["recipe.yaml"]
     sink = Sink()
     assert validate(parse(text, sink), sink) is None
     told = "\n\n".join(render(each, lambda _: text) for each in sink.sorted()) + "\n"
-    expected = case / "expected.txt"
-    if os.environ.get("UPDATE_EXPECTED"):
-        expected.write_text(told, encoding="utf-8")
-    assert told == expected.read_text(encoding="utf-8")
+    assert told == case.check(told)
 
 
 def test_there_are_wrong_recipes() -> None:
-    assert len(CASES) >= 25
-    assert all((case / "expected.txt").exists() for case in CASES)
+    assert len(CASES) >= 67
 
 
 @pytest.mark.parametrize("path", RECIPES, ids=lambda path: path.name)
@@ -137,9 +133,8 @@ def located(value: Any) -> Node:
 @pytest.mark.parametrize("seed", range(4))
 def test_whatever_is_written_becomes_diagnostics(seed: int) -> None:
     chance = random.Random(seed)
-    texts = [
-        path.read_text(encoding="utf-8") for path in (*RECIPES, *(case / "recipe.yaml" for case in CASES))
-    ]
+    texts = [path.read_text(encoding="utf-8") for path in RECIPES]
+    texts += [case.texts["recipe.yaml"] for case in CASES]
     values = [to_python(parse(text, Sink())) for text in texts]
     for _ in range(250):
         value = changed(chance.choice(values), chance)

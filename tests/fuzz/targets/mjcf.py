@@ -6,15 +6,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from fuzz.mutation import xml_changed
-from fuzz.target import ROOT, Seed, Target, Tools
+from fuzz.target import ROOT, Seed, Target, Tools, error_cases
 from fuzz.targets.model import differs
 
 _LARGEST = 20_000
-_FOLDERS = ("recipes/models", "tests/golden", "tests/feature_cases", "tests/errors")
+_FOLDERS = ("recipes/models", "tests/golden", "tests/feature_cases")
 
 
 def _seeds(corpus: Path | None) -> Iterator[Seed]:
-    folders = [ROOT / each for each in _FOLDERS] + ([corpus / "models"] if corpus else [])
+    folders = [*(ROOT / each for each in _FOLDERS), error_cases()] + ([corpus / "models"] if corpus else [])
     for folder in folders:
         for path in sorted(folder.rglob("*.xml")):
             data = path.read_bytes()

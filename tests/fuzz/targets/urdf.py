@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from fuzz.mutation import xml_changed
-from fuzz.target import ROOT, Seed, Target, Tools
+from fuzz.target import ROOT, Seed, Target, Tools, error_cases
 from fuzz.targets.model import differs
 
 _LARGEST = 20_000
@@ -21,7 +21,7 @@ _ROBOT = b"""<robot name="r"><mujoco><compiler fusestatic="false"/></mujoco><mat
 
 def _seeds(corpus: Path | None) -> Iterator[Seed]:
     yield Seed(_ROBOT)
-    for path in sorted((ROOT / "tests").rglob("*.urdf")):
+    for path in [*sorted((ROOT / "tests").rglob("*.urdf")), *sorted(error_cases().rglob("*.urdf"))]:
         if path.stat().st_size < _LARGEST:
             yield Seed(path.read_bytes(), path.parent)
 
