@@ -13,8 +13,7 @@ from composer.diagnostics.span import Span
 from composer.limits import advice, in_force
 from composer.tree.expansion import written
 from composer.tree.pattern import takes_process
-from composer.tree.selector import XPATH, Selector
-from composer.tree.xpath import is_plain
+from composer.tree.selector import Selector
 
 # Measured: a value is written in 0.1 ms.
 _LOOKS = 30
@@ -57,8 +56,6 @@ def cost_of_selecting(selector: Selector, root: Node) -> float:
 
 
 def _processes(selector: Selector) -> int:
-    if selector.tag == XPATH:
-        return 0 if is_plain(selector.pattern) else 1
     return takes_process(selector.pattern) + takes_process(selector.dclass or "")
 
 

@@ -10,7 +10,7 @@ from composer.compiled.affected_arrays import arrays_of
 from composer.plan.part_record import PartRecord
 from composer.recipe.edit import Edit
 from composer.recipe.verbs.table import VERBS
-from composer.tree.selector import XPATH, Selector
+from composer.tree.selector import Selector
 
 _HEAD = re.compile(r"[^*?{\[]*")
 
@@ -27,7 +27,7 @@ def with_edits(member: PartRecord, edits: Iterable[Edit]) -> PartRecord:
 
 def reaches(selector: Selector, prefix: str, prefixes: Collection[str]) -> bool:
     """Return whether a selector can match elements of the part with that prefix, judged by the start of names."""
-    if selector.tag == XPATH or selector.pattern.startswith("/"):
+    if selector.pattern.startswith("/"):
         return True
     found = _HEAD.match(selector.pattern)
     head = found[0] if found is not None else ""
@@ -38,7 +38,7 @@ def reaches(selector: Selector, prefix: str, prefixes: Collection[str]) -> bool:
 
 def _changed(edit: Edit) -> Iterator[tuple[str | None, str]]:
     """Yield the attributes that an edit changes, each with the tag if it is known."""
-    tag = None if "/" in edit.select.tag or edit.select.tag == XPATH else edit.select.tag
+    tag = None if "/" in edit.select.tag else edit.select.tag
     for name, value in edit.verbs.items():
         if (changes := VERBS[name].changes) is not None:
             yield from changes(tag, value)

@@ -33,8 +33,7 @@ from composer.recipe.draw_field import must_not_be_negative
 from composer.recipe.subscript import attribute_and_index
 from composer.recipe.verbs.values import MASS
 from composer.tree.kinds import kind_of
-from composer.tree.select import name_of, parent_of
-from composer.tree.selector import XPATH
+from composer.tree.select import name_of, numbered, parent_of
 
 
 def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[ElementDraws]]:
@@ -82,7 +81,7 @@ class _Draws:
     step: DrawValues
     editing: Editing
     masses: Masses
-    numbers: dict[Node, dict[Node, int]] = field(default_factory=dict)
+    numbers: dict[tuple[Node, str], dict[Node, int]] = field(default_factory=dict)
 
     def write(self, node: Node, index: int) -> Drawn:
         """Write the sample's draw onto an element, and return it as in the manifest."""
@@ -168,21 +167,16 @@ class _Draws:
 
         Only elements without a name are counted.
         """
-        name = name_of(node)
-        if name:
-            select = self.step.field.select
-            return f"{node.tag} {name}" if select is not None and select.tag == XPATH else name
+        if name := name_of(node):
+            return name
         # Not its place in the model: an element that is added elsewhere must not change its draws.
         parent = parent_of(node)
         if parent is None:
             return str(node.tag)
-        if parent not in self.numbers:
-            unnamed: dict[str, list[Node]] = {}
-            for each in parent.iterdescendants(str(node.tag)):
-                if not name_of(each) and parent_of(each) is parent:
-                    unnamed.setdefault(str(each.tag), []).append(each)
-            self.numbers[parent] = {each: n for nodes in unnamed.values() for n, each in enumerate(nodes)}
-        number = self.numbers[parent].get(node, 0)
+        place = parent, str(node.tag)
+        if place not in self.numbers:
+            self.numbers[place] = numbered(*place)
+        number = self.numbers[place][node]
         return f"{self.identity(parent) if parent.tag != 'worldbody' else 'world'} {node.tag}#{number}"
 
     @property

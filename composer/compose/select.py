@@ -28,8 +28,7 @@ from composer.tree.glob import is_glob, matcher
 from composer.tree.kinds import kind_of
 from composer.tree.pattern import BadPattern, is_pattern
 from composer.tree.select import Selection
-from composer.tree.selector import XPATH, Selector, paths_of
-from composer.tree.xpath import BadXPath
+from composer.tree.selector import Selector, paths_of
 
 _SHOWN = 12
 
@@ -47,13 +46,6 @@ def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | Non
     except BadPattern as bad:
         editing.sink.error("selector", bad.message, editing.span(path), help=bad.help)
         editing.cost.ended |= bad.is_slow
-    except BadXPath as error:
-        editing.cost.ended |= error.is_slow
-        editing.sink.error(
-            "selector",
-            f"`{selector.pattern}` is not an XPath for elements: {error}",
-            editing.span((*path, XPATH)),
-        )
     except Unusable:
         pass
     return None
@@ -107,15 +99,17 @@ def _holds(editing: Editing, selection: Selection, node: Node, selector: Selecto
         raise Unusable
     values = Values(editing, node, 0, at)
     if isinstance(selector.where, str):
-        return _expression_holds(values, selector, selector.where)
+        return _expression_holds(values, selection, selector, selector.where)
     return all(_has(values, selection, key, wanted) for key, wanted in (selector.where or {}).items())
 
 
-def _expression_holds(values: Values, selector: Selector, condition: str) -> bool:
+def _expression_holds(values: Values, selection: Selection, selector: Selector, condition: str) -> bool:
     """Return the value of a condition `${…}` for an element. Raises `Unusable` if it is not a boolean."""
     editing = values.editing
     scope = {**values.scope, **attributes_scope(values)}
     scope["name"] = values.scope["name"]
+    if "index" in _names_in(condition):
+        scope["index"] = selection.number(values.node)
     if _is_of_others(values.node, selector, scope):
         return False
     found = values.evaluated(condition, values.at, scope)
@@ -180,20 +174,19 @@ def _in_its_unit(values: Values, attribute: Attribute, index: int | None, meant:
 def _nothing(editing: Editing, selector: Selector, path: Path) -> None:
     """Report that nothing is selected, and which part of the selector nothing matches."""
     help = fix = None
-    if selector.tag != XPATH:
-        written = editing.span((*path, selector.tag))
-        names = _selection(editing).names(selector)
-        near = [] if is_pattern(selector.pattern) else closest(selector.pattern, names)
-        if near:
-            help = f"did you mean `{selector.tag}: {near[0]}`?"
-            renamed = renaming(selector.pattern, names)
-            fix = None if renamed is None else replace(renamed, span=written)
-        elif is_glob(selector.pattern) and not selector.pattern.startswith("**"):
-            separator = editing.linking.request.separator
-            deeper = f"**{separator}{selector.pattern}"
-            if any(map(matcher(deeper, separator), names)):
-                help = f'`*` stops at `{separator}`: write `{selector.tag}: "{deeper}"`'
-                fix = Fix(deeper, selector.pattern, written)
+    written = editing.span((*path, selector.tag))
+    names = _selection(editing).names(selector)
+    near = [] if is_pattern(selector.pattern) else closest(selector.pattern, names)
+    if near:
+        help = f"did you mean `{selector.tag}: {near[0]}`?"
+        renamed = renaming(selector.pattern, names)
+        fix = None if renamed is None else replace(renamed, span=written)
+    elif is_glob(selector.pattern) and not selector.pattern.startswith("**"):
+        separator = editing.linking.request.separator
+        deeper = f"**{separator}{selector.pattern}"
+        if any(map(matcher(deeper, separator), names)):
+            help = f'`*` stops at `{separator}`: write `{selector.tag}: "{deeper}"`'
+            fix = Fix(deeper, selector.pattern, written)
     editing.sink.error(
         "selector",
         f"`{selector}` selects nothing",
@@ -206,8 +199,6 @@ def _nothing(editing: Editing, selector: Selector, path: Path) -> None:
 
 def _existing(editing: Editing, selector: Selector) -> Iterable[Note]:
     """Return notes about what exists: elements of the tag, or, if the name matches, what excludes them."""
-    if selector.tag == XPATH:
-        return ()
     selection = _selection(editing)
     narrowed = any((selector.parent, selector.inside, selector.part, selector.dclass, selector.where))
     wide = Selector(selector.tag, selector.pattern)

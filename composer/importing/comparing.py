@@ -39,6 +39,7 @@ from composer.link.placing import read_pose
 from composer.numerics.pose import Pose
 from composer.tree.classes import MAIN, childclass_of, default_tag
 from composer.tree.files import NAMED_AFTER_FILE
+from composer.tree.select import numbered, parent_of
 from composer.tree.unit import Unit
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
 _SEVERAL = 2  # if as many elements change alike, their class changed
 _ASSETS = frozenset(("material", *NAMED_AFTER_FILE))
 _BODY = "body"
+_IN_WORLD = "{body: world}"
 _IN_BODIES = ("geom", "site", "joint", "freejoint", "inertial", "light", "camera")
 _SORTED = frozenset({"pair", "exclude"})  # MuJoCo orders these in its own way
 
@@ -187,7 +189,7 @@ class Comparison:
                 changes = {k: v for k, v in changes.items() if (each.is_base and not moved) or k not in POSE}
             self.pairs.append(Pair(select, item, each, changes, moved))
             if item.kind.tag == "body":
-                self.unnamed(item.node, there.node, f'//body[@name="{each.out}{name}"]', each)
+                self.unnamed(item.node, there.node, selector_of(_BODY, _BODY, each.out + name), each)
 
     def changes(self, before: Item, after: Item, each: Instance) -> dict[str, str | None]:
         """Return the values that differ between an element of the part and the merged model.
@@ -383,16 +385,16 @@ class Comparison:
         if here is None or there is None:
             return []
         if each.is_base:
-            self.unnamed(here, there, "worldbody", each)
+            self.unnamed(here, there, _IN_WORLD, each)
             return []
         return [*self.beside(here, each)] + [
-            flow({"xpath": quoted(f"worldbody/{tag}[not(@name)][{number}]")})
+            flow({tag: '"**"', "parent": _IN_WORLD, "where": quoted("${name == ''}")})
             for tag in _IN_BODIES
-            for number, _ in enumerate(_without_name(here, tag), 1)
+            if _without_name(here, tag)
         ]
 
-    def beside(self, here: Node, each: Instance) -> Iterator[str]:
-        """Compare the bodies without a name beside the part's root; yield selectors of those that are to be dropped."""
+    def beside(self, here: Node, each: Instance) -> list[str]:
+        """Compare the bodies without a name beside the part's root; return selectors of those to drop."""
         around = each.body.getparent()
         kind = GRAMMAR.within("worldbody")[_BODY]
         one, other = (
@@ -400,13 +402,15 @@ class Comparison:
             for holder in (here, each.body if around is None else around)
         )
         other = [item for item in other if item.node not in self.covered]
-        for number, (a, b) in enumerate(paired(one, other, lambda a, b: not self.changes(a, b, each)), 1):
-            path = f"worldbody/{_BODY}[not(@name)][{number}]"
+        dropped = []
+        for a, b in paired(one, other, lambda a, b: not self.changes(a, b, each)):
+            select = _numbered(a.node, _IN_WORLD)
             if b is None or self.changes(a, b, each):
-                yield flow({"xpath": quoted(path)})
+                dropped.append(select)
             else:
                 self.covered.add(b.node)
-                self.unnamed(a.node, b.node, path, each)
+                self.unnamed(a.node, b.node, select, each)
+        return dropped[::-1]  # one that goes must not renumber those that are still to go
 
     def meant(self, item: Item, each: Instance | None) -> tuple[object, ...]:
         """Return what identifies an unnamed element: its tag, and its references by their names in the merged model."""
@@ -431,8 +435,8 @@ class Comparison:
         to = {"to": word(self.names.get(("body", name), name))}
         return to | {"pos": numbers(pose.pos), "quat": numbers(pose.quat)}
 
-    def unnamed(self, before: Node, after: Node, path: str, each: Instance) -> None:
-        """Compare unnamed elements, paired by their order; `path` is the XPath of their parent."""
+    def unnamed(self, before: Node, after: Node, parent: str, each: Instance) -> None:
+        """Compare unnamed elements, paired by their order; `parent` is the selector of their parent."""
         for tag in (*_IN_BODIES, _BODY):
             kind = GRAMMAR.within("worldbody")[tag]
             one, other = (
@@ -440,15 +444,14 @@ class Comparison:
                 for body in (before, after)
             )
             for a, b in paired(one, other, lambda a, b: not self.changes(a, b, each)):
-                which = "" if tag == "inertial" else f"[not(@name)][{one.index(a) + 1}]"
-                select = flow({"xpath": quoted(f"{path}/{tag}{which}")})
+                select = _numbered(a.node, parent)
                 if b is None:
                     self.edit({"select": select, "remove": "true"}, REMOVED - one.index(a))
                 else:
                     self.covered.add(b.node)
                     self.pairs.append(Pair(select, a, each, self.changes(a, b, each), {}))
                     if tag == _BODY:
-                        self.unnamed(a.node, b.node, f"{path}/{tag}{which}", each)
+                        self.unnamed(a.node, b.node, select, each)
 
     def written(self, item: Item) -> Iterator[tuple[str, Attribute, str]]:
         for name, attribute in item.kind.attributes.items():
@@ -460,6 +463,15 @@ class Comparison:
         if not attribute.is_reference or attribute.refers is None:
             return value
         return " ".join(self.names.get((attribute.refers, each), each) for each in value.split())
+
+
+def _numbered(node: Node, parent: str) -> str:
+    """Return the selector of an element without a name, by the selector of its parent and its number there."""
+    tag, around = str(node.tag), parent_of(node)
+    assert around is not None
+    number = numbered(around, tag)[node]
+    where = {} if tag == "inertial" else {"where": quoted(f"${{index == {number}}}")}
+    return flow({tag: '"**"', "parent": parent, **where})
 
 
 def _without_name(body: Node, tag: str) -> list[Node]:

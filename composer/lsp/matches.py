@@ -12,7 +12,6 @@ from composer.tree.pattern import BadPattern
 from composer.tree.select import Selection, name_of
 from composer.tree.selector import Selector, paths_of
 from composer.tree.unit import Unit
-from composer.tree.xpath import BadXPath
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
@@ -35,7 +34,7 @@ def is_selector(path: Path, written: dict[str, Any]) -> bool:
         return False
     is_place = path[-1] in ("select", "parent", "in") or (len(path) > 1 and path[-2] in ("drop", "exists"))
     tags = [name for name in written if name not in NARROWING]
-    return is_place and len(tags) == 1 and (bool(paths_of(tags[0])) or tags[0] == "xpath")
+    return is_place and len(tags) == 1 and bool(paths_of(tags[0]))
 
 
 def matches(path: Path, written: dict[str, Any], analysis: Analysis) -> list[Node] | None:
@@ -51,7 +50,7 @@ def matches(path: Path, written: dict[str, Any], analysis: Analysis) -> list[Nod
         if analysis.traced is None:
             return None
         return _selected(analysis.traced.model, selector, analysis.separator, _parts(analysis))
-    except (BadPattern, BadXPath):
+    except BadPattern:
         return None
 
 

@@ -32,7 +32,7 @@ are required unless `extends` or a variant gives them. `${{…}}` may stand for 
 _CHAPTERS = {
     "selector": (
         "Selectors",
-        "One key is a tag, a family, a path of tags, `default` or `xpath`, with a glob over names; others narrow it.",
+        "One key is a tag, a family, a path of tags or `default`, with a glob over names; others narrow it.",
     ),
     "edit": ("Entries of `edit`", "A selector, and what is done to what it selects."),
     "draw": ("Fields of `randomize`", "What is drawn: an attribute of what is selected, or a parameter."),

@@ -17,7 +17,7 @@ from composer.recipe.pattern import pattern_fault
 from composer.recipe.raw import path_of
 from composer.recipe.shown import kind_of, shown
 from composer.recipe.subscript import attribute_and_index
-from composer.tree.selector import XPATH, Selector, known_tags, paths_of
+from composer.tree.selector import Selector, known_tags, paths_of
 
 NARROWING = ("parent", "in", "part", "class", "where")
 _BESIDE = (
@@ -44,7 +44,7 @@ def read_selector(
         return None
     tag, *others = tags
     if others:
-        known = bool(paths_of(others[0])) or others[0] == XPATH
+        known = bool(paths_of(others[0]))
         help, fix = advised(others[0], keys)
         if others[0] in _BESIDE and owner.startswith("`select`"):
             help = f"write it beside `select`, behind the `}}` of the selector: `{others[0]}: …`"
@@ -62,7 +62,7 @@ def read_selector(
                 fix=None if known else fix,
             )
         )
-    if tag != XPATH and not paths_of(tag):
+    if not paths_of(tag):
         faults.append(_unknown_tag(tag, (*at, tag)))
         return None
     pattern = _pattern(value[tag], tag, (*at, tag), faults)
@@ -93,12 +93,18 @@ def advice_on_narrowing(name: str) -> str | None:
 
 
 def kinds_of(tag: str) -> tuple[ElementType, ...]:
-    """Return the element types that a selector's tag means, or none if only the model can tell."""
-    return () if tag == XPATH else tuple(GRAMMAR.element(path) for path in sorted(paths_of(tag)))
+    """Return the element types that a selector's tag means."""
+    return tuple(GRAMMAR.element(path) for path in sorted(paths_of(tag)))
 
 
 def _unknown_tag(tag: str, at: Path) -> Fault:
     help, fix = advised(tag, known_tags())
+    if tag == "xpath":
+        fix = None
+        help = (
+            "write a tag and narrow it: `parent` and `in` are the steps of a path, `where` is a condition; the first"
+            ' geom without a name of a body is `{geom: "**", parent: {body: torso}, where: "${index == 0}"}`'
+        )
     notes = (
         () if help else (Note("a tag of MJCF (`geom`), a path (`equality/joint`), a family (`actuator`)"),)
     )
@@ -111,12 +117,9 @@ def _pattern(value: Any, tag: str, at: Path, faults: list[Fault]) -> str | None:
         help = f'write `{tag}: "**"` for all of them'
         if isinstance(value, int | float) and not isinstance(value, bool):
             help = f"quote it: `{tag}: '{shown(value)}'`"
-        what = "an XPath" if tag == XPATH else "a name or a glob"
-        message = f"`{tag}` expects {what}, got {kind_of(value) if value != '' else 'empty text'}"
+        message = f"`{tag}` expects a name or a glob, got {kind_of(value) if value != '' else 'empty text'}"
         faults.append(Fault("wrong-type", message, at, help=help))
         return None
-    if tag == XPATH:
-        return value
     return value if _is_sound(value, tag, at, faults) else None
 
 

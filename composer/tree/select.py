@@ -21,8 +21,7 @@ from composer.tree.kinds import kind_of, naming_attribute, section_of
 from composer.tree.name_index import own_name
 from composer.tree.names import WORLD
 from composer.tree.pattern import fitter, is_pattern
-from composer.tree.selector import EVERYTHING, XPATH, Selector, paths_of
-from composer.tree.xpath import nodes_at
+from composer.tree.selector import EVERYTHING, Selector, paths_of
 
 # They do not count as parents, because MuJoCo resolves them.
 _TRANSPARENT = ("frame", "replicate")
@@ -58,6 +57,24 @@ def parent_of(node: Node) -> Node | None:
     return parent
 
 
+def numbered(parent: Node, tag: str) -> dict[Node, int]:
+    """Return the elements of a tag without a name in a parent, ignoring frames, each with its number from 0.
+
+    >>> body = etree.fromstring('<body><geom name="a"/><frame><geom/></frame><body><geom/></body><geom/></body>')
+    >>> list(numbered(body, "geom").values())
+    [0, 1]
+    """
+    found: list[Node] = []
+    ahead = list(parent)[::-1]
+    while ahead:
+        node = ahead.pop()
+        if node.tag in _TRANSPARENT:
+            ahead += list(node)[::-1]
+        if node.tag == tag and not name_of(node):
+            found.append(node)
+    return {node: number for number, node in enumerate(found)}
+
+
 @dataclass
 class Selection:
     """Finds elements in one model.
@@ -74,16 +91,15 @@ class Selection:
     holds: Callable[[Node, Selector], bool] = lambda node, selector: True
     _fits: dict[str, Callable[[str], bool]] = field(default_factory=dict)
     _known: dict[int, dict[Node, bool]] = field(default_factory=dict)
+    _numbers: dict[tuple[Node, str], dict[Node, int]] = field(default_factory=dict)
 
     def of(self, selector: Selector) -> list[Node]:
-        """Return every matching element, in the order of the tree. Raises `BadPattern` and `BadXPath`."""
+        """Return every matching element, in the order of the tree. Raises `BadPattern`."""
         self._known.clear()  # the model may have changed
+        self._numbers.clear()
         return self._of(selector)
 
     def _of(self, selector: Selector) -> list[Node]:
-        if selector.tag == XPATH:
-            nodes = nodes_at(self.root, selector.pattern)
-            return [node for node in nodes if self._narrowed(node, selector)]
         found = self._called(selector)
         if found is None:
             found = [node for node in self.of_kind(selector) if self._named(node, selector.pattern)]
@@ -120,8 +136,6 @@ class Selection:
 
     def names(self, selector: Selector) -> list[str]:
         """Return the names of elements with that tag."""
-        if selector.tag == XPATH:
-            return []
         return [name for node in self.of_kind(selector) if (name := self.name(node))]
 
     def name(self, node: Node) -> str | None:
@@ -131,15 +145,21 @@ class Selection:
         name = name_of(node)
         return MAIN if node.tag == "default" and name == self.base_class else name
 
+    def number(self, node: Node) -> int:
+        """Return the number of an element among those of its tag without a name in its parent; -1 if it has a name."""
+        parent = parent_of(node)
+        if parent is None:
+            return -1
+        place = parent, str(node.tag)
+        if place not in self._numbers:
+            self._numbers[place] = numbered(*place)
+        return self._numbers[place].get(node, -1)
+
     def _meant(self, node: Node, selector: Selector) -> bool:
         """Return whether a selector matches this element, cached because all elements below ask for their ancestors."""
         known = self._known.setdefault(id(selector), {})
         if node not in known:
-            if selector.tag == XPATH:
-                known.update(dict.fromkeys(self.root.iter("*"), False))
-                known.update(dict.fromkeys(self._of(selector), True))
-            else:
-                known[node] = self._is_meant(node, selector)
+            known[node] = self._is_meant(node, selector)
         return known[node]
 
     def _is_meant(self, node: Node, selector: Selector) -> bool:
@@ -179,7 +199,7 @@ class Selection:
         return selector.where is None or self.holds(node, selector)
 
     def _is_child(self, node: Node, wanted: Selector) -> bool:
-        direct = wanted.tag in (*_TRANSPARENT, XPATH)
+        direct = wanted.tag in _TRANSPARENT
         parent = node.getparent() if direct else parent_of(node)
         return parent is not None and parent is not self.root and self._meant(parent, wanted)
 

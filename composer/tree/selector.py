@@ -9,7 +9,6 @@ from composer.dataclass import dataclass
 from composer.grammar import GRAMMAR
 from composer.tree.pattern import is_pattern
 
-XPATH = "xpath"
 EVERYTHING = "**"
 # If a tag has elements in several sections, it selects those in the body tree and the assets.
 _USUAL = ("worldbody", "asset")
@@ -17,9 +16,9 @@ _USUAL = ("worldbody", "asset")
 
 @dataclass(frozen=True, slots=True)
 class Selector:
-    """A tag with a glob for the names, and further conditions. `tag` is a path, a tag, a family, or `xpath`.
+    """A tag with a glob for the names, and further conditions. `tag` is a path, a tag or a family.
 
-    `pattern` is a glob, `/…/` for a regular expression, or the XPath. `where` compares effective values by
+    `pattern` is a glob, or `/…/` for a regular expression. `where` compares effective values by
     attribute (`friction[0]` for one number), or is one boolean `${…}`. `at` is the path of the selector in the
     recipe.
     """
@@ -37,7 +36,7 @@ class Selector:
     def is_one_name(self) -> bool:
         """Whether it is a single name without further conditions."""
         narrowed = any((self.parent, self.inside, self.part, self.dclass, self.where))
-        return not (narrowed or self.tag == XPATH or is_pattern(self.pattern))
+        return not (narrowed or is_pattern(self.pattern))
 
     def all(self) -> Iterator[Selector]:
         """Yield this selector and those of its parents."""
@@ -90,5 +89,5 @@ def paths_of(tag: str) -> frozenset[str]:
 @cache
 def known_tags() -> tuple[str, ...]:
     """Return every tag, family and path that a selector may have, for suggestions."""
-    tags = {path.rpartition("/")[2] for path in GRAMMAR.paths} | GRAMMAR.families.keys() | {XPATH}
+    tags = {path.rpartition("/")[2] for path in GRAMMAR.paths} | GRAMMAR.families.keys()
     return tuple(sorted(tags - {"mujoco", "include"}))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from compose.arm import Case, changed
 
@@ -24,7 +26,7 @@ from compose.arm import Case, changed
         ("{select: {geom: '/(upper|lower)/'}, set: {gap: 0.01}}", {"upper gap", "lower gap"}),
         ("{select: {default: visual}, set: {geom: {group: 3}}}", {"visual_upper group"}),
         ("{select: {default: link}, scale: {joint: {damping: 3}}}", {"shoulder dof_damping", "elbow dof_damping"}),
-        ("{select: {xpath: 'worldbody/geom[1]'}, set: {rgba: [1, 1, 1, 1]}}", {"floor rgba"}),
+        ("{select: {geom: '**', parent: {body: world}}, set: {rgba: [1, 1, 1, 1]}}", {"floor rgba"}),
         ("{select: {body: link2}, set: {gravcomp: 1}}", {"link2 gravcomp"}),
         ("{select: {body: link2}, scale: {mass: 1.5}}", {"link2 mass", "link2 inertia"}),
         ("{select: {body: link1}, scale: {mass: 1.5}}", {"link1 mass", "link1 inertia"}),
@@ -54,7 +56,7 @@ def test_a_verb_changes_what_it_says(arm: Case, edits: str, expected: set[str]) 
         ("{select: {joint: '*'}, expect: 2, set: {damping: 1}}", "36 selector", "selects 3 elements, expected 2\nit selects joint `shoulder`"),
         ("{select: {geom: '*', parent: {body: lnk}}, set: {group: 1}}", "14 selector", "`parent: {body: lnk}` selects nothing"),
         ("{select: {geom: '*', part: x}, set: {group: 1}}", "14 selector", "parts that exist: base"),
-        ("{select: {xpath: '//geom['}, set: {group: 1}}", "22 selector", "not an XPath"),
+        ("{select: {xpath: '//geom'}, set: {group: 1}}", "15 unknown-element", "write a tag and narrow it"),
         ("{select: {geom: '*'}, rename: x}", "35 name-clash", "would both be called `x`"),
         ("{select: {geom: upper}, rename: lower}", "37 name-clash", "cannot be called `lower`"),
         ("{select: {geom: upper}, set: {material: stel}}", "45 unknown-name", "did you mean `material: steel`"),
@@ -105,3 +107,23 @@ def test_keys_of_parts_follow_edits_of_the_whole(radian: Case) -> None:
         8:9
     ] == pytest.approx([0.4])
     assert model.key("home").ctrl == pytest.approx([0.1, 0.4, 0.5, 0.6, 0.2, 0.3])
+
+
+UNNAMED = """<mujoco><worldbody><geom size="1"/><body name="b"><geom name="a" size=".1"/><geom size=".2"/>
+  <frame pos="0 0 1"><geom size=".3"/></frame><body><geom size=".4"/></body><geom size=".5"/></body></worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("where", "sizes"),
+    [
+        ("parent: {body: b}, where: '${index == 0}'", {0.2}),
+        ("parent: {body: b}, where: '${index == 1}'", {0.3}),  # frames do not count
+        ("parent: {body: b}, where: '${index == 2}'", {0.5}),
+        ("where: '${index == 0}'", {1, 0.2, 0.4}),
+        ("where: '${index < 0}'", {0.1}),
+        ("parent: {body: '**', parent: {body: b}, where: '${index == 0}'}", {0.4}),
+    ],
+)
+def test_what_has_no_name_has_a_number_in_its_parent(tmp_path: Path, where: str, sizes: set[float]) -> None:
+    model = Case(tmp_path, UNNAMED).edited(f"{{select: {{geom: '**', {where}}}, set: {{group: 3}}}}")
+    assert set(model.geom_size[model.geom_group == 3, 0]) == sizes

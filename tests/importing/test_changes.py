@@ -179,7 +179,7 @@ def test_what_mujoco_wrote_in_other_words_is_no_edit(merged: str, tmp_path: Path
 CHANGES = {
     "joint range": (r'(<joint name="elbow"[^>]*?)range="[^"]*"', r'\1range="-1 1"', "{joint: elbow}, set: {range: [-1, 1]}"),
     "named geom": (r'(<geom name="rod")', r'\1 condim="6"', "{geom: rod}, set: {condim: 6}"),
-    "unnamed geom": (r'(<geom (?=[^>]*type="mesh"))', r'\1group="4" ', "geom[not(@name)][2]"),
+    "unnamed geom": (r'(<geom (?=[^>]*type="mesh"))', r'\1group="4" ', 'where: "${index == 1}"'),
     "class": (r'damping="2"', 'damping="3"', "{select: {default: link}, set: {joint: {damping: [3]}}}"),
     "class of a part": (r'friction="2 0.01 0.001"', 'friction="1.5 0.01 0.001"', "{default: tool_pad}, set: {geom: {friction: [1.5"),
     "material": (r'shininess="0.25"', 'shininess="0.75"', "{material: steel}, set: {shininess: 0.75}"),
@@ -205,7 +205,7 @@ CHANGES = {
     "site added": (r"(<body name=\"lower\"[^>]*>)", r'\1<site pos="0 0.1 0"/>', "{to: lower, xml: '<site"),
     "texture added": (r"</asset>", '<texture type="skybox" builtin="flat" rgb1="0 0 1" width="8" height="8"/></asset>', 'skybox: {name: "", type: skybox'),
     "geom removed": (r'<geom name="rod"[^>]*/>', "", "{select: {geom: rod}, remove: true}"),
-    "unnamed geom removed": (r'<geom (?=[^>]*type="mesh")[^>]*/>', "", "geom[not(@name)][2]'}, remove: true}"),
+    "unnamed geom removed": (r'<geom (?=[^>]*type="mesh")[^>]*/>', "", 'where: "${index == 1}"}, remove: true}'),
     "equality removed": (r"<equality>.*?</equality>", "", "remove: true"),
     "geom renamed": (r'name="rod"', 'name="bar"', "{select: {geom: rod}, rename: bar}"),
     "joint renamed": (r'"shoulder"(?=[^>]*?/>)', '"pan"', "{select: {joint: shoulder}, rename: pan}"),

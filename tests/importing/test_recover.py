@@ -226,7 +226,7 @@ def test_two_arms(menagerie: Path, tmp_path: Path) -> None:
     assert found is not None and found.bundle is not None and not found.faults
     lines = [line.strip() for line in found.text.splitlines()]
     assert [line.partition("vx300s.xml")[2] for line in lines if "vx300s.xml" in line] == [
-        f', pos: [{pose}, drop: [{{xpath: "worldbody/light[not(@name)][1]"}}]}}'
+        f', pos: [{pose}, drop: [{{light: "**", parent: {{body: world}}, where: "${{name == \'\'}}"}}]}}'
         for pose in ("-0.469, -0.019, 0.02]", "0.469, -0.019, 0.02], quat: [0, 0, 0, 1]")
     ]
     assert any(
@@ -280,11 +280,11 @@ WITHOUT_NAMES = """
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ('<geom size="0.1"/>', "", "geom[not(@name)][1]'}, remove: true}"),
-        ('rgba="1 0 0 1"', 'rgba="0 1 0 1"', "geom[not(@name)][2]'}, set: {rgba: [0, 1, 0, 1]}}"),
+        ('<geom size="0.1"/>', "", "{geom: \"**\", parent: {body: base}, where: \"${index == 0}\"}, remove: true}"),
+        ('rgba="1 0 0 1"', 'rgba="0 1 0 1"', "where: \"${index == 1}\"}, set: {rgba: [0, 1, 0, 1]}}"),
         ('<geom size="0.1"/>', '<geom size="0.1"/><geom size="0.3"/>', "add:"),
         ("<exclude", "<!-- <exclude", "where: {body1: base, body2: link}}, remove: true}"),
-        ('<light pos="0 0 3"/>', "", '{xpath: "worldbody/light[not(@name)][1]"}, remove: true}'),
+        ('<light pos="0 0 3"/>', "", '{light: "**", parent: {body: world}, where: "${index == 0}"}, remove: true}'),
         ('<key name="home" qpos="1"/>', "", "{select: {key: home}, remove: true}"),
         ('<key name="home" qpos="1"/>', '<key name="new" qpos="2"/>', "new: {qpos: {turn: [2rad]}}"),
     ],
@@ -324,8 +324,8 @@ NAMELESS_BASE = """<mujoco model="base"><worldbody>
         ('qpos=".5 .1 .2"', 'qpos=".5 .3 .2"',
          ["keyframe:", "  home: {from: {base: home, arm: home}, qpos: {arm/j1: [0.3rad]}}"]),
         ('size=".02"', 'size=".025"', [
-            "edit:", ("""  - {select: {xpath: '//body[@name="torso"]/body[not(@name)][1]/geom[not(@name)][1]'},"""
-            " set: {size: [.025]}}")]),
+            "edit:", ('  - {select: {geom: "**", parent: {body: "**", parent: {body: torso}, where: "${index == 0}"},'
+            ' where: "${index == 0}"}, set: {size: [.025]}}')]),
     ],
 )  # fmt: skip
 def test_bodies_without_a_name_come_with_their_part(

@@ -73,6 +73,8 @@ def test_copies_of_a_replicate_are_renamed(tmp_path: Path) -> None:
 
 def test_who_refers_may_be_renamed_with_what_it_refers_to(radian: Case) -> None:
     before = radian.model("recipe: 1\nbase: ./arm.xml\n")
-    after = radian.edited("{select: {xpath: '//joint[@name]|//actuator/*'}, rename: 'x_${name}'}")
+    after = radian.edited(
+        "{select: {joint: '*'}, rename: 'x_${name}'}, {select: {actuator: '*'}, rename: 'x_${name}'}"
+    )
     assert after.actuator("x_a2").trnid[0] == after.joint("x_elbow").id
     assert np.array_equal(after.actuator_trnid, before.actuator_trnid)

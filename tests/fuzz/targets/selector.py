@@ -19,7 +19,7 @@ _MODEL = """<mujoco><default><default class="pad"><geom friction="1"/></default>
   <tendon><fixed name="t"><joint joint="j" coef="1"/></fixed></tendon></mujoco>"""
 _SEEDS = (
     {"geom": "**", "parent": {"body": "**/a"}, "class": "**pad"}, {"body": "{left,right}/*"}, {"joint": "/j|k/"},
-    {"xpath": "worldbody//geom[1]"}, {"geom": "g?", "in": {"frame": "f"}, "where": {"type": "mesh"}}, {"sensor": "*"},
+    {"geom": "**", "parent": {"body": "world"}}, {"geom": "g?", "in": {"frame": "f"}, "where": {"type": "mesh"}}, {"sensor": "*"},
     {"default": "pad"}, {"fixed/joint": "*"}, {"geom": "**", "where": "${index == 0}"}, {"body": "**", "part": "p"},
 )  # fmt: skip
 
