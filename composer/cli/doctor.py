@@ -19,7 +19,7 @@ from composer.cli.reporting import FINDINGS, format_options
 from composer.dataclass import dataclass
 from composer.scratch import scratch
 
-_CORE = ("numpy", "pydantic", "lxml", "pyyaml", "click", "platformdirs", "filelock", "urllib3")
+_CORE = ("numpy", "pydantic", "lxml", "pyyaml", "click", "platformdirs", "filelock", "urllib3", "regex")
 _MODEL = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
 
 

@@ -1,33 +1,22 @@
 """Patterns over names: a name, a glob, or a regular expression.
 
-A regular expression may take time exponential in the length of a name, and Python's `re` cannot be interrupted on
-every system and in every thread. Expressions that may take long run in a process of their own, with a time limit.
+A regular expression may take time exponential in the length of a name, and Python's `re` cannot be interrupted. The
+package `regex` can. It is imported for a recipe with a regular expression only.
 """
 
 from __future__ import annotations
 
-import json
 import re
-import sys
+import time
 from collections.abc import Callable, Collection
-from typing import Any
 
 from composer.tree.glob import is_glob, matcher
 
 SECONDS = 2.0
+"""How much of the processor's time the names of a model may take with one expression."""
 _LONGEST = 10_000
-_CHILD = (
-    "import json, re, sys\n"
-    "pattern, names = json.load(sys.stdin)\n"
-    "fits = re.compile(pattern).fullmatch\n"
-    "json.dump([name for name in names if fits(name)], sys.stdout)\n"
-)
-
-
-_REPEATS, _GOES_BACK = re.compile(r"[*+{]"), re.compile(r"[*+?{|]")
-_REPEATED_GROUP_OR_REFERENCE = re.compile(r"\)[*+?{]|\(\?|\\\d")
-_CHOICES = 8
-"""The maximum number of choice operators in an expression that runs here: the tries are two to the power of it."""
+# Of what Python's `re` takes as text, and `regex` as errors in a name (`{e<=1}`) or a POSIX class.
+_MEANT_AS_TEXT = re.compile(r"(\\N\{[^}]*\}|\\.)|(\{(?!\d*,?\d*\})|(?<=\[)\[(?=:))", re.DOTALL)
 
 
 class BadPattern(Exception):
@@ -36,10 +25,6 @@ class BadPattern(Exception):
     def __init__(self, message: str, help: str | None = None, *, is_slow: bool = False) -> None:
         super().__init__(message)
         self.message, self.help, self.is_slow = message, help, is_slow
-
-
-class TooSlow(Exception):
-    """A process took longer than allowed."""
 
 
 def is_regular(pattern: str) -> bool:
@@ -55,7 +40,7 @@ def is_pattern(text: str) -> bool:
 def fitter(pattern: str, names: Callable[[], Collection[str]], separator: str) -> Callable[[str], bool]:
     """Return a function that says whether a name matches a pattern. Raises `BadPattern`.
 
-    A regular expression is matched with all the `names` at once, because each attempt needs a process.
+    A regular expression is matched with all the `names` at once, which have its time together.
 
     >>> pads = fitter("*/pad?", list, "/")
     >>> pads("left/pad1"), pads("pad1")
@@ -92,51 +77,33 @@ def fault_of(pattern: str) -> str | None:
     return None
 
 
-def is_quick(pattern: str) -> bool:
-    """Return whether a regular expression, without its slashes, never takes long: it repeats once, and no group.
-
-    >>> is_quick("link_[0-9]+"), is_quick("(left|right)_.*"), is_quick("(a+)+"), is_quick("a*b*")
-    (True, True, False, False)
-    """
-    if len(_REPEATS.findall(pattern)) > 1 or _REPEATED_GROUP_OR_REFERENCE.search(pattern):
-        return False
-    return len(_GOES_BACK.findall(pattern)) <= _CHOICES
-
-
-def takes_process(pattern: str) -> bool:
-    """Return whether a pattern is a regular expression that needs a process of its own."""
-    return is_regular(pattern) and not is_quick(pattern[1:-1])
-
-
 def fitting(pattern: str, names: Collection[str], seconds: float = SECONDS) -> frozenset[str]:
-    """Return the names that the whole expression matches. Raises `BadPattern` if it is invalid, or after `seconds`."""
+    """Return the names that the whole expression matches. Raises `BadPattern` if it is invalid, or after `seconds`.
+
+    >>> sorted(fitting("link[0-9]+|pad{e}", ["link1", "link12", "pad", "pad{e}"]))
+    ['link1', 'link12', 'pad{e}']
+    """
     if (wrong := fault_of(pattern)) is not None:
         raise BadPattern(f"the regular expression `/{pattern}/` is not valid: {wrong}")
-    if is_quick(pattern):
-        return frozenset(filter(re.compile(pattern).fullmatch, names))
+    import regex  # takes 40 ms
+
+    end = time.process_time() + seconds  # which `regex` measures, too
+    found = set()
     try:
-        return frozenset(asked_aside(_CHILD, [pattern, sorted(names)], seconds))
-    except TooSlow:
+        fits = regex.compile(_MEANT_AS_TEXT.sub(_escaped, pattern)).fullmatch
+        for name in names:
+            if fits(name, timeout=max(end - time.process_time(), 1e-6)):
+                found.add(name)
+    except regex.error as error:
+        raise BadPattern(f"the regular expression `/{pattern}/` is not valid: {error.msg}") from None
+    except (TimeoutError, MemoryError, RecursionError):
         raise BadPattern(
-            f"the regular expression `/{pattern}/` takes longer than {SECONDS:g} seconds",
+            f"the regular expression `/{pattern}/` takes longer than {seconds:g} seconds",
             "write it without repetitions inside repetitions, or use a glob",
             is_slow=True,
         ) from None
+    return frozenset(found)
 
 
-def asked_aside(program: str, question: object, seconds: float = SECONDS) -> Any:
-    """Run a Python program in a process of its own, with JSON as input and output. Raises `TooSlow` after `seconds`."""
-    import subprocess  # few programs that look up names in an index need it
-
-    from composer.processes.process import Process
-
-    with Process(
-        [sys.executable, "-I", "-S", "-c", program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    ) as process:
-        try:
-            answer, _ = process.communicate(json.dumps(question), timeout=seconds)
-        except subprocess.TimeoutExpired:
-            raise TooSlow from None
-        finally:
-            process.end()
-    return json.loads(answer)
+def _escaped(found: re.Match[str]) -> str:
+    return found[1] or f"\\{found[2]}"

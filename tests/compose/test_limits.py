@@ -320,10 +320,12 @@ def test_what_is_looked_at_counts(tmp_path: Path, edit: str, line: int) -> None:
 
 
 def test_a_pattern_without_end_is_the_last_one(tmp_path: Path) -> None:
-    begun = time.monotonic()
-    (error,) = with_edits(tmp_path, "- {select: {geom: '/(.|.)*!/'}, optional: true, set: {group: 2}}\n" * 20)
+    begun = time.process_time()
+    (error,) = with_edits(
+        tmp_path, "- {select: {geom: '/(.|.)*[!?]/'}, optional: true, set: {group: 2}}\n" * 20
+    )
     assert error.code == "selector" and "takes longer than 2 seconds" in error.message
-    assert error.span is not None and error.span.line == 4 and time.monotonic() - begun < 15
+    assert error.span is not None and error.span.line == 4 and time.process_time() - begun < 15
 
 
 def test_selectors_in_one_another_are_looked_at_once(tmp_path: Path) -> None:
