@@ -24,6 +24,7 @@ from composer.tree.names import (
     may_be_generated,
     naming_table,
     object_namespace,
+    users,
 )
 from composer.tree.unit import Unit
 
@@ -215,18 +216,10 @@ def rename(unit: Unit, prefix: str, top_class: str, outward: Mapping[str, str] =
     # in MuJoCo 4.0. `main` is that of the unit, which is wrapped.
     for namespace, reserved, meant in (("body", WORLD, WORLD), ("default", MAIN, top_class)):
         if found.wanted(namespace).pop(prefix + reserved, None) is not None and prefix + reserved != meant:
-            _put_right(unit, namespace, prefix + reserved, meant)
-    return found
-
-
-def _put_right(unit: Unit, namespace: str, name: str, meant: str) -> None:
-    """Change every reference from `name` to `meant`."""
-    for section in unit.root.iterchildren("*"):
-        table = naming_table(section.tag)
-        for element in section.iterdescendants(*table) if table else ():
-            for key, action in table[element.tag].items():
-                if action == (REFERS, namespace) and element.get(key) == name:
+            for section in unit.root.iterchildren("*"):
+                for element, key in users(section, namespace, prefix + reserved):
                     element.set(key, meant)
+    return found
 
 
 def _rename_special(

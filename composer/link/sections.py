@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from typing import NamedTuple
 
 from lxml.etree import _Element as Node
@@ -20,7 +19,8 @@ from composer.link.placing import pose_below, pose_in_world
 from composer.numerics.pose import Pose, Quat, multiply, normalise, rotate
 from composer.tree.comments import above
 from composer.tree.effective import text_in_effect
-from composer.tree.names import REFERS, REFERS_BY, WORLD, naming_table, object_namespace
+from composer.tree.names import WORLD, users
+from composer.tree.removal import whole
 
 _SAME = 1e-9
 _APPENDED = ("asset", "deformable", "contact", "tendon", "equality", "actuator", "sensor", "custom")
@@ -74,9 +74,13 @@ def _rename_world(linking: Linking, hung: _Hung) -> None:
     """Change every reference to the world outside the body tree, and what equalities measure in it."""
     refused: list[Node] = []
     for section in hung.part.unit.root.iterchildren(*_APPENDED):
-        for element in section.iterchildren("*"):
-            side = side_of_world(element) if section.tag == "equality" else None
-            named = [*_naming_world(element, str(section.tag))]
+        naming: dict[Node, list[tuple[Node, str]]] = {}
+        for node, attribute in users(section, "body", WORLD):
+            naming.setdefault(whole(node), []).append((node, attribute))
+        is_equality = section.tag == "equality"
+        for element in section.iterchildren("*") if is_equality else naming:
+            side = side_of_world(element) if is_equality else None
+            named = naming.get(element, [])
             if (side is not None and hung.copied is not None) or ((named or side) and not hung.name):
                 refused.append(element)
                 continue
@@ -86,19 +90,6 @@ def _rename_world(linking: Linking, hung: _Hung) -> None:
                 node.set(attribute, hung.name)
     if refused:
         _refuse(linking, hung, refused)
-
-
-def _naming_world(top: Node, section: str) -> Iterator[tuple[Node, str]]:
-    """Yield each element and attribute that names the world as one body."""
-    table = naming_table(section)
-    for node in top.iter("*"):
-        for attribute, (kind, namespace) in table.get(str(node.tag), {}).items():
-            if node.get(attribute) != WORLD:
-                continue
-            if (kind, namespace) == (REFERS, "body") or (
-                kind == REFERS_BY and object_namespace(node, namespace) == "body"
-            ):
-                yield node, attribute
 
 
 def _refuse(linking: Linking, hung: _Hung, found: list[Node]) -> None:

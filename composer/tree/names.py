@@ -8,6 +8,7 @@ from dataclasses import field
 from functools import cache
 from typing import Any
 
+from lxml import etree
 from lxml.etree import _Element as Node
 
 from composer.dataclass import dataclass
@@ -20,6 +21,8 @@ Action = tuple[int, str]
 # Elements whose expansion creates names that are not written in the model.
 GENERATORS = frozenset({"replicate", "flexcomp", "composite", "attach", "model"})
 WORLD = "world"
+
+_WITH = etree.XPath("descendant::*/@*[. = $name]")
 
 
 @dataclass(slots=True)
@@ -96,6 +99,23 @@ def _referring(section: str) -> dict[Any, tuple[tuple[str, int, str], ...]]:
 def object_namespace(element: Node, type_attribute: str) -> str | None:
     """Return the namespace that an `objtype`-like attribute names, or None if it is absent or unknown."""
     return GRAMMAR.objtypes.get(str(element.get(type_attribute, "")))
+
+
+def users(section: Node, namespace: str, name: str) -> Iterator[tuple[Node, str]]:
+    """Yield each element in a section that refers to a name, with the attribute. Lists of names are left out.
+
+    >>> excluded = etree.fromstring('<contact><exclude name="world" body1="world" body2="b"/></contact>')
+    >>> [attribute for _, attribute in users(excluded, "body", "world")]
+    ['body1']
+    """
+    table = naming_table(str(section.tag))
+    found: Any = _WITH(section, name=name)  # libxml2 looks at all attributes in a quarter of Python's time
+    for node, attribute in [(each.getparent(), each.attrname) for each in found]:
+        kind, target = table.get(node.tag, {}).get(attribute, (DECLARES, ""))
+        if (kind, target) == (REFERS, namespace) or (
+            kind == REFERS_BY and object_namespace(node, target) == namespace
+        ):
+            yield node, attribute
 
 
 def references(top: Node, section: str) -> Iterator[tuple[str, str]]:
