@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping as Entries
 from dataclasses import field, replace
 from functools import cached_property
 from pathlib import Path
@@ -12,21 +13,41 @@ from composer.diagnostics.diagnostic import Diagnostic
 from composer.diagnostics.span import Span
 from composer.document.node import Mapping, Node
 from composer.lsp.lines import lines_of, moved
-from composer.lsp.names import Names
+from composer.lsp.names import Names, names_of
 from composer.plan.plan import Plan
 
 if TYPE_CHECKING:
+    from lxml.etree import _Element
+
+    from composer.compose.load import Library
     from composer.explain.traced import Traced
+    from composer.tree.unit import Unit
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Model:
+    """A composed model: its tree, the part of each element, and all that it was composed from.
+
+    `library` has the sources as they were read then, and `texts` what editors had not saved then.
+    """
+
+    unit: Unit
+    plan: Plan
+    parts: Entries[_Element, str]
+    library: Library
+    texts: Entries[str, bytes]
 
 
 @dataclass(frozen=True)
 class Analysis:
     """The result of analysing a recipe. It never changes.
 
-    `tree`, `plan` and `traced` are those of the current text, or of the last text that had one; `is_current` and
+    `tree`, `plan` and `model` are those of the current text, or of the last text that had one; `is_current` and
     `is_composed` say which. `tree_of`, `plan_of` and `model_of` are the texts in which they were found. `found` has
-    the diagnostics, `files` all files that were read, and `names` the names in the model. `composed` is the plan
-    from which `traced` was composed.
+    the diagnostics, `files` all files that were read, and `library` the sources as they were read.
+
+    `traced` says where the elements of the model come from. To find out takes as long as the rest, and no diagnostic
+    needs it: it is None until `Workspace.traced` is asked.
     """
 
     path: Path
@@ -34,13 +55,13 @@ class Analysis:
     text: str
     tree: Node | None = None
     plan: Plan | None = None
+    model: Model | None = None
     traced: Traced | None = None
-    composed: Plan | None = None
     is_current: bool = False
     is_composed: bool = False
     found: tuple[Diagnostic, ...] = ()
     files: frozenset[Path] = frozenset()
-    names: Names = field(default_factory=Names)
+    library: Library = field(default_factory=dict)
     tree_of: str = ""
     plan_of: str = ""
     model_of: str = ""
@@ -53,6 +74,15 @@ class Analysis:
     def file(self) -> str:
         """Return the path of the recipe as spans write it."""
         return shown(self.path, self.folder)
+
+    @cached_property
+    def names(self) -> Names:
+        """Return the names in the model, and those of parts that it lacks."""
+        if self.plan is None:
+            return Names()
+        model = self.model
+        root, composed = (None, None) if model is None else (model.unit.root, model.plan)
+        return names_of(self.plan, root, composed, self.library)
 
     @property
     def mapping(self) -> Mapping | None:

@@ -124,8 +124,11 @@ class Desk:
 
     # -- analysis ----------------------------------------------------------------------------------------------
 
-    async def analysed(self, path: Path, newest: bool = False) -> Analysis | None:
-        """Return the latest analysis of an open recipe. With `newest`, wait for that of the current text."""
+    async def analysed(self, path: Path, newest: bool = False, *, traced: bool = False) -> Analysis | None:
+        """Return the latest analysis of an open recipe. With `newest`, wait for that of the current text.
+
+        With `traced`, it knows where the elements of the model come from.
+        """
         document = self.documents.get(path)
         if document is None or document.kind != "recipe":
             return None
@@ -133,7 +136,15 @@ class Desk:
             document.analysis is None or (newest and document.done < document.count)
         ):
             await asyncio.wait([document.work])
-        return document.analysis
+        analysis = document.analysis
+        if not traced or analysis is None:
+            return analysis
+        whole = await asyncio.get_running_loop().run_in_executor(
+            self._analysing, self.workspace.traced, analysis
+        )
+        if document.analysis is analysis:
+            document.analysis = whole
+        return whole
 
     async def including(self, path: Path) -> list[Analysis]:
         """Return the recipes of the workspace that mention a recipe, and so may include it."""
@@ -147,7 +158,7 @@ class Desk:
         for document in list(self.documents.values()):
             analysis = await self.analysed(document.path, newest=True)
             if analysis is not None and path in analysis.files:
-                found.append(analysis)
+                found.append(await self.analysed(document.path, newest=True, traced=True) or analysis)
         return found
 
     def is_model(self, path: Path) -> bool:

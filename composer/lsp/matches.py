@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from composer.lsp.cursor import Path
@@ -47,30 +48,16 @@ def matches(path: Path, written: dict[str, Any], analysis: Analysis) -> list[Nod
         if own:
             unit = analysis.names.sources.get(part_called(own, analysis.plan))
             return None if unit is None else _selected(unit, selector, "/")
-        if analysis.traced is None:
-            return None
-        return _selected(analysis.traced.model, selector, analysis.separator, _parts(analysis))
+        model = analysis.model
+        return None if model is None else _selected(model.unit, selector, analysis.separator, model.parts)
     except BadPattern:
         return None
 
 
 def _selected(
-    unit: Unit, selector: Selector, separator: str, parts: dict[Node, str] | None = None
+    unit: Unit, selector: Selector, separator: str, parts: Mapping[Node, str] | None = None
 ) -> list[Node]:
     return Selection(unit.root, unit.classes, separator, parts or {}).of(selector)
-
-
-def _parts(analysis: Analysis) -> dict[Node, str]:
-    """Return the path of the part that each element came from."""
-    traced = analysis.traced
-    if traced is None:
-        return {}
-    found = {}
-    for node in traced.model.root.iter("*"):
-        life = traced.watch.lives.get(node)
-        if life is not None and life.parts:
-            found[node] = "/".join(part.called for part in reversed(life.parts))
-    return found
 
 
 def label(node: Node) -> str:

@@ -16,7 +16,6 @@ from composer.tree.names import WORLD
 if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
-    from composer.explain.traced import Traced
     from composer.tree.unit import Unit
 
 _TELLING = ("type", "pos", "joint", "tendon", "site", "file", "range")
@@ -83,18 +82,18 @@ class Names:
         return Names(found)
 
 
-def names_of(plan: Plan, traced: Traced | None, composed: Plan | None, library: Library) -> Names:
+def names_of(plan: Plan, root: Node | None, composed: Plan | None, library: Library) -> Names:
     """Return the names of a composed model, and those of the parts of a plan that it lacks.
 
-    `composed` is the plan of that model, which may be older than `plan`.
+    `root` is the tree of that model and `composed` its plan, which may be older than `plan`.
     """
     places = [place for place in plan.walk() if place.model is not None and place.part]
     parts = sorted(((place.prefix, place.part) for place in places), key=_longest)
     sources = {place.part: unit for place in places if (unit := _unit(place, library)) is not None}
     known: dict[str, dict[str, Known]] = {}
-    if traced is not None:
-        _take(known, _of_root(traced.model.root, "", parts))
-    there = set() if composed is None or traced is None else set(map(_identity, composed.walk()))
+    if root is not None:
+        _take(known, _of_root(root, "", parts))
+    there = set() if composed is None else set(map(_identity, composed.walk()))
     for place in places:
         if place.part in sources and _identity(place) not in there:
             _take(known, _of_root(sources[place.part].root, place.prefix, parts))

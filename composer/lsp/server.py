@@ -109,10 +109,10 @@ class Server(LanguageServer):
         """Return the analysis of the current text of the recipe that `params` names."""
         return await self.desk.analysed(self.path(params.text_document.uri), newest=True)
 
-    async def question(self, params: Any, newest: bool = False) -> Question | None:
+    async def question(self, params: Any, newest: bool = False, *, traced: bool = False) -> Question | None:
         """Return the question about the place in `params`, or None if no recipe is open there."""
         path = self.path(params.text_document.uri)
-        analysis = await self.desk.analysed(path, newest)
+        analysis = await self.desk.analysed(path, newest, traced=traced)
         document = self.desk.documents.get(path)
         if analysis is None or document is None:
             return None
@@ -209,14 +209,14 @@ async def hovered(own: Server, params: lsp.HoverParams) -> lsp.Hover | None:
     if own.desk.is_model(path):
         found = hover_in_model(path, params.position.line, await own.desk.using(path))
     else:
-        question = await own.question(params, newest=True)
+        question = await own.question(params, newest=True, traced=True)
         found = None if question is None else hover(question)
     return None if found is None else own.converter.hover(found)
 
 
 @_feature(lsp.TEXT_DOCUMENT_DEFINITION)
 async def defined(own: Server, params: lsp.DefinitionParams) -> list[lsp.Location] | None:
-    question = await own.question(params, newest=True)
+    question = await own.question(params, newest=True, traced=True)
     return None if question is None else [own.converter.location(each) for each in definition(question)]
 
 
@@ -226,7 +226,7 @@ async def referred(own: Server, params: lsp.ReferenceParams) -> list[lsp.Locatio
     if own.desk.is_model(path):
         spans = references_in_recipes(path, params.position.line, await own.desk.using(path))
         return [own.converter.location(each) for each in spans]
-    question = await own.question(params, newest=True)
+    question = await own.question(params, newest=True, traced=True)
     if question is None:
         return None
     return [own.converter.location(each) for each in references(question, params.context.include_declaration)]

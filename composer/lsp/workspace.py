@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,8 +20,7 @@ from composer.explain.trace import Trace
 from composer.explain.traced import Traced
 from composer.link.measure import measure_with
 from composer.link.source_check import check_source
-from composer.lsp.analysis import Analysis, shown
-from composer.lsp.names import names_of
+from composer.lsp.analysis import Analysis, Model, shown
 from composer.lsp.shelf import Shelf
 from composer.plan.allowed import acknowledge
 from composer.plan.planner import plan_what_remains
@@ -29,11 +29,16 @@ from composer.reading.unsaved import unsaved
 from composer.sources.fetching import Fetching
 from composer.sources.suggest import model_files
 from composer.tree.parse import parse_text
+from composer.tree.watch import Watch, nobody
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from lxml.etree import _Element as Node
+
+    from composer.compose.load import Library
     from composer.plan.plan import Plan
+    from composer.tree.unit import Unit
 
 RECIPES = (".yaml", ".yml")
 _RECIPE = re.compile(r"^(?:recipe|extends)\s*:", re.MULTILINE)
@@ -64,6 +69,7 @@ class Workspace:
         self.folder = folder
         self.shelf = Shelf()
         self._session = Session()
+        self._latest: tuple[Analysis, Analysis] | None = None
 
     def close(self) -> None:
         self._session.close()
@@ -77,57 +83,82 @@ class Workspace:
         """Return the analysis of a recipe with the texts of the editor. What it lacks now is taken from `before`."""
         if len(text) > _MOST_TEXT:
             return Analysis(path, self.folder, text, found=(_too_large(text, shown(path, self.folder)),))
-        with unsaved({**texts, os.path.realpath(path): text.encode("utf-8", "replace")}):
-            return self._analysed(path, text, texts, before or Analysis(path, self.folder, text))
-
-    def _analysed(self, path: Path, text: str, texts: Mapping[str, bytes], before: Analysis) -> Analysis:
         self.shelf.refresh(texts)
+        whole = {**texts, os.path.realpath(path): text.encode("utf-8", "replace")}
+        with unsaved(whole):
+            analysis = self._analysed(path, text, whole, before or Analysis(path, self.folder, text))
+        self.shelf.note(texts)
+        return analysis
+
+    def _analysed(self, path: Path, text: str, whole: Mapping[str, bytes], before: Analysis) -> Analysis:
         context = self.context()
         tree = load(text, shown(path, self.folder), Sink())
-        plan, traced = None, None
+        plan, model = None, None
         try:
             plan = plan_what_remains(path, context)
-            traced = None if plan is None else self._traced(plan, context)
+            composed = None if plan is None else self._composed(plan, context, self.shelf.library)
+            if plan is not None and composed is not None:
+                model = Model(composed[0], plan, composed[1], dict(self.shelf.library), whole)
         except TooManyFaults as too_many:
             context.sink = too_many.sink
-        self.shelf.note(texts)
         if plan is not None:
             acknowledge(plan, context.sink, context.shown, whole=False)
-        known, model = plan or before.plan, traced or before.traced
         return replace(
             Analysis(path, self.folder, text),
             tree=tree or before.tree,
-            plan=known,
-            traced=model,
-            composed=plan if traced is not None else before.composed,
+            plan=plan or before.plan,
+            model=model or before.model,
+            traced=before.traced if model is None else None,
             tree_of=text if tree is not None else before.tree_of,
             plan_of=text if plan is not None else before.plan_of,
-            model_of=text if traced is not None else before.model_of,
+            model_of=text if model is not None else before.model_of,
             is_current=tree is not None,
-            is_composed=traced is not None,
+            is_composed=model is not None,
             found=tuple(context.sink.sorted()),
-            files=self._files(plan, traced, context) | (before.files if traced is None else frozenset()),
-            names=before.names
-            if known is None
-            else names_of(known, model, plan if traced is not None else before.composed, self.shelf.library),
+            files=self._files(plan, model, context) | (before.files if model is None else frozenset()),
+            library=dict(self.shelf.library),
         )
 
-    def _traced(self, plan: Plan, context: Context) -> Traced | None:
+    def traced(self, analysis: Analysis) -> Analysis:
+        """Return an analysis that knows where the elements of its model come from, if it can still be composed.
+
+        The model is composed again from the same plan, sources and unsaved texts.
+        """
+        model = analysis.model
+        if model is None or analysis.traced is not None:
+            return analysis
+        if self._latest is None or self._latest[0] is not analysis:
+            self._latest = analysis, self._with_trace(analysis, model)
+        return self._latest[1]
+
+    def _with_trace(self, analysis: Analysis, model: Model) -> Analysis:
         watch = Trace()
+        with unsaved(model.texts), suppress(TooManyFaults):
+            again = self._composed(model.plan, self.context(), dict(model.library), watch)
+            if again is not None:
+                unit, parts = again
+                traced = Traced(unit, watch, model.plan.separator, self.folder)
+                return replace(analysis, model=replace(model, unit=unit, parts=parts), traced=traced)
+        return analysis
+
+    def _composed(
+        self, plan: Plan, context: Context, library: Library, watch: Watch = nobody
+    ) -> tuple[Unit, dict[Node, str]] | None:
+        """Return the model of a plan and the part of each element, or None if it has faults."""
         composer = Composer(
-            context, measure_with(context, session=self._session), self._session,
-            watch=watch, library=self.shelf.library, checks_sources=True, makes_shapes=False,
+            context, measure_with(context, session=self._session), self._session, watch=watch, library=library,
+            checks_sources=True, notes_parts=True, makes_shapes=False,
         )  # fmt: skip
         composed = composer.compose(plan)
-        return None if composed is None else Traced(composed.model, watch, plan.separator, context.folder)
+        return None if composed is None else (composed.model, composer.parts)
 
-    def _files(self, plan: Plan | None, traced: Traced | None, context: Context) -> frozenset[Path]:
+    def _files(self, plan: Plan | None, model: Model | None, context: Context) -> frozenset[Path]:
         """Return the recipes and models that were read."""
         found = {self.folder / each for each in context.recipes}
         if plan is not None:
             found |= {source.path for source in plan.sources()}
-        if traced is not None:
-            found |= {self.folder / name for name in traced.model.origins.texts}
+        if model is not None:
+            found |= {self.folder / name for name in model.unit.origins.texts}
         return frozenset(Path(os.path.normpath(each)) for each in found)
 
     def including(self, path: Path, texts: Mapping[str, bytes]) -> list[Analysis]:

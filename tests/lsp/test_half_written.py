@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pytest
@@ -61,7 +61,8 @@ class Typist:
         for fold in folds(question.lines):
             assert 0 <= fold.first < fold.last < len(question.lines)
         if analysed and all_of_it:
-            self.asks(question, self.analysis)
+            traced = self.workspace.traced(self.analysis)
+            self.asks(replace(question, analysis=traced), traced)
         self.asked += 1
 
     def asks(self, question: Question, analysis: Analysis) -> None:

@@ -35,7 +35,7 @@ def _wishes(path: tuple[str, ...], question: Question) -> Iterator[str]:
             if value is not None:
                 span = unit.origins.span(element, unit.file, path[-1])
                 yield f"| `{part}` | `{value}` ({span.file}:{span.line}) |"
-    if analysis.traced is not None:
-        for element in analysis.traced.model.root.iterfind("/".join(path[:-1])):
+    if analysis.model is not None:
+        for element in analysis.model.unit.root.iterfind("/".join(path[:-1])):
             if (value := element.get(path[-1])) is not None:
                 yield f"| **the model** | **`{value}`** |"
