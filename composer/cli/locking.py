@@ -139,7 +139,7 @@ def _plans_of_cells(recipe: Path, context: Context, given: Given) -> Iterator[Pl
     for cell in cells_of(recipe, context, dict(given)):
         if cell.sample and not drawn:
             continue  # its sources are those of the nominal model
-        plan = plan_what_remains(recipe, context, {**given, **cell.given}, cell.name, cell.sample)
+        plan = plan_what_remains(recipe, context, {**given, **cell.given}, name=cell.name, sample=cell.sample)
         if plan is not None:
             yield plan
 

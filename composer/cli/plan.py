@@ -67,10 +67,10 @@ def command(
         sys.exit(code)
     filled, cells = FilledValues(given), []
     if cell is not None:
-        plan = make_plan(recipe, context, {**given, **cell.given}, cell.sample, cell.name)
+        plan = make_plan(recipe, context, {**given, **cell.given}, name=cell.name, sample=cell.sample)
     else:
         filled = filled_from_first_cell(recipe, context, given)
-        plan = make_plan(recipe, context, filled.given, sample or 0)
+        plan = make_plan(recipe, context, filled.given, sample=sample or 0)
         if plan is not None:
             check_sample(plan, sample or 0, context.sink)
             cells = cells_of(recipe, context, given)

@@ -49,11 +49,7 @@ def _settings(plan: Plan, composer: Composer, stands: bool) -> Unit:
     for each in found.values():
         if each.is_written:
             set_value(unit, each.path, each.value)
-    making = ElementBuilder(
-        plan.document, plan.file, composer.context.sink, plan.angle_context,
-        "radian", unit.settings.eulerseq, composer.context.folder, unit.file, unit.origins,
-        composer.context.door_of_text,
-    )  # fmt: skip
+    making = ElementBuilder.of(plan, unit, composer.context, model_angle="radian")
     linking = Linking(unit, [], composer.context.sink)
     for step in plan.steps:
         if isinstance(step, SetSingleton) and step.section in SINGLETONS:

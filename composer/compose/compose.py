@@ -66,7 +66,6 @@ from composer.recipe.rows import check_rows
 from composer.sources.source import Source
 from composer.tree.classes import MAIN
 from composer.tree.expansion import check_size, written
-from composer.tree.file_text import FileText
 from composer.tree.parse import parse_file
 from composer.tree.unit import Unit
 from composer.tree.watch import Watch, nobody
@@ -269,7 +268,7 @@ class Composer:
         if plan.base.keyframes == "none" and BASE not in plan.key_sources:
             remove_keys(base)
         self.watch([base, *units], plan)
-        making = self._builder(plan, base)
+        making = ElementBuilder.of(plan, base, self.context, model_angle="radian")
         linking = self._linking(plan, base, units, making)
         early = EarlyAdditions(plan, linking, making)
         linking.later_places = early
@@ -303,15 +302,6 @@ class Composer:
             drawn=(*plan.drawn, *(changes.drawn if changes else ())),
             tabled=tuple(changes.tabled) if changes else (),
         )
-
-    def _builder(self, plan: Plan, base: Unit) -> ElementBuilder:
-        """Return what makes the recipe's own elements in the base."""
-        base.origins.texts[plan.file] = FileText(plan.path)
-        return ElementBuilder(
-            plan.document, plan.file, self.context.sink, plan.angle_context,
-            "radian", base.settings.eulerseq, self.context.folder, base.file, base.origins,
-            self.context.door_of_text,
-        )  # fmt: skip
 
     def _linking(self, plan: Plan, base: Unit, units: list[Unit], making: ElementBuilder) -> Linking:
         """Return the base and its parts, with the joints between them, ready to be linked."""

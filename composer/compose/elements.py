@@ -10,6 +10,7 @@ from pathlib import Path
 from lxml import etree
 from lxml.etree import _Element as Node
 
+from composer.context import Context
 from composer.dataclass import dataclass
 from composer.diagnostics.sink import Sink
 from composer.diagnostics.span import Span
@@ -25,12 +26,15 @@ from composer.link import numbers
 from composer.link.angles import in_sequence
 from composer.numerics.pose import quat_from_euler
 from composer.plan.angle_context import AngleContext, AngleSettings
+from composer.plan.plan import Plan
 from composer.reading.door import Door
 from composer.recipe.element import Element, Single, Value
 from composer.recipe.reader import CONFIG
 from composer.tree.classes import MAIN
+from composer.tree.file_text import FileText
 from composer.tree.line import line_of
 from composer.tree.origin import Origins
+from composer.tree.unit import Unit
 
 
 @dataclass(slots=True)
@@ -66,6 +70,23 @@ class ElementBuilder:
     of_classes: list[tuple[Node, Element, str, bool]] = field(default_factory=list)
     files: list[tuple[Node, str, str]] = field(default_factory=list)
     intervals: dict[tuple[Node, str], Span] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, plan: Plan, unit: Unit, context: Context, *, model_angle: str) -> ElementBuilder:
+        """Return what makes the elements of a plan's recipe in a unit, whose messages then quote the recipe."""
+        unit.origins.texts[plan.file] = FileText(plan.path)
+        return cls(
+            document=plan.document,
+            file=plan.file,
+            sink=context.sink,
+            angle_context=plan.angle_context,
+            model_angle=model_angle,
+            model_eulerseq=unit.settings.eulerseq,
+            folder=context.folder,
+            base_file=unit.file,
+            origins=unit.origins,
+            door_of_text=context.door_of_text,
+        )
 
     def span(self, element: Element, attribute: str | None = None) -> Span:
         """Return where an element is written: its key, or the value of the attribute if it is written there."""

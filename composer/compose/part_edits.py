@@ -28,7 +28,6 @@ from composer.link.subtree import Left
 from composer.plan.foreseen import EditOutcome, Place
 from composer.plan.plan import DropElements, Plan
 from composer.plan.steps.edit_elements import EditElements
-from composer.tree.file_text import FileText
 from composer.tree.key import Key, PartKeys
 from composer.tree.unit import Unit
 from composer.tree.watch import Watch
@@ -76,12 +75,7 @@ class PartEdits:
 
     def _editing(self, linking: Linking) -> Editing:
         plan, unit = self.plan, self.unit
-        unit.origins.texts[plan.file] = FileText(plan.path)
-        making = ElementBuilder(
-            plan.document, plan.file, self.context.sink, plan.angle_context,
-            unit.settings.angle, unit.settings.eulerseq, self.context.folder, unit.file, unit.origins,
-            self.context.door_of_text,
-        )  # fmt: skip
+        making = ElementBuilder.of(plan, unit, self.context, model_angle=unit.settings.angle)
         return Editing(
             linking,
             making,

@@ -155,12 +155,12 @@ def load_cell(
     context, watch = operand.context, Trace()
     if cell is None:
         values = given
-        plan = make_plan(operand.path, context, given, sample)
+        plan = make_plan(operand.path, context, given, sample=sample)
         if plan is not None and not check_sample(plan, sample, context.sink):
             return None
     else:
         values = {**given, **cell.given}
-        plan = plan_what_remains(operand.path, context, values, cell.name, cell.sample)
+        plan = plan_what_remains(operand.path, context, values, name=cell.name, sample=cell.sample)
     if plan is None or context.sink.has_errors:
         return None
     measure = measure_with(context, session=session)

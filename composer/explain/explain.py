@@ -56,7 +56,7 @@ def trace(path: Path, context: Context, sample: int = 0, given: Given | None = N
     if path.suffix.lower() in (".zip", ".mjz", ".mjb") or os.path.isdir(context.folder / path):
         _no_recipe(path, context)
         return None
-    plan = make_plan(path, context, given, sample)
+    plan = make_plan(path, context, given, sample=sample)
     if plan is not None and not check_sample(plan, sample, context.sink):
         return None
     composed = None if plan is None else Composer(context, measure_with(context), watch=watch).compose(plan)

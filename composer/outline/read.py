@@ -63,7 +63,7 @@ def outline(text: str, context: Context, given: Given | None = None, sample: int
 
 
 def _of_recipe(path: Path, text: str, context: Context, given: Given | None, sample: int) -> Outline | None:
-    plan = make_plan(path, context, given, sample)
+    plan = make_plan(path, context, given, sample=sample)
     if plan is None or not check_sample(plan, sample, context.sink):
         return None
     composer = Composer(context, measure_with(context), notes_parts=True)

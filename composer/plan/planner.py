@@ -48,19 +48,19 @@ Outer = tuple[tuple[Path, "Span | None"], ...]
 
 
 def make_plan(
-    recipe: Path, context: Context, given: Given | None = None, sample: int = 0, name: str | None = None
+    recipe: Path, context: Context, given: Given | None = None, *, name: str | None = None, sample: int = 0
 ) -> Plan | None:
     """Return what a build of the recipe will do, or None if it or something that it refers to has errors.
 
     `name` and `sample` are as in `plan_what_remains`.
     """
     before = context.sink.error_count
-    plan = plan_what_remains(recipe, context, given, name, sample)
+    plan = plan_what_remains(recipe, context, given, name=name, sample=sample)
     return plan if context.sink.error_count == before else None
 
 
 def plan_what_remains(
-    recipe: Path, context: Context, given: Given | None = None, name: str | None = None, sample: int = 0
+    recipe: Path, context: Context, given: Given | None = None, *, name: str | None = None, sample: int = 0
 ) -> Plan | None:
     """Return the plan without its faulty pieces, so that later stages can find more errors; None without a base.
 
@@ -120,11 +120,12 @@ class _Planner:
     ) -> Plan | None:
         """Return the plan of one recipe; `outer` are the recipes around it, outermost first."""
         key = Path(os.path.realpath(path))
-        if any(each == key for each, _ in outer):
-            ring = [each.name for each, _ in outer[[each for each, _ in outer].index(key) :]]
+        around = [recipe for recipe, _ in outer]
+        if key in around:
+            ring = [*around[around.index(key) :], path]
             self.sink.error(
                 "source-cycle",
-                "recipes contain one another: " + " → ".join([*ring, path.name]),
+                "recipes contain one another: " + " → ".join(each.name for each in ring),
                 span,
                 help="a recipe cannot be a part of itself: take one of these references out",
             )

@@ -35,7 +35,8 @@ def test_expressions_know_parameters(radian: Case, monkeypatch: pytest.MonkeyPat
 
     plan_of: Callable[..., Any] = make.plan_what_remains
     monkeypatch.setattr(
-        "composer.stages.plan_what_remains", lambda *given: replace(plan_of(*given), scope={"payload": 0.5})
+        "composer.stages.plan_what_remains",
+        lambda *given, **named: replace(plan_of(*given, **named), scope={"payload": 0.5}),
     )
     model = radian.edited("{select: {joint: elbow}, set: {armature: '${payload + index}'}}")
     assert model.joint("elbow").armature[0] == 0.5

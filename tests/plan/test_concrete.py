@@ -45,7 +45,10 @@ def test_a_recipe_is_expanded_once_for_the_same_values(
     cells = cells_of(Path("cell.yaml"), context, {})
     assert len(cells) == 6  # two cells with three samples each
     for cell in cells:
-        assert plan_what_remains(Path("cell.yaml"), context, cell.given, cell.name, cell.sample) is not None
+        assert (
+            plan_what_remains(Path("cell.yaml"), context, cell.given, name=cell.name, sample=cell.sample)
+            is not None
+        )
     assert sorted(expanded) == sorted(validated) == ["cell.yaml"] * 2 + ["inner.yaml"] * 2
 
 
