@@ -12,7 +12,7 @@
     verify     bundle → MuJoCo's verdict, the recipe's checks    verify/compile_report.py, verify/checks.py
     aim        bundle → what another program reads               targets/aim.py, where a target is asked for
 
-`planned` is the first six, which a recipe that is nested in another goes through too; `built` is the rest.
+`planned` is the first six, which a recipe that is nested in another goes through too; `Build` is the rest.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from composer import engine
-from composer.bundle.assemble import Checked, Making, assemble, described
+from composer.bundle.assemble import Making, assemble, described
 from composer.bundle.bundle import Bundle
 from composer.bundle.renamed import renamed_in
 from composer.compose.compose import Composed, Composer
@@ -43,8 +43,7 @@ from composer.plan.planner import plan_what_remains
 if TYPE_CHECKING:
     from composer.engine import Compiled, Limits, Session
     from composer.link.dedup import Merged
-    from composer.link.linking import FileUse
-    from composer.verify.outcome import Hear, Outcome
+    from composer.verify.outcome import Outcome
 
 
 Ahead = Callable[[Bundle], None]
@@ -88,139 +87,151 @@ def build(
     session: Session | None = None,
     limits: Limits | None = None,
     library: Library | None = None,
-    hear: Hear | None = None,
+    outcomes: list[Outcome] | None = None,
 ) -> Built | None:
     """Return the bundle of a recipe, without writing it, or None if `context.sink` has errors.
 
     MuJoCo runs in one process: that of `session`, or one with `limits` that ends with the build. `library` has
-    source files that were read before; `hear` is called with the outcome of each check.
+    source files that were read before; `outcomes` gets what came of each check.
     """
     plan = planned(request, context)
     if plan is None:
         return None
     with ExitStack() as stack:
         session = session or stack.enter_context(engine.Session(limits))
-        return built(plan, request, context, session, library, hear)
+        return Build(
+            plan,
+            request,
+            context,
+            session=session,
+            library=library,
+            outcomes=[] if outcomes is None else outcomes,
+        ).run()
 
 
 def planned(request: Request, context: Context) -> Plan | None:
     """Read, merge, expand, validate, resolve and plan a recipe; return what can be built of it, or None."""
     with context.timed("plan"):
-        asked = request.recipe, context, request.given, request.name, request.sample
-        return planned_whole(lambda: plan_what_remains(*asked), context)
+        return planned_whole(
+            lambda: plan_what_remains(
+                request.recipe, context, request.given, name=request.name, sample=request.sample
+            ),
+            context,
+        )
 
 
-def built(
-    plan: Plan,
-    request: Request,
-    context: Context,
-    session: Session,
-    library: Library | None = None,
-    hear: Hear | None = None,
-    ahead: Ahead | None = None,
-) -> Built | None:
-    """Compose, link, bundle and verify the model of a plan; return None if `context.sink` has errors.
+@dataclass(frozen=True, slots=True)
+class _Draft:
+    """A composed model and its bundle, which MuJoCo has not seen."""
 
-    `ahead` gets the bundle before MuJoCo does, so that it can process its files in parallel. Warnings that the
-    recipes allow are removed from the sink; with `context.strict` the others become errors.
+    composed: Composed
+    bundle: Bundle
+    merged: Merged
+
+
+@dataclass(slots=True)
+class Build:
+    """One build of a planned model, from composing it on; `run` carries it out.
+
+    `library` has source files that were read before. `outcomes` gets what came of each check. `ahead` gets the bundle
+    before MuJoCo does, so that it can process its files in parallel.
     """
-    made = _built(plan, request, context, session, library, hear, ahead)
-    alone = request.name is None and request.sample == 0 and not plan.cells
-    acknowledge(plan, context.sink, context.shown, whole=request.verified and alone)
-    if context.strict:
-        context.sink.promote()
-    return None if context.sink.has_errors else made
 
+    plan: Plan
+    request: Request
+    context: Context
+    session: Session
+    library: Library | None = None
+    outcomes: list[Outcome] = field(default_factory=list)
+    ahead: Ahead | None = None
 
-def _built(
-    plan: Plan,
-    request: Request,
-    context: Context,
-    session: Session,
-    library: Library | None,
-    hear: Hear | None,
-    ahead: Ahead | None,
-) -> Built | None:
-    checks: list[Checked] = []
+    def run(self) -> Built | None:
+        """Compose, link, bundle and verify the model; return None if the context's sink has errors.
 
-    def note(outcome: Outcome) -> None:
-        checks.append(Checked(outcome.name, outcome.kind, outcome.span, outcome.values))
-        if hear is not None:
-            hear(outcome)
+        Warnings that the recipes allow are removed from the sink; with `context.strict` the others become errors.
+        """
+        built, plan, request, context = self._built(), self.plan, self.request, self.context
+        alone = request.name is None and request.sample == 0 and not plan.cells
+        acknowledge(plan, context.sink, context.shown, whole=request.verified and alone)
+        if context.strict:
+            context.sink.promote()
+        return None if context.sink.has_errors else built
 
-    check_lock(plan, context)
-    composer = Composer(
-        context, measure_with(context, session=session), session,
-        library=library, checks_sources=request.verified,
-    )  # fmt: skip
-    with context.timed("compose"):
-        composed = composer.compose(plan)
-    if composed is None:
-        return None
-    merged: Merged = {}
-    if request.deduplicated:
-        merged, files = _deduplicated(plan, composed)
-        composed = replace(composed, files=files)
-    with context.timed("bundle"):
-        bundle = assemble(plan, composed.model, composed.files, context)
-    if bundle is None:
-        return None
-    compiled = None
-    if request.verified:
-        if ahead is not None:
-            ahead(bundle)
-        compiled = _verified(plan, composed, bundle, context, session, merged, note)
-    if composed.tabled and not context.sink.has_errors:
-        bundle = _with_worlds(plan, composed, bundle, compiled, context, session, request.deduplicated)
-    if context.sink.has_errors:
-        return None
-    making = Making(
-        plan, composed.model, composed.files, composed.members, compiled, merged, tuple(checks), request.name,
-        composed.drawn, request.pictured, composed.shapes, composed.tables,
-    )  # fmt: skip
-    bundle = described(bundle, making, context)
-    if request.target is not None:
-        aimed = _aimed(bundle, request.target, plan, composed, context, session)
-        if aimed is None:
+    def _built(self) -> Built | None:
+        context, request = self.context, self.request
+        check_lock(self.plan, context)
+        composer = Composer(
+            context,
+            measure_with(context, session=self.session),
+            self.session,
+            library=self.library,
+            checks_sources=request.verified,
+        )
+        draft = self._draft(self.plan, composer)
+        if draft is None:
             return None
-        bundle = aimed
-    return Built(plan, composed, bundle, compiled, merged)
+        composed, bundle, compiled = draft.composed, draft.bundle, None
+        if request.verified:
+            if self.ahead is not None:
+                self.ahead(bundle)
+            compiled = self._verified(draft)
+        if composed.tabled and not context.sink.has_errors:
+            bundle = self._with_worlds(draft, compiled)
+        if context.sink.has_errors:
+            return None
+        making = Making(
+            plan=self.plan,
+            model=composed.model,
+            uses=composed.files,
+            members=composed.members,
+            compiled=compiled,
+            merged=draft.merged,
+            checks=tuple(self.outcomes),
+            cell=request.name,
+            drawn=composed.drawn,
+            pictured=request.pictured,
+            made=composed.shapes,
+            tables=composed.tables,
+        )
+        final = self._aimed(described(bundle, making, context), composed)
+        return (
+            None
+            if final is None
+            else Built(self.plan, composed, final, compiled=compiled, merged=draft.merged)
+        )
 
+    def _draft(self, plan: Plan, composer: Composer) -> _Draft | None:
+        """Compose, link and bundle a plan: that of the model, or of one of its samples."""
+        context = composer.context
+        merged: Merged = {}
+        with context.timed("compose"):
+            composed = composer.compose(plan)
+        if composed is None:
+            return None
+        if self.request.deduplicated:
+            from composer.link.dedup import dedup  # few builds need it
 
-def _aimed(
-    bundle: Bundle, target: str, plan: Plan, composed: Composed, context: Context, session: Session
-) -> Bundle | None:
-    from composer.targets.aim import aimed  # few builds need it
+            merged, files = dedup(composed.model, composed.files, plan.prefixes)
+            composed = replace(composed, files=files)
+        with context.timed("bundle"):
+            bundle = assemble(plan, composed.model, composed.files, context)
+        return None if bundle is None else _Draft(composed, bundle, merged)
 
-    with context.timed("target"):
-        return aimed(bundle, target, composed.model, plan.span, context, session)
+    def _verified(self, draft: _Draft) -> Compiled | None:
+        """Return MuJoCo's verdict, after running the recipe's checks."""
+        from composer.verify.compile_report import (
+            judge,  # a build without verification has no use for that room
+        )
+        from composer.verify.compiles import WHOLE
+        from composer.verify.kept_keys import check_kept_keys
+        from composer.verify.key_ranges import check_key_ranges, check_stiffness
+        from composer.verify.nested import checks_in
 
-
-def _deduplicated(plan: Plan, composed: Composed) -> tuple[Merged, tuple[FileUse, ...]]:
-    from composer.link.dedup import dedup  # few builds need it
-
-    return dedup(composed.model, composed.files, plan.prefixes)
-
-
-def _verified(
-    plan: Plan,
-    composed: Composed,
-    bundle: Bundle,
-    context: Context,
-    session: Session,
-    merged: Merged,
-    hear: Hear,
-) -> Compiled | None:
-    """Return MuJoCo's verdict, after running the recipe's checks."""
-    from composer.verify.compile_report import judge  # a build without verification has no use for that room
-    from composer.verify.compiles import WHOLE
-    from composer.verify.kept_keys import check_kept_keys
-    from composer.verify.key_ranges import check_key_ranges, check_stiffness
-    from composer.verify.nested import checks_in
-
-    with context.timed("compile"):
-        compiled = judge(bundle, composed.model, context, session, keep=WHOLE, at=plan.span)
-    if compiled is not None:
+        plan, composed, context, session = self.plan, draft.composed, self.context, self.session
+        with context.timed("compile"):
+            compiled = judge(draft.bundle, composed.model, context, session=session, keep=WHOLE, at=plan.span)
+        if compiled is None:
+            return None
         if compiled.index is not None:
             check_key_ranges(plan, composed.model, compiled.index, context.sink)
             check_stiffness(composed.model, compiled.index, plan.span, context.sink)
@@ -228,77 +239,76 @@ def _verified(
             check_kept_keys(composed.model, composed.keys, session, context.sink)
         with context.timed("check"):
             if next(checks_in(plan), None) is not None:
-                from composer.verify.checks import run_checks  # numpy comes along, and every kind of check
+                from composer.verify.checks import Checks  # numpy comes along, and every kind of check
 
-                renamed = renamed_in(composed.model, composed.members)
-                elsewhere = _of_targets(bundle, plan, session, context)
-                size = sum(map(len, bundle.files.values()))
-                run_checks(
-                    plan,
-                    composed.members,
-                    session,
-                    context,
-                    merged,
-                    renamed,
-                    hear,
-                    size=size,
-                    elsewhere=elsewhere,
-                    made=composed.shapes,
-                )
-    return compiled
+                Checks(
+                    plan=plan,
+                    members=composed.members,
+                    session=session,
+                    context=context,
+                    merged=draft.merged,
+                    renamed=renamed_in(composed.model, composed.members),
+                    size=sum(map(len, draft.bundle.files.values())),
+                    elsewhere=self._of_targets(draft.bundle),
+                    shapes=composed.shapes,
+                ).run(self.outcomes)
+        return compiled
 
+    def _of_targets(self, bundle: Bundle) -> Mapping[str, Callable[[dict[str, Any]], Any]]:
+        """Return what carries out the checks about targets, if there is one."""
+        from composer.recipe.check import KINDS
+        from composer.verify.compiles import WHOLE
+        from composer.verify.nested import checks_in
 
-def _of_targets(
-    bundle: Bundle, plan: Plan, session: Session, context: Context
-) -> Mapping[str, Callable[[dict[str, Any]], Any]]:
-    """What carries out the checks about targets, if there is one."""
-    from composer.recipe.check import KINDS
-    from composer.verify.compiles import WHOLE
-    from composer.verify.nested import checks_in
+        if not any(KINDS[check.word].of_target for _, check in checks_in(self.plan)):
+            return {}
+        from composer.targets.checks import CHECKS, Work  # few recipes have such checks
 
-    if not any(KINDS[check.word].of_target for _, check in checks_in(plan)):
-        return {}
-    from composer.targets.checks import CHECKS, Work  # few recipes have such checks
+        work = Work(bundle, WHOLE, self.session, self.context.environment)
+        return {word: partial(check, work) for word, check in CHECKS.items()}
 
-    work = Work(bundle, WHOLE, session, context.environment)
-    return {word: partial(check, work) for word, check in CHECKS.items()}
+    def _with_worlds(self, draft: _Draft, compiled: Compiled | None) -> Bundle:
+        """Return the bundle with the draws of `randomize` and its worlds, some compared with samples that are built."""
+        from composer.verify.draw_table import CODE, DrawTable
+        from composer.verify.world_table import with_worlds
 
-
-def _with_worlds(
-    plan: Plan,
-    composed: Composed,
-    bundle: Bundle,
-    compiled: Compiled | None,
-    context: Context,
-    session: Session,
-    deduplicated: bool,
-) -> Bundle:
-    """Return the bundle with the draws of `randomize` and its worlds; some are compared with samples that are built."""
-    from composer.verify.compile_report import judge
-    from composer.verify.draw_table import CODE, SAMPLE, DrawTable
-    from composer.verify.world_table import with_worlds
-
-    if compiled is None:
-        help = "build without `--no-verify`, or write `emit: models`"
-        span = locate(plan.document, ("randomize", "emit"))
-        context.sink.error(
-            CODE, "only MuJoCo knows where in the model the draws of worlds go", span, help=help
+        plan, context = self.plan, self.context
+        if compiled is None:
+            help = "build without `--no-verify`, or write `emit: models`"
+            span = locate(plan.document, ("randomize", "emit"))
+            message = "only MuJoCo knows where in the model the draws of worlds go"
+            context.sink.error(CODE, message, span, help=help)
+            return draft.bundle
+        table = DrawTable(plan, draft.composed.tabled, self.session, context)
+        return (
+            table.added(with_worlds(table, draft.bundle, self._keep_sample)) if table.fill() else draft.bundle
         )
-        return bundle
-    table = DrawTable(plan, composed.tabled, session, context)
-    if not table.fill():
-        return bundle
 
-    def build_sample(number: int) -> bool:
-        composer = Composer(context, measure_with(context, session=session), session)
-        sample = composer.compose(plan.of_sample(number))
+    def _keep_sample(self, number: int) -> bool:
+        """Build a sample, compile it, and have the session keep it. Return whether it has no errors."""
+        from composer.verify.compile_report import judge
+        from composer.verify.draw_table import SAMPLE
+
+        context = replace(self.context, timings=[])  # those of the model are its own
+        composer = Composer(context, measure_with(context, session=self.session), self.session)
+        sample = self._draft(self.plan.of_sample(number), composer)
         if sample is None:
             return False
-        files = _deduplicated(plan, sample)[1] if deduplicated else sample.files
-        made = assemble(plan, sample.model, files, context)
-        return (
-            made is not None
-            and judge(made, sample.model, context, session, keep=SAMPLE, at=plan.span) is not None
-        )
+        model, at = sample.composed.model, self.plan.span
+        return judge(sample.bundle, model, context, session=self.session, keep=SAMPLE, at=at) is not None
 
-    return table.added(with_worlds(table, bundle, build_sample))
+    def _aimed(self, bundle: Bundle, composed: Composed) -> Bundle | None:
+        """Return what the target program reads; that is the bundle itself without one."""
+        if self.request.target is None:
+            return bundle
+        from composer.targets.aim import aimed  # few builds need it
+
+        with self.context.timed("target"):
+            return aimed(
+                bundle,
+                self.request.target,
+                composed.model,
+                at=self.plan.span,
+                context=self.context,
+                session=self.session,
+            )

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from composer.bundle.beside import picture_of
 from composer.bundle.bundle import MODEL, Bundle, BundleError
@@ -33,7 +33,6 @@ from composer.bundle.portable import Portable
 from composer.bundle.renamed import Renamed, renamed_in
 from composer.context import Context, as_text
 from composer.dataclass import dataclass
-from composer.diagnostics.span import Span
 from composer.document.node import spans
 from composer.grammar import GRAMMAR
 from composer.link.dedup import Merged
@@ -54,6 +53,7 @@ from composer.tree.write import write
 
 if TYPE_CHECKING:
     from composer.engine import Compiled
+    from composer.verify.outcome import Outcome
 
 
 _OF_THE_LOCK = ("lock-stale", "source-changed")
@@ -82,16 +82,6 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
 
 
 @dataclass(frozen=True, slots=True)
-class Checked:
-    """A check that holds, and the values that it found."""
-
-    name: str
-    kind: str
-    span: Span
-    values: Mapping[str, Any]
-
-
-@dataclass(frozen=True, slots=True)
 class Making:
     """What a manifest says about how a model was made.
 
@@ -105,7 +95,7 @@ class Making:
     members: tuple[PartRecord, ...]
     compiled: Compiled | None
     merged: Merged
-    checks: tuple[Checked, ...] = ()
+    checks: tuple[Outcome, ...] = ()
     cell: str | None = None
     drawn: tuple[Drawn, ...] = ()
     pictured: bool = False

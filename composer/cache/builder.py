@@ -114,11 +114,11 @@ class Maker:
             self.recipe,
             given,
             name,
-            sample,
-            self.options.verified,
-            self.options.deduplicated,
-            self.options.pictured,
-            self.options.target,
+            sample=sample,
+            verified=self.options.verified,
+            deduplicated=self.options.deduplicated,
+            pictured=self.options.pictured,
+            target=self.options.target,
         )
         plan = stages.planned(request, context)
         if plan is None:
@@ -130,7 +130,16 @@ class Maker:
         if self._ahead is not None:  # from the previous model
             self._ahead.end()
             self._ahead = None
-        built = stages.built(plan, request, context, session, self.library, outcomes.append, self._pack_ahead)
+        build = stages.Build(
+            plan,
+            request,
+            context,
+            session=session,
+            library=self.library,
+            outcomes=outcomes,
+            ahead=self._pack_ahead,
+        )
+        built = build.run()
         if built is None:
             return None
         from composer.bundle.licence_table import licence_rows

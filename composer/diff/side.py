@@ -170,7 +170,7 @@ def load_cell(
     if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
         return None
     watch([composed.model], collect)
-    compiled = judge(bundle, composed.model, context, session, keep=kept, at=plan.span)
+    compiled = judge(bundle, composed.model, context, session=session, keep=kept, at=plan.span)
     acknowledge(plan, context.sink, context.shown, whole=False)
     if compiled is None or context.sink.has_errors:
         return None

@@ -36,7 +36,7 @@ CANNOT, LOSS, FAILED = "target-cannot", "target-loss", "target-failed"
 
 
 def aimed(
-    bundle: Bundle, target: str, model: Unit, at: Span, context: Context, session: Session
+    bundle: Bundle, target: str, model: Unit, *, at: Span, context: Context, session: Session
 ) -> Bundle | None:
     """Return the bundle that `target` reads, made from a bundle that MuJoCo has verified.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict, field, replace
 from typing import Any
 
 from composer import engine
@@ -11,6 +11,7 @@ from composer.bundle.renamed import Renamed
 from composer.compiled.affected_arrays import arrays_of
 from composer.compiled.difference import EXTRA, MISSING, Difference
 from composer.context import Context
+from composer.dataclass import dataclass
 from composer.diagnostics.diagnostic import Diagnostic, Note, Severity
 from composer.diagnostics.fault import Fault
 from composer.diagnostics.sink import Sink
@@ -31,7 +32,7 @@ from composer.verify.compiles import WHOLE
 from composer.verify.kinds.ask import CHECKS, ask
 from composer.verify.kinds.failure import from_json
 from composer.verify.nested import Nested, checks_in
-from composer.verify.outcome import Hear, Outcome
+from composer.verify.outcome import Outcome
 from composer.verify.parts import Compared, Judge
 from composer.verify.report import causes, changed, notes
 
@@ -48,41 +49,103 @@ Elsewhere = Callable[[dict[str, Any]], tuple[Sequence[Fault], dict[str, Any]]]
 """A check that is carried out elsewhere: of what it asks for, the findings and what was found."""
 
 
-def run_checks(
-    plan: Plan,
-    members: Sequence[PartRecord],
-    session: engine.Session,
-    context: Context,
-    merged: Merged,
-    renamed: Renamed,
-    hear: Hear | None = None,
-    *,
-    size: int = 0,
-    elsewhere: Mapping[str, Elsewhere] | None = None,
-    made: Sequence[MadeShapes] = (),
-) -> None:
-    """Run every check on the model that the session keeps, and report those that fail to the sink.
+@dataclass(frozen=True, slots=True)
+class Checks:
+    """The checks of a model that the session keeps; `run` reports those that fail to the sink of `context`.
 
-    `hear` is called with what came of each check, in the order of the recipe. `size` is that of the files of the model,
-    in bytes; `elsewhere` carries out the checks that are about targets; `made` is what was made of meshes.
+    `size` is that of the files of the model, in bytes; `elsewhere` carries out the checks that are about targets;
+    `shapes` is what was made of meshes.
     """
-    judge, kept = Judge(session, merged, renamed), True
-    drawn = sorted({array for step in plan.draws if step.sample for array in arrays_of_draw(step)})
-    for recipe, check in checks_in(plan):
-        own = replace(context, sink=Sink())
-        if isinstance(check, Unchanged):
-            values = _unchanged(check, recipe, members, plan.separator, judge, own, drawn)
-        elif KINDS[check.word].of_target:
-            values = _ask_elsewhere(check, recipe, elsewhere or {}, own)
-        else:
-            kept, values = _ask(check, recipe, members, session, own, size, made)
-        reported = tuple(_as_severe(each, check, recipe) for each in own.sink.diagnostics)
-        for diagnostic in reported:
-            context.sink.add(diagnostic)
-        if hear is not None:
-            hear(Outcome(recipe.part + check.name, check.word, _place(check, recipe), reported, values))
-        if not kept:
-            break
+
+    plan: Plan
+    members: Sequence[PartRecord]
+    session: engine.Session
+    context: Context
+    merged: Merged
+    renamed: Renamed
+    size: int = 0
+    elsewhere: Mapping[str, Elsewhere] = field(default_factory=dict)
+    shapes: Sequence[MadeShapes] = ()
+
+    def run(self, outcomes: list[Outcome]) -> None:
+        """Run every check in the order of the recipe, and append what came of each."""
+        judge, kept = Judge(self.session, self.merged, self.renamed), True
+        drawn = sorted({array for step in self.plan.draws if step.sample for array in arrays_of_draw(step)})
+        for recipe, check in checks_in(self.plan):
+            own = replace(self.context, sink=Sink())
+            if isinstance(check, Unchanged):
+                values = self._unchanged(check, recipe, judge, own, drawn=drawn)
+            elif KINDS[check.word].of_target:
+                values = _ask_elsewhere(check, recipe, self.elsewhere, own)
+            else:
+                kept, values = self._ask(check, recipe, own)
+            reported = tuple(_as_severe(each, check, recipe) for each in own.sink.diagnostics)
+            for diagnostic in reported:
+                self.context.sink.add(diagnostic)
+            name = recipe.part + check.name
+            outcomes.append(
+                Outcome(name, check.word, _place(check, recipe), diagnostics=reported, values=values)
+            )
+            if not kept:
+                break
+
+    def _ask(
+        self,
+        check: Check,
+        recipe: Nested,
+        context: Context,
+    ) -> tuple[bool, dict[str, Any]]:
+        """Run a check on the compiled model, in the process that keeps it.
+
+        Return whether that process still keeps the model, and the values that the check found.
+        """
+        angle = recipe.plan.angle_context.at((*check.at, check.word, "value")).angle
+        asked = {**asdict(check), "angle": angle, "frame": recipe.frame(self.members), "bytes": self.size}  # type: ignore[call-overload]
+        if isinstance(check, Collision):
+            asked["made"] = [
+                {"mesh": each.mesh, "of": each.of, "shapes": each.shapes, **each.error}
+                for each in self.shapes
+            ]
+        about = f"check `{recipe.part}{check.name}`"
+        if KINDS[check.word].needs_world and asked["frame"] is None:
+            message = f"{about}: it is not known where the world of this recipe stands in the model, for it has no base"
+            help = "move the check to the recipe around it"
+            context.sink.error("check-failed", message, _place(check, recipe), help=help)
+            return True, {}
+        question = {"kind": check.word, "asked": asked, "scope": recipe.scope()}
+        answer = engine.call(self.session, ask, [WHOLE], question)
+        if not answer.ok:
+            code = CRASHES.get(answer.crash or "", "mujoco-crash")
+            notes = [Note("no check behind it was run")] if answer.crash else []
+            message = f"{about}: {answer.error or answer.crash}"
+            context.sink.error(code, message, _place(check, recipe), notes=notes)
+            return not answer.crash, {}
+        for finding in map(from_json, answer.value["findings"]):
+            _report_finding(finding, check, recipe, context)
+        return True, answer.value["values"]
+
+    def _unchanged(
+        self,
+        check: Unchanged,
+        recipe: Nested,
+        judge: Judge,
+        context: Context,
+        *,
+        drawn: Sequence[str],
+    ) -> dict[str, Any]:
+        """Compare each source of the part with the source alone, and return how many there are.
+
+        The part goes by the name that the outermost recipe gives it.
+        """
+        separator = self.plan.separator
+        part = recipe.part + check.part if check.part else recipe.part.removesuffix(separator) or None
+        excused = [*drawn, *(array for name in check.excepted for array in arrays_of(name))]
+        found = of_part(self.members, part, separator)
+        for member in found:
+            compared = judge.compare(member, excused)
+            if not compared.ok:
+                _report(compared, recipe, check, context)
+        return {"parts": len(found)}
 
 
 def places(plan: Plan) -> dict[str, Span]:
@@ -115,69 +178,6 @@ def _report_finding(finding: Fault, check: Check, recipe: Nested, context: Conte
     message = f"check `{recipe.part}{check.name}`: {finding.message}"
     add = context.sink.warning if finding.code == _LOSS else context.sink.error
     add(finding.code, message, span, notes=finding.notes, help=finding.help)
-
-
-def _ask(
-    check: Check,
-    recipe: Nested,
-    members: Sequence[PartRecord],
-    session: engine.Session,
-    context: Context,
-    size: int,
-    made: Sequence[MadeShapes],
-) -> tuple[bool, dict[str, Any]]:
-    """Run a check on the compiled model, in the process that keeps it.
-
-    Return whether that process still keeps the model, and the values that the check found.
-    """
-    angle = recipe.plan.angle_context.at((*check.at, check.word, "value")).angle
-    asked = {**asdict(check), "angle": angle, "frame": recipe.frame(members), "bytes": size}  # type: ignore[call-overload]
-    if isinstance(check, Collision):
-        asked["made"] = [
-            {"mesh": each.mesh, "of": each.of, "shapes": each.shapes, **each.error} for each in made
-        ]
-    about = f"check `{recipe.part}{check.name}`"
-    if KINDS[check.word].needs_world and asked["frame"] is None:
-        message = (
-            f"{about}: it is not known where the world of this recipe stands in the model, for it has no base"
-        )
-        help = "move the check to the recipe around it"
-        context.sink.error("check-failed", message, _place(check, recipe), help=help)
-        return True, {}
-    question = {"kind": check.word, "asked": asked, "scope": recipe.scope()}
-    answer = engine.call(session, ask, [WHOLE], question)
-    if not answer.ok:
-        code = CRASHES.get(answer.crash or "", "mujoco-crash")
-        notes = [Note("no check behind it was run")] if answer.crash else []
-        message = f"{about}: {answer.error or answer.crash}"
-        context.sink.error(code, message, _place(check, recipe), notes=notes)
-        return not answer.crash, {}
-    for finding in map(from_json, answer.value["findings"]):
-        _report_finding(finding, check, recipe, context)
-    return True, answer.value["values"]
-
-
-def _unchanged(
-    check: Unchanged,
-    recipe: Nested,
-    members: Sequence[PartRecord],
-    separator: str,
-    judge: Judge,
-    context: Context,
-    drawn: Sequence[str],
-) -> dict[str, Any]:
-    """Compare each source of the part with the source alone, and return how many there are.
-
-    The part goes by the name that the outermost recipe gives it.
-    """
-    part = recipe.part + check.part if check.part else recipe.part.removesuffix(separator) or None
-    excused = [*drawn, *(array for name in check.excepted for array in arrays_of(name))]
-    found = of_part(members, part, separator)
-    for member in found:
-        compared = judge.compare(member, excused)
-        if not compared.ok:
-            _report(compared, recipe, check, context)
-    return {"parts": len(found)}
 
 
 def _report(compared: Compared, recipe: Nested, check: Unchanged, context: Context) -> None:

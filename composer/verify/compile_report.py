@@ -34,6 +34,7 @@ def judge(
     bundle: Bundle,
     model: Unit,
     context: Context,
+    *,
     session: Session,
     keep: str | None = None,
     at: Span | None = None,

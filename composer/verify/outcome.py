@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import field
 from typing import Any
 
@@ -24,7 +24,3 @@ class Outcome:
     @property
     def holds(self) -> bool:
         return not any(each.severity is Severity.ERROR for each in self.diagnostics)
-
-
-Hear = Callable[[Outcome], None]
-"""A function that is called with the outcome of each check."""

@@ -210,7 +210,7 @@ def test_every_check_is_heard_in_order_with_what_came_of_it(tmp_path: Path, run:
     recipe = "recipe: 1\nattach:\n  nest: {model: ./inner.yaml}\ncheck:\n  dims: {size: {nq: 2}, mass: {range: [0, 9e9]}}\n"
     (tmp_path / "recipe.yaml").write_text(recipe)
     context = Context(folder=tmp_path, environment={})
-    assert build(Request(tmp_path / "recipe.yaml"), context, hear=heard.append) is not None, (
+    assert build(Request(tmp_path / "recipe.yaml"), context, outcomes=heard) is not None, (
         context.sink.diagnostics
     )
     assert [(each.name, each.kind, each.span.file, each.span.line, each.holds) for each in heard] == [

@@ -28,7 +28,7 @@ def told(folder: Path, monkeypatch: pytest.MonkeyPatch, version: str | None, mod
     built = build(Request(Path("r.yaml"), verified=False), context)
     assert built is not None
     monkeypatch.setattr(compile_report, "verify", lambda *_, **__: verdict)
-    judged = compile_report.judge(built.bundle, built.composed.model, context, cast(Session, None))
+    judged = compile_report.judge(built.bundle, built.composed.model, context, session=cast(Session, None))
     assert judged is cast(Any, verdict.compiled)
     return [
         f"{each.severity.name}: {each.code}"
