@@ -47,7 +47,7 @@ else:
             for base in cls.__mro__[:0:-1]:
                 fields.update(base.__dict__.get("__dataclass_fields__", {}))
             fields.update(own)
-            _add_methods(cls, fields, frozen, slots, eq)
+            _add_methods(cls, fields, frozen, slots=slots, eq=eq)
             return cls
 
         return made if cls is None else made(cls)

@@ -214,7 +214,7 @@ class Build:
             merged, files = dedup(composed.model, composed.files, plan.prefixes)
             composed = replace(composed, files=files)
         with context.timed("bundle"):
-            bundle = assemble(plan, composed.model, composed.files, context)
+            bundle = assemble(plan, composed.model, composed.files, context=context)
         return None if bundle is None else _Draft(composed, bundle, merged)
 
     def _verified(self, draft: _Draft) -> Compiled | None:
@@ -233,10 +233,10 @@ class Build:
         if compiled is None:
             return None
         if compiled.index is not None:
-            check_key_ranges(plan, composed.model, compiled.index, context.sink)
-            check_stiffness(composed.model, compiled.index, plan.span, context.sink)
+            check_key_ranges(plan, composed.model, compiled.index, sink=context.sink)
+            check_stiffness(composed.model, compiled.index, plan.span, sink=context.sink)
         with context.timed("keys"):
-            check_kept_keys(composed.model, composed.keys, session, context.sink)
+            check_kept_keys(composed.model, composed.keys, session, sink=context.sink)
         with context.timed("check"):
             if next(checks_in(plan), None) is not None:
                 from composer.verify.checks import Checks  # numpy comes along, and every kind of check
@@ -264,7 +264,7 @@ class Build:
             return {}
         from composer.targets.checks import CHECKS, Work  # few recipes have such checks
 
-        work = Work(bundle, WHOLE, self.session, self.context.environment)
+        work = Work(bundle, WHOLE, self.session, environment=self.context.environment)
         return {word: partial(check, work) for word, check in CHECKS.items()}
 
     def _with_worlds(self, draft: _Draft, compiled: Compiled | None) -> Bundle:
@@ -279,7 +279,7 @@ class Build:
             message = "only MuJoCo knows where in the model the draws of worlds go"
             context.sink.error(CODE, message, span, help=help)
             return draft.bundle
-        table = DrawTable(plan, draft.composed.tabled, self.session, context)
+        table = DrawTable(plan, draft.composed.tabled, self.session, context=context)
         return (
             table.added(with_worlds(table, draft.bundle, self._keep_sample)) if table.fill() else draft.bundle
         )

@@ -32,7 +32,9 @@ def write_archive(
     All files are dated 1980-01-01, or SOURCE_DATE_EPOCH of the environment (seconds, UTC). Raises OutputError, and
     then leaves an older `out` untouched.
     """
-    write_packed(bundle.files, bundle.model, out, environment, lambda path: packing(bundle, path))
+    write_packed(
+        bundle.files, bundle.model, out, environment=environment, packed=lambda path: packing(bundle, path)
+    )
 
 
 def write_packed(

@@ -64,7 +64,7 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
     """Return the bundle without its manifest, or None if a file is missing."""
     before = context.sink.error_count
     uses = tuple(uses)
-    files = collect(model, uses, context.sink, context.shown)
+    files = collect(model, uses, context.sink, shown=context.shown)
     try:
         files.update(_licences(sources(plan)).files)
         if context.sink.error_count > before:
@@ -110,7 +110,7 @@ def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
     names = portable(plan, model, context)
     licences = _licences(named)
     inputs = tuple(
-        _input(source, licences.of[label], names, making.tables.get(source.read_as, ()))
+        _input(source, licences.of[label], names, table=making.tables.get(source.read_as, ()))
         for label, source in named
     )
     renamed = renamed_in(model, making.members)
@@ -164,7 +164,7 @@ def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
 
 def portable(plan: Plan, model: Unit, context: Context) -> Portable:
     """Return the names of a plan's files for its manifest."""
-    return Portable(plan.path, plan.sources(), _origins(plan), model, context)
+    return Portable(plan.path, plan.sources(), _origins(plan), model=model, context=context)
 
 
 def _read(bundle: Bundle, making: Making, portable: Portable) -> list[tuple[str, str]]:

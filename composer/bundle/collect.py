@@ -39,7 +39,7 @@ def collect(
             if not room.has(use):
                 room.report(model, use, sink)
                 break
-            stands_at[use.path] = _store(model, use, files, stored, sink, shown)
+            stands_at[use.path] = _store(model, use, files, stored=stored, sink=sink, shown=shown)
         path = stands_at[use.path]
         if path is None or path == use.path:
             continue
@@ -78,7 +78,7 @@ def check_files(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callabl
         try:
             os.stat(use.source)
         except OSError as error:
-            _missing(model, use, error, sink, shown)
+            _missing(model, use, error, sink=sink, shown=shown)
 
 
 def read(model: Unit, use: FileUse, sink: Sink, shown: Callable[[Path], str] = str) -> bytes | None:
@@ -91,7 +91,7 @@ def read(model: Unit, use: FileUse, sink: Sink, shown: Callable[[Path], str] = s
             refused.report(sink, model.origins.span(use.element, model.file, use.attribute), shown=shown)
             return None
         except OSError as error:
-            _missing(model, use, error, sink, shown)
+            _missing(model, use, error, sink=sink, shown=shown)
             return None
     if lfs.is_pointer(content):
         called = f"`{shown(Path(use.source))}`"
@@ -111,7 +111,7 @@ def _store(
     shown: Callable[[Path], str],
 ) -> str | None:
     """Return the path of a file's bytes in the bundle: its own path, or that of an equal file of the same kind."""
-    content = read(model, use, sink, shown)
+    content = read(model, use, sink, shown=shown)
     if content is None:
         return None
     if not use.shared:

@@ -37,7 +37,7 @@ def licence_rows(plan: Plan, context: Context) -> list[Row]:
             label,
             source.reference,
             licence_of(source),
-            tuple(context.shown(file) for file in source.licences if not is_empty(file)),
+            files=tuple(context.shown(file) for file in source.licences if not is_empty(file)),
         )
         for label, source in sources(plan)
     ]

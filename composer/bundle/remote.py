@@ -135,14 +135,14 @@ def download(address: str, folder: Path, files: int, size: int) -> Path:
     name = PurePosixPath(address.rstrip("/")).name
     with opened(address) as (fs, path):
         if not fs.isdir(path):
-            _check(fs.info(path)["size"], 1, files, size)
+            _check(fs.info(path)["size"], 1, files, most=size)
             fs.get_file(path, str(folder / name))
             return folder / name
         found = {each[len(path) + 1 :]: about["size"] for each, about in fs.find(path, detail=True).items()}
-        _check(sum(found.values()), len(found), files, size)
+        _check(sum(found.values()), len(found), files, most=size)
         above = path
         for each in sorted(found):
-            _fetch(fs, f"{path}/{each}", folder / "models" / name, each)
+            _fetch(fs, f"{path}/{each}", folder / "models" / name, inside=each)
         beside = [each for each in _listed(fs, f"{path}/{MANIFEST}") or () if each.startswith("../")]
         for each in beside:
             up = each.count("../")
@@ -150,8 +150,8 @@ def download(address: str, folder: Path, files: int, size: int) -> Path:
             for _ in range(up):
                 above = above.rpartition("/")[0]
             if inside.startswith(f"{ASSETS}/") and ".." not in PurePosixPath(inside).parts and up <= 2:
-                _check(fs.info(f"{above}/{inside}")["size"], len(beside), files, size)
-                _fetch(fs, f"{above}/{inside}", (folder / "models", folder)[up - 1], inside)
+                _check(fs.info(f"{above}/{inside}")["size"], len(beside), files, most=size)
+                _fetch(fs, f"{above}/{inside}", (folder / "models", folder)[up - 1], inside=inside)
         return folder / "models" / name
 
 

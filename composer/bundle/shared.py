@@ -74,7 +74,7 @@ def share(bundle: Bundle, above: int = 1) -> tuple[Bundle, dict[str, bytes]]:
     files = {path: content for path, content in bundle.files.items() if path not in moved}
     files[bundle.model] = write(root)
     names = {path: beside + name for path, name in moved.items()}
-    files[MANIFEST] = _with_shared(bundle.files[MANIFEST], names, bundle.model, files[bundle.model])
+    files[MANIFEST] = _with_shared(bundle.files[MANIFEST], names, bundle.model, text=files[bundle.model])
     return Bundle(files, bundle.model), {name: bundle.files[path] for path, name in moved.items()}
 
 
@@ -107,9 +107,9 @@ def gathered(files: Mapping[str, bytes], folder: Path) -> dict[str, bytes]:
             element.set(attribute, names[path])
     text = write(root)
     if _listed_digest(files[MANIFEST], model) == hashlib.sha256(files[model]).hexdigest():
-        found[MANIFEST] = _with_shared(files[MANIFEST], names, model, text)
+        found[MANIFEST] = _with_shared(files[MANIFEST], names, model, text=text)
     else:  # which the reader reports
-        found[MANIFEST] = _with_shared(files[MANIFEST], names, model, None)
+        found[MANIFEST] = _with_shared(files[MANIFEST], names, model, text=None)
     found[model] = text
     return found
 

@@ -31,7 +31,7 @@ def write_usd(
     """
     if session is None:
         with engine.Session(limits) as own:
-            write_usd(bundle, out, environment, warn, session=own)
+            write_usd(bundle, out, environment, warn=warn, session=own)
             return
     from composer.engine.usd import export_usd
 

@@ -39,11 +39,11 @@ def write(
         case Form.FOLDER:
             write_folder(bundle, path)
         case Form.ARCHIVE:
-            write_archive(bundle, path, environment, packing)
+            write_archive(bundle, path, environment, packing=packing)
         case Form.TEXT:
             write_text(bundle, path)
         case Form.MJB:
             write_mjb(bundle, path, limits=limits, session=session)
         case Form.USD:
-            write_usd(bundle, path, environment, warn, limits=limits, session=session)
+            write_usd(bundle, path, environment, warn=warn, limits=limits, session=session)
     return form

@@ -69,7 +69,7 @@ class Maker:
             return None
         if self._key is None:
             self._key = self.options.key(
-                self.recipe, self.context.folder, self.context.environment, self.cache.store.folder
+                self.recipe, self.context.folder, self.context.environment, store=self.cache.store.folder
             )
         return self._key if cell is None else self._key.of_cell(cell, values or {})
 
@@ -124,7 +124,7 @@ class Maker:
         if plan is None:
             return None
         if key is not None and self.options.text_beside is None and not context.sink.has_errors:
-            known = self._recall_planned(plan, name, context, key, outcomes)
+            known = self._recall_planned(plan, name, context, key=key, outcomes=outcomes)
             if known is not None:
                 return known
         if self._ahead is not None:  # from the previous model
@@ -144,14 +144,14 @@ class Maker:
             return None
         from composer.bundle.licence_table import licence_rows
 
-        made = fresh(built, licence_rows(plan, context), why, key)
+        made = fresh(built, licence_rows(plan, context), why, key=key)
         if self.options.text_beside is None:
-            self._keep(made, outcomes, context, name)
+            self._keep(made, outcomes, context, cell=name)
         return made
 
     def with_text(self, made: Made, text: bytes, context: Context) -> Made:
         """Return the model with its text, which is written for this output and stored in the cache."""
-        self._keep(made, (), context, None, text)
+        self._keep(made, (), context, cell=None, text=text)
         return replace(made, text=text)
 
     def content(self, made: Made) -> str:
@@ -197,7 +197,7 @@ class Maker:
         if record.text is not None:
             from composer.cache.entry import KeptFile
 
-            text = self.cache.raw(KeptFile("", record.text, 0, None))
+            text = self.cache.raw(KeptFile("", record.text, 0, source=None))
             if text is None:
                 return None
             made = replace(made, text=text)
@@ -248,7 +248,7 @@ class Maker:
             return None
         _report(record, context, outcomes)
         if not may_move(context):
-            self.cache.keep(key, record, [*recipes, *answer.inputs], answer.packages)
+            self.cache.keep(key, record, [*recipes, *answer.inputs], packages=answer.packages)
         return replace(made, why=(_SETTLED,))
 
     def _of_recipes(self, record: Record, states: Mapping[str, str]) -> Record | None:
@@ -305,19 +305,33 @@ class Maker:
             cache.keep_raw(digest, text)
         name = portable(built.plan, built.composed.model, context).name
         record = Record(
-            made.name, built.bundle.model, made.sha256, made.sizes, made.merged,
-            self._kept(built.bundle, known) if text is None else (), digest,
-            made.mujoco, made.licences, tuple(context.sink.diagnostics), tuple(outcomes), made.draws,
-            tuple(KeptRecipe(each.path, name(Path(each.path)), each.state) for each in recipes),
-            places(built.plan), False,
-            built.plan.cells, built.plan.cells_at, made.adopted, made.allowed, made.excluded,
-        )  # fmt: skip
+            made.name,
+            built.bundle.model,
+            made.sha256,
+            sizes=made.sizes,
+            merged=made.merged,
+            files=self._kept(built.bundle, known) if text is None else (),
+            text=digest,
+            mujoco=made.mujoco,
+            licences=made.licences,
+            diagnostics=tuple(context.sink.diagnostics),
+            checks=tuple(outcomes),
+            draws=made.draws,
+            recipes=tuple(KeptRecipe(each.path, name(Path(each.path)), each.state) for each in recipes),
+            places=places(built.plan),
+            names_places=False,
+            cells=built.plan.cells,
+            cells_at=built.plan.cells_at,
+            adopted=made.adopted,
+            allowed=made.allowed,
+            excluded=made.excluded,
+        )
         record = replace(record, names_places=names_places(built.plan, record, built.bundle.files[MANIFEST]))
         packages = list(names.packages(built.plan))
         if not may_move(context):
-            cache.keep(key, record, [*recipes, *others], packages)
+            cache.keep(key, record, [*recipes, *others], packages=packages)
         if text is None:
-            cache.keep(self._planned(built.plan, cell), record, others, packages)
+            cache.keep(self._planned(built.plan, cell), record, others, packages=packages)
 
     def _kept(self, bundle: Bundle, known: Mapping[str, str]) -> tuple[KeptFile, ...]:
         """Return the files of a bundle; those that no input file holds (`known`, by hash) go to the store."""
@@ -329,7 +343,7 @@ class Maker:
             digest = bundle.digest(path)
             if digest not in known:
                 self.cache.keep_raw(digest, content)
-            found.append(KeptFile(path, digest, len(content), known.get(digest)))
+            found.append(KeptFile(path, digest, len(content), source=known.get(digest)))
         return tuple(found)
 
     def _names(self) -> Inputs:

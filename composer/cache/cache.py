@@ -147,7 +147,7 @@ class Cache:
 
     def note_written(self, out: Place, content: str, beside: Iterable[Path] = ()) -> None:
         """Record an output; `beside` are files elsewhere that belong to it."""
-        self._keep(lambda: note_written(self.store.folder, os.fspath(out), content, beside))
+        self._keep(lambda: note_written(self.store.folder, os.fspath(out), content, beside=beside))
 
     def close(self) -> None:
         """Keep the store below its limit, if anything was added to it."""
@@ -225,7 +225,7 @@ class Cache:
         self._put("asked", key.subject_digest, _dump(dict(key.parts)))
 
     def _put(self, kind: str, key: str, content: bytes) -> None:
-        self._keep(lambda: blobs.put(self.store.folder, kind, key, content))
+        self._keep(lambda: blobs.put(self.store.folder, kind, key, content=content))
 
     def _keep(self, put: Callable[[], None]) -> None:
         if self.broken:

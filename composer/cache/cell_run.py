@@ -91,7 +91,7 @@ class CellRun:
         from composer import stages  # which a run whose cells are all known does not need
 
         making, maker = self.making, self.making.maker
-        request = stages.Request(maker.recipe, {**making.given, **cell.given}, cell.name, cell.sample)
+        request = stages.Request(maker.recipe, {**making.given, **cell.given}, cell.name, sample=cell.sample)
         with interruptible():
             stages.planned(request, replace(maker.context, sink=Sink()))
 
@@ -116,4 +116,4 @@ def _add_up(whole: list[tuple[str, float]], more: Iterable[tuple[str, float]]) -
 def _lost(cell: Cell, died: Died) -> MadeCell:
     message = f"the process that made this model {died.how}, twice"
     help = "if memory ran out, give `--jobs` a smaller number; with `--jobs 1` no other process is used"
-    return MadeCell(cell, None, True, (Diagnostic("worker-died", message, cell.span, help=help),))
+    return MadeCell(cell, None, True, found=(Diagnostic("worker-died", message, cell.span, help=help),))

@@ -27,7 +27,7 @@ def cells_of(recipe: Path, context: Context, given: dict[str, Node] | None = Non
     matrix = read_matrix(recipe, context, given)
     if matrix is None:
         return []
-    return with_samples(context.folder / recipe, matrix, given or {}, context)
+    return with_samples(context.folder / recipe, matrix, given or {}, context=context)
 
 
 def picked(every: Sequence[Cell], picks: Iterable[str], sink: Sink, recipe: str) -> list[Cell]:
@@ -41,7 +41,7 @@ def picked(every: Sequence[Cell], picks: Iterable[str], sink: Sink, recipe: str)
         chosen = [each for each in every if pick in (each.name, each.cell)] or _with_values(every, pick)
         found.update((each.name, each) for each in chosen)
         if not chosen:
-            _report_none(every, pick, sink, recipe)
+            _report_none(every, pick, sink, recipe=recipe)
     return list(found.values())
 
 
@@ -62,7 +62,7 @@ def picked_one(every: Sequence[Cell], pick: str, sample: int | None, sink: Sink,
 
     Anything else is an error.
     """
-    chosen = picked(every, [pick], sink, recipe)
+    chosen = picked(every, [pick], sink, recipe=recipe)
     if sample is not None:
         chosen = of_samples(chosen, [sample], sink)
     if len({each.cell for each in chosen}) > 1:

@@ -21,7 +21,7 @@ def choices_of(recipe: Path, context: Context) -> Iterator[dict[str, Node]]:
     node = read_recipe(context.folder / recipe, context)
     axes = read_axes(node, Sink()) if isinstance(node, Mapping) else {}
     values: dict[str, list[Node]] = {
-        axis: [Scalar(key.name, key.span, key.name, True) for key, _ in pieces.entries.values()]
+        axis: [Scalar(key.name, key.span, key.name, plain=True) for key, _ in pieces.entries.values()]
         for axis, pieces in axes.items()
     }
     if not values:

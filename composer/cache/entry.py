@@ -89,14 +89,14 @@ def from_json(text: bytes) -> Record:
             each["name"],
             each["kind"],
             Span(**each["span"]),
-            tuple(map(_diagnostic, each["diagnostics"])),
-            each["values"],
+            diagnostics=tuple(map(_diagnostic, each["diagnostics"])),
+            values=each["values"],
         )
         for each in data["checks"]
     )
     data["cells_at"] = _span(data["cells_at"])
     data["adopted"] = tuple(
-        Adopted(path, value, tuple(parts), partial(known, Span(**span)), is_written)
+        Adopted(path, value, tuple(parts), at=partial(known, Span(**span)), is_written=is_written)
         for path, value, parts, span, is_written in data["adopted"]
     )
     data["allowed"] = tuple(data["allowed"])
@@ -112,10 +112,10 @@ def _diagnostic(data: dict[str, Any]) -> Diagnostic:
         data["code"],
         data["message"],
         _span(data["span"]),
-        Severity(data["severity"]),
-        notes,
-        data["help"],
-        others,
+        severity=Severity(data["severity"]),
+        notes=notes,
+        help=data["help"],
+        others=others,
         subjects=frozenset(data["subjects"]),
         fix=_fix(data["fix"]),
     )

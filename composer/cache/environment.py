@@ -41,7 +41,7 @@ def tool_version(store: Path) -> str:
             whole.update(hashlib.sha256(stream.read()).digest())
     version = f"{__version__} ({whole.hexdigest()[:16]})"
     with contextlib.suppress(OSError):  # reported when a model is stored
-        blobs.put(store, "asked", stamp, version.encode())
+        blobs.put(store, "asked", stamp, content=version.encode())
     return version
 
 

@@ -74,7 +74,7 @@ class CellMaker:
     def known(self, cell: Cell) -> MadeCell | None:
         """Return the cell if the cache has it."""
         own, made, outcomes, why = self._recalled(cell)
-        return None if made is None else self._made(cell, own, made, outcomes, why)
+        return None if made is None else self._made(cell, own, made, outcomes=outcomes, why=why)
 
     def _recalled(self, cell: Cell) -> tuple[Context, Made | None, list[Outcome], tuple[str, ...]]:
         own = replace(self.maker.context, sink=Sink(), timings=[])
@@ -89,22 +89,34 @@ class CellMaker:
             values = {**self.given, **cell.given}
             with interruptible():
                 made = self.maker.make(
-                    own, self.session, values, cell.name, cell.sample, self._key(cell), why, outcomes
+                    own,
+                    self.session,
+                    values,
+                    name=cell.name,
+                    sample=cell.sample,
+                    key=self._key(cell),
+                    why=why,
+                    outcomes=outcomes,
                 )
         files = files_of(made, own)
         if made is not None and self.finish is not None:
             made = self.finish(made, self.maker, own, self.session)
         return MadeCell(
-            cell, None if made is None else made.summary(), made is None or own.sink.has_errors,
-            tuple(own.sink.diagnostics), tuple(outcomes), frozenset(files), tuple(own.timings),
-        )  # fmt: skip
+            cell,
+            None if made is None else made.summary(),
+            made is None or own.sink.has_errors,
+            found=tuple(own.sink.diagnostics),
+            outcomes=tuple(outcomes),
+            files=frozenset(files),
+            timings=tuple(own.timings),
+        )
 
     def keep(
         self, made: MadeCell, record: Record, inputs: Sequence[Seen], packages: Iterable[Package]
     ) -> None:
         """Store what other processes made, if its inputs are the same here, and record that it is written."""
         if made.made is not None:
-            self.keep_record(made.cell, record, inputs, packages, made.made)
+            self.keep_record(made.cell, record, inputs, packages=packages, made=made.made)
 
     def keep_record(
         self,
@@ -120,7 +132,7 @@ class CellMaker:
             return
         here = [cache.files.look(each.path) for each in inputs]
         if all(mine.state == each.state for mine, each in zip(here, inputs, strict=True)):
-            cache.keep(key, record, here, packages)
+            cache.keep(key, record, here, packages=packages)
             self.maker.note_written(recalled(record, ()) if made is None else made)
 
     def _key(self, cell: Cell) -> CacheKey | None:
@@ -152,9 +164,14 @@ def make_recipe(maker: Maker, session: Session, given: dict[str, Node]) -> MadeR
         with interruptible():
             made = maker.make(context, session, given, key=key, why=why, outcomes=outcomes)
     return MadeRecipe(
-        tuple(context.sink.diagnostics), tuple(outcomes), frozenset(files_of(made, context)),
-        tuple(context.timings), made is None, made.cells if made else 0, made.cells_at if made else None,
-    )  # fmt: skip
+        tuple(context.sink.diagnostics),
+        tuple(outcomes),
+        frozenset(files_of(made, context)),
+        timings=tuple(context.timings),
+        failed=made is None,
+        cells=made.cells if made else 0,
+        cells_at=made.cells_at if made else None,
+    )
 
 
 def handed_over(context: Context) -> Context:
@@ -198,10 +215,12 @@ class Job:
         cache = None if self.store is None else opened_cache(self.store, sink)
         if cache is not None:
             cache.on_keep = on_keep
-        maker = Maker(self.recipe, self.options, cache, self.context, self.form, self.place)
+        maker = Maker(
+            self.recipe, self.options, cache, context=self.context, form=self.form, place=self.place
+        )
         with sources.run(), allow(**asdict(self.limits)), Session(remembers=True) as session:
             sources.current().note(self.noted)
-            making = CellMaker(maker, self.given, session, self.finish)
+            making = CellMaker(maker, self.given, session, finish=self.finish)
             making.begin()
             yield lambda cell: replace(making.make(cell), of_run=tuple(sink.diagnostics))
 
@@ -228,7 +247,7 @@ class RecipeJob:
 
         def make(recipe: Path) -> MadeRecipe:
             own = replace(self.context, sink=Sink(), timings=[], concrete={})
-            return make_recipe(Maker(recipe, self.options, cache, own), session, self.given)
+            return make_recipe(Maker(recipe, self.options, cache, context=own), session, self.given)
 
         with sources.run(), allow(**asdict(self.limits)), Session(remembers=True) as session:
             sources.current().note(self.noted)

@@ -34,7 +34,7 @@ def note_written(
     """Record an output; `beside` are files elsewhere that belong to it. Raises OSError."""
     more = [os.fspath(path) for path in beside]
     note = json.dumps([content, more, _stamps([out, *more])], ensure_ascii=True)
-    blobs.put(store, "asked", _key(out), note.encode())
+    blobs.put(store, "asked", _key(out), content=note.encode())
 
 
 def _key(out: str) -> str:

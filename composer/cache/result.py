@@ -78,7 +78,7 @@ def fresh(built: Built, licences: Iterable[Row], why: tuple[str, ...], key: Cach
     mujoco = built.compiled.mujoco_version if built.compiled else None
     adopted = tuple(each.located() for each in built.composed.model.adopted)
     return Made(
-        built.plan.name, built.bundle.sha256, sizes, built.merged, built, bundle=built.bundle, why=why,
+        built.plan.name, built.bundle.sha256, sizes, merged=built.merged, built=built, bundle=built.bundle, why=why,
         mujoco=mujoco, licences=tuple(licences), key=key, draws=_draws(built),
         cells=built.plan.cells, cells_at=built.plan.cells_at, adopted=adopted,
         allowed=allowed_everywhere(built.plan), excluded=len(built.composed.excluded), is_new=True,
@@ -94,7 +94,7 @@ def _draws(built: Built) -> dict[str, Value] | None:
 
 def recalled(record: Record, inputs: tuple[str, ...]) -> Made:
     """Return a model from the cache, without its files."""
-    return Made(record.name, record.sha256, record.sizes, record.merged, record=record, inputs=inputs,
+    return Made(record.name, record.sha256, record.sizes, merged=record.merged, record=record, inputs=inputs,
                 mujoco=record.mujoco, licences=record.licences, draws=record.draws,
                 cells=record.cells, cells_at=record.cells_at, adopted=record.adopted,
                 allowed=record.allowed, excluded=record.excluded)  # fmt: skip

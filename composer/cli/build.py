@@ -128,21 +128,29 @@ def command(
         report(context, form)
         sys.exit(USAGE)
     wanted = Wanted(
-        "build/{name}.zip" if out is None else out, kind, not no_verify, dedup, form, why, licenses
+        "build/{name}.zip" if out is None else out,
+        kind,
+        not no_verify,
+        deduplicated=dedup,
+        form=form,
+        why=why,
+        licenses=licenses,
     )
     order = BuildOptions(
-        wanted.verified, dedup, wanted.text_beside(context.folder), choices.named(context),
-        how.locked, how.offline, picture, target,
+        wanted.verified, dedup, wanted.text_beside(context.folder), choices=choices.named(context),
+        locked=how.locked, offline=how.offline, pictured=picture, target=target,
     )  # fmt: skip
     with caching(context, no_cache) as cache, ExitStack() as opened:
         if picture:
             wanted = replace(wanted, picturing=Picturing(opened))
-        maker = Maker(recipe, order, cache, context, kind, partial(wanted.place, context.folder))
+        maker = Maker(
+            recipe, order, cache, context=context, form=kind, place=partial(wanted.place, context.folder)
+        )
         reasons: tuple[str, ...] = ()
         if one:
             known, reasons = maker.recall(maker.key(), context)
             if known is not None:
-                sys.exit(finish(known, maker, wanted, context, None))
+                sys.exit(finish(known, maker, wanted, context=context, session=None))
         given = choices.values(context)
         if context.sink.has_errors:
             report(context, form)
@@ -152,7 +160,17 @@ def command(
                 from composer.cli.build_worlds import build_worlds
 
                 sys.exit(
-                    build_worlds(maker, wanted, given, picks, only_samples, table, context, session, jobs)
+                    build_worlds(
+                        maker,
+                        wanted,
+                        given,
+                        picks=picks,
+                        only_samples=only_samples,
+                        table=table,
+                        context=context,
+                        session=session,
+                        jobs=jobs,
+                    )
                 )
             if not one:
                 from composer.cli.build_cells import build_cells
@@ -162,17 +180,17 @@ def command(
                         maker,
                         wanted,
                         given,
-                        picks,
-                        only_samples,
-                        context,
-                        session,
-                        samples,
-                        jobs,
-                        shard,
-                        cluster,
-                        parquet,
+                        picks=picks,
+                        only_samples=only_samples,
+                        context=context,
+                        session=session,
+                        table=samples,
+                        jobs=jobs,
+                        shard=shard,
+                        cluster=cluster,
+                        parquet=parquet,
                     )
                 )
             if wanted.verified:
                 session.begin()
-            sys.exit(build_one(maker, wanted, given, context, session, reasons))
+            sys.exit(build_one(maker, wanted, given, context=context, session=session, why=reasons))

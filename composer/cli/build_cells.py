@@ -64,34 +64,34 @@ def build_cells(
     Draws are written to `table`, or by default next to the models if all are built.
     """
     recipe = maker.recipe
-    chosen, code = chosen_cells(recipe, picks, only_samples, given, context, "build")
+    chosen, code = chosen_cells(recipe, picks, only_samples, given=given, context=context, verb="build")
     if code:
         report(context, wanted.form)
         return code
     if not chosen:
         made, why = maker.recall(maker.key(), context)
         if made is not None:
-            return finish(made, maker, wanted, context, session)
-        return build_one(maker, wanted, given, context, session, why)
+            return finish(made, maker, wanted, context=context, session=session)
+        return build_one(maker, wanted, given, context=context, session=session, why=why)
     folder, code = _checked_folder(wanted, len(chosen), context)
     if code or _share_a_place(chosen, wanted, context):
         return code or FINDINGS
     if shard is not None:
         chosen = shard.of(chosen)
     beside = None if picks or only_samples else _folder(wanted.out)
-    results = _Results(wanted, context, Tally(recipe, len(chosen)), beside)
+    results = _Results(wanted, context, Tally(recipe, len(chosen)), beside=beside)
     putting = partial(put, wanted=replace(wanted, picturing=None))  # pictures are drawn by this process
     away = None
     if wanted.kind != "text":  # text alone refers to this machine's files
         away = partial(put, wanted=wanted.elsewhere(context.folder))
     with (
-        crew_of(cluster, jobs, folder, away) as crew,
-        CellRun(CellMaker(maker, given, session, putting), jobs, crew) as running,
+        crew_of(cluster, jobs, folder, away=away) as crew,
+        CellRun(CellMaker(maker, given, session, finish=putting), jobs, crew) as running,
     ):
         try:
             # A crew records what it has done, and may wait long for it.
             patience = deferring() if crew is None else nullcontext()
-            ended = _take_all(running, chosen, results, patience, maker)
+            ended = _take_all(running, chosen, results, patience=patience, maker=maker)
         finally:  # also after an interruption
             results.write_tables(table, parquet, shard)
     if ended is not None:
@@ -178,7 +178,7 @@ class _Results:
                 self.samples.add((each.cell.name, each.cell.sample), each.made.draws)
             if self.beside is not None:
                 path = os.path.relpath(wanted.target(each.made.name, each.made.mujoco), self.beside)
-                self.index.add(*index_row(each.cell, each.made, path, len(each.outcomes)))
+                self.index.add(*index_row(each.cell, each.made, path, checks=len(each.outcomes)))
 
     def write_tables(self, table: str | None, parquet: bool, shard: Shard | None) -> None:
         """Write the draws, to `table` if it is given, and the index."""
@@ -188,8 +188,15 @@ class _Results:
         )
         form, context = self.wanted.form, self.context
         option = "--samples" if table else None
-        _put_table(self.samples, [table] if table else drawn, "what was drawn for", form, context, option)
-        _put_table(self.index, all_of_them, "the index of", form, context)
+        _put_table(
+            self.samples,
+            [table] if table else drawn,
+            "what was drawn for",
+            form=form,
+            context=context,
+            option=option,
+        )
+        _put_table(self.index, all_of_them, "the index of", form=form, context=context)
 
 
 def _take_all(

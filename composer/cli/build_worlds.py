@@ -53,7 +53,7 @@ def build_worlds(
     jobs: int | None,
 ) -> int:
     """Build all models into `table`, and their common model if it is wanted. Return the exit code."""
-    chosen, code = chosen_cells(maker.recipe, picks, only_samples, given, context, "build")
+    chosen, code = chosen_cells(maker.recipe, picks, only_samples, given=given, context=context, verb="build")
     if not code and wanted.kind not in (Form.FOLDER, Form.ARCHIVE):
         help = "write a folder or an archive, such as `-o build/{name}.zip`"
         context.sink.error("output-kind", f"worlds are of a bundle, and `{wanted.out}` is none", help=help)
@@ -67,7 +67,7 @@ def build_worlds(
     if context.sink.has_errors:
         report(context, wanted.form)
         return code or USAGE
-    run = _Run(maker, wanted, given, table, context, session)
+    run = _Run(maker, wanted, given, table=table, context=context, session=session)
     with scratch("worlds") as folder:
         try:
             study, bundle = run.worlds(chosen, Shelf(folder), jobs)
@@ -106,9 +106,14 @@ class _Run:
         self.tally.total = len(chosen)
         joining = Joining(len(chosen), is_united(self.maker.recipe, self.context))
         unwritten = Maker(
-            self.maker.recipe, self.maker.options, self.maker.cache, self.context, Form.FOLDER, shelf.place
+            self.maker.recipe,
+            self.maker.options,
+            self.maker.cache,
+            context=self.context,
+            form=Form.FOLDER,
+            place=shelf.place,
         )
-        with CellRun(CellMaker(unwritten, self.given, self.session, shelf.put), jobs) as running:
+        with CellRun(CellMaker(unwritten, self.given, self.session, finish=shelf.put), jobs) as running:
             for each in counting(running.made(chosen), len(chosen), lambda each: each.cell.name):
                 joined = self._taken(each, shelf)
                 if not joining.add(joined):
@@ -118,7 +123,7 @@ class _Run:
         from composer.worlds.union import unite
 
         self.last = None
-        return unite(joining, f"{self.maker.recipe.stem}-union", self.context, self.session)
+        return unite(joining, f"{self.maker.recipe.stem}-union", self.context, session=self.session)
 
     def _taken(self, each: MadeCell, shelf: Shelf) -> Joined:
         note_files(each.files)
@@ -132,7 +137,7 @@ class _Run:
         """Write the bundle, and then the table; report what cannot be written."""
         try:
             said = self._put_first(first) if bundle is None else self._put(bundle, study)
-            table_file.write(self.context.folder / self.table, study.nominal, study.table, "--worlds")
+            table_file.write(self.context.folder / self.table, study.nominal, study.table, option="--worlds")
         except OutputError as error:
             self.context.sink.add(error.diagnostic)
             return
@@ -145,7 +150,9 @@ class _Run:
 
     def _put_first(self, first: Cell) -> str:
         """Write the model of the first cell as any build does; return the report."""
-        again = CellMaker(self.maker, self.given, self.session, partial(put, wanted=self.wanted)).make(first)
+        again = CellMaker(self.maker, self.given, self.session, finish=partial(put, wanted=self.wanted)).make(
+            first
+        )
         if again.made is None or again.failed:
             for each in again.found:
                 self.context.sink.add(each)

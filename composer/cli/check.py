@@ -89,7 +89,9 @@ def command(
     check_several(one and len(recipes) == 1, jobs=jobs, shard=shard, cluster=cluster)
     if one and (shard is not None or cluster is not None):
         check_several(one, jobs=None, shard=shard, cluster=cluster)
-    run = _Run(choices, form, jobs, shard, cluster, no_verify, no_cache, junit)
+    run = _Run(
+        choices, form, jobs, shard=shard, cluster=cluster, no_verify=no_verify, no_cache=no_cache, junit=junit
+    )
     several = len(dict.fromkeys(recipes)) > 1
     if one and several:
         run.at_once([*dict.fromkeys(recipes)])
@@ -163,10 +165,17 @@ class _Run:
 
             def make(recipe: Path) -> MadeRecipe:
                 own = replace(context, sink=Sink(), timings=[], concrete={})
-                return make_recipe(Maker(recipe, order, cache, own), session, given)
+                return make_recipe(Maker(recipe, order, cache, context=own), session, given)
 
             store = None if cache is None else cache.store
-            job = RecipeJob(order, store, given, handed_over(context), in_force(), sources.current().noted())
+            job = RecipeJob(
+                order,
+                store,
+                given,
+                context=handed_over(context),
+                limits=in_force(),
+                noted=sources.current().noted(),
+            )
             with Pool[Path, MadeRecipe](count - 1, ("composer.cache.making", "composer.stages")) as pool:
                 results = counting(pool.results(job.opened, recipes, make), len(recipes), lambda _: "")
                 for recipe, result in zip(recipes, results, strict=True):
@@ -176,16 +185,18 @@ class _Run:
                         own.sink.error(
                             "worker-died", message, Span(str(recipe), 1, 1), help="give `--jobs 1`"
                         )
-                        result = MadeRecipe(tuple(own.sink.diagnostics), (), frozenset(), (), True)
+                        result = MadeRecipe(
+                            tuple(own.sink.diagnostics), (), frozenset(), timings=(), failed=True
+                        )
                     for each in result.found:
                         own.sink.add(each)
                     own.timings.extend(result.timings)
                     if not result.failed:
                         note_cells(own, result.cells, result.cells_at)
                     note_files(result.files)
-                    self.suites.append(suite_of(recipe, result.outcomes, own.sink.errors, own))
+                    self.suites.append(suite_of(recipe, result.outcomes, own.sink.errors, context=own))
                     code = exit_code(context.folder, [recipe]) if result.failed else 0
-                    self._take(recipe, own, code, _counted(len(result.outcomes)))
+                    self._take(recipe, own, code, counted=_counted(len(result.outcomes)))
                     say_details(own, result.files)
         for each in context.sink.diagnostics:
             self._common().sink.add(each)
@@ -200,16 +211,21 @@ class _Run:
         err = self.junit == "-"
         with caching(context, self.no_cache) as cache:
             look = _Check(
-                Maker(recipe, order, cache, context), context, self.form, self.jobs, self.shard, self.cluster,
-                self.junit is not None,
-            )  # fmt: skip
+                Maker(recipe, order, cache, context=context),
+                context,
+                self.form,
+                jobs=self.jobs,
+                shard=self.shard,
+                cluster=self.cluster,
+                wants_suites=self.junit is not None,
+            )
             if one:
                 look.one(given, alone=True)
             elif not look.cells(picks, samples, given):
                 look.one(given)
         self.suites += look.suites
         if several:
-            self._take(recipe, context, look.code, look.counted)
+            self._take(recipe, context, look.code, counted=look.counted)
             say_details(context, look.files)
         else:
             report(context, self.form, err=err)
@@ -280,7 +296,7 @@ class _Check:
         progress(f"checking {maker.recipe}")
         with session_of_run(remembers=False) as session:
             made = make_recipe(maker, session, given)
-        self.suites.append(suite_of(maker.recipe, made.outcomes, context.sink.errors, context))
+        self.suites.append(suite_of(maker.recipe, made.outcomes, context.sink.errors, context=context))
         self.counted = _counted(len(made.outcomes))
         self.files |= made.files
         note_files(self.files)
@@ -294,9 +310,11 @@ class _Check:
         from composer.cache.making import CellMaker
 
         maker, context = self.maker, self.context
-        chosen, self.code = chosen_cells(maker.recipe, picks, samples, given, context, "check")
+        chosen, self.code = chosen_cells(
+            maker.recipe, picks, samples, given=given, context=context, verb="check"
+        )
         if self.code:
-            self.suites.append(suite_of(maker.recipe, (), context.sink.errors, context))
+            self.suites.append(suite_of(maker.recipe, (), context.sink.errors, context=context))
             return True
         if not chosen:
             return False
@@ -316,7 +334,9 @@ class _Check:
                 self.tally.take(each.cell.label, each.found, context.sink, failed=each.failed)
                 if self.wants_suites:  # suites grow with the cells
                     self.suites.append(
-                        suite_of(maker.recipe, each.outcomes, each.found, context, each.cell.label)
+                        suite_of(
+                            maker.recipe, each.outcomes, each.found, context=context, cell=each.cell.label
+                        )
                     )
                 checks += len(each.outcomes)
         self.counted = f", {len(chosen)} model{'s' * (len(chosen) != 1)}{_counted(checks)}"

@@ -61,7 +61,7 @@ class Choices:
                 continue
             span = Span(f"{option} {name}", 1, 1)
             if option == "--variant" or not text_of_value:
-                found[name] = Scalar(text_of_value, span, text_of_value, False)
+                found[name] = Scalar(text_of_value, span, text_of_value, plain=False)
             elif (value := load(text_of_value, span.file, context.sink)) is not None:
                 found[name] = value
         return found

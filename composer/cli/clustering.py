@@ -35,7 +35,7 @@ def crew_of(
         if not is_quiet():
             say(message, err=True)
 
-    with Crew(cluster, jobs or cores(), out, tell, away) as crew:
+    with Crew(cluster, jobs or cores(), out, tell=tell, away=away) as crew:
         yield crew
 
 

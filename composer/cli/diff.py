@@ -97,13 +97,13 @@ def command(
         from composer.view.compare import write_comparison
 
         if html is not None:
-            write_comparison(first, second, compared, html, context, session)
+            write_comparison(first, second, compared, out=html, context=context, session=session)
 
     if not context.sink.has_errors:
         progress(f"comparing {a} with {b}")
         with Session(rendering=renders is not None) as session:
             found = diff(
-                a, b, context, session, tolerance=tolerance, only=only, everything=computed, given=given,
+                a, b, context, session=session, tolerance=tolerance, only=only, everything=computed, given=given,
                 pick=pick, sample=sample, renders=renders, show=show,
             )  # fmt: skip
     if found is None:

@@ -77,7 +77,7 @@ def _mujoco() -> Iterator[Finding]:
             yield Finding("mujoco", compiled.error or str(compiled.crash), False)
             return
         yield Finding("mujoco", str(compiled.mujoco_version))
-        answer = engine.call(session, pictures, ["model", "model"], str(folder))
+        answer = engine.call(session, pictures, ["model", "model"], argument=str(folder))
         said = answer.value.get("no OpenGL") if answer.ok else answer.error or answer.crash
         said = session.no_opengl or said
     yield Finding("OpenGL", f"none: {said}" if said else "renders", None if said else True)

@@ -88,12 +88,12 @@ def command(
     if pick is not None:
         if model.suffix.lower() == ".xml":
             raise click.UsageError(f"{model} is not a recipe and has no cells: leave --pick out")
-        cell, code = chosen_cell(model, pick, sample, given, context, "explain")
+        cell, code = chosen_cell(model, pick, sample, given=given, context=context, verb="explain")
         if cell is None:
             report(context, form)
             sys.exit(code)
         given, sample = {**given, **cell.given}, cell.sample
-    explained = explain(model, asked, context, sample or 0, given)
+    explained = explain(model, asked, context, sample=sample or 0, given=given)
     if explained is None or context.sink.has_errors:  # `check` and `build` report warnings
         report(context, form)
     if explained is None:

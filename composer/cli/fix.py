@@ -89,7 +89,7 @@ def is_asked() -> bool:
 def _show(found: Fixed, context: Context) -> None:
     paint = Paint(use_color(out=True))
     for path, (before, after) in found.files.items():
-        for line in difference(before, after, context.shown(path), "fixed").splitlines():
+        for line in difference(before, after, context.shown(path), done="fixed").splitlines():
             style = {"+": "added", "-": "removed", "@": "gutter"}.get(line[:1])
             click.echo(
                 printable(paint(style, line) if style else line, colors=True), color=use_color(out=True)
@@ -105,7 +105,7 @@ def _written(found: Fixed, context: Context) -> bool:
 def _say_data(found: Fixed, context: Context, *, written: bool) -> None:
     for path, (before, after) in found.files.items():
         shown = context.shown(path)
-        answer = {"file": shown, "written": written, "diff": difference(before, after, shown, "fixed")}
+        answer = {"file": shown, "written": written, "diff": difference(before, after, shown, done="fixed")}
         click.echo(json.dumps(answer))
     fixed = [{"code": each.code, "message": each.message} for each in found.fixed]
     click.echo(json.dumps({"fixed": fixed, "left": len(found.left)}))

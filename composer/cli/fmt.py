@@ -55,7 +55,7 @@ def command(recipes: tuple[str, ...], check: bool, form: str) -> None:
                 raise OSError("standard output is closed")
             sys.stdout.buffer.write(result)
         elif result != source and check:
-            _report(shown, difference(source, result, shown, "formatted"), form)
+            _report(shown, difference(source, result, shown, done="formatted"), form)
         elif result != source and rewrite(Path(recipe), result, context):
             _report(shown, None, form)
     if unchanged and form == "text" and STDIN not in recipes:

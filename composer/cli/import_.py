@@ -65,11 +65,15 @@ def command(
     _refuse_foreign((merged, *parts), context, form)
     progress(f"reading {merged}")
     if merged.suffix.lower() in (".urdf", ".xacro"):
-        _urdf(merged, bool(parts or folders), target, context, form)
+        _urdf(merged, bool(parts or folders), target, context=context, form=form)
     references: dict[Path, str] = {}
     if not parts:
-        parts, references = _searched(merged, folders, target, context, form)
-    found = recover(merged, list(parts), target, context, progress, references) if parts else None
+        parts, references = _searched(merged, folders, target, context=context, form=form)
+    found = (
+        recover(merged, list(parts), target, context=context, progress=progress, references=references)
+        if parts
+        else None
+    )
     if found is not None:
         rewrite(target, found.text.encode(), context)
         for fault in found.faults:
@@ -167,7 +171,7 @@ def _searched(
     from composer.importing.searching import search
     from composer.importing.words import amount
 
-    result = search(merged, folders, context, progress)
+    result = search(merged, folders, context, progress=progress)
     if result is None:
         report(context, form)
         sys.exit(exit_code(context.folder, [merged]))

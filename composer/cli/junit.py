@@ -39,9 +39,10 @@ def suite_of(
     of_checks = {each for outcome in outcomes for each in outcome.diagnostics}
     others = [each for each in found if each.severity is Severity.ERROR and each not in of_checks]
     shown = context.shown(recipe)
-    cases = [Case(MODEL, MODEL, others, shown)]
+    cases = [Case(MODEL, MODEL, others, file=shown)]
     cases += [
-        Case(each.name, each.kind, each.diagnostics, each.span.file, each.span.line) for each in outcomes
+        Case(each.name, each.kind, each.diagnostics, file=each.span.file, line=each.span.line)
+        for each in outcomes
     ]
     return Suite(shown if cell is None else f"{shown}: {cell.name}", cases, cell)
 

@@ -29,4 +29,4 @@ def command(
     The lock of ARM.yaml is ARM.lock. Sources that are already locked keep their entries. New sources are added, your
     own files are hashed again, and sources that are no longer used are removed.
     """
-    write_lock(recipe, None, form, choices)
+    write_lock(recipe, None, form, choices=choices)

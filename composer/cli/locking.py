@@ -32,7 +32,7 @@ def write_lock(recipe: Path, names: tuple[str, ...] | None, form: str, choices: 
     context = Context(fetching=fetching())
     given = choices.values(context)
     wrong_values = context.sink.has_errors
-    made = None if wrong_values else made_lock(recipe, names, context, given)
+    made = None if wrong_values else made_lock(recipe, names, context, given=given)
     report(context, form)
     if made is None:
         unknown = wrong_values or any(each.code == "unknown-name" for each in context.sink.errors)
@@ -81,14 +81,14 @@ def made_lock(
     plans = [plan, *_plans_of_cells(recipe, context, given), *_plans_of_variants(recipe, context, whole)]
     shapes = _shapes(plans, context)
     digests = {key: digest(content) for key, content in shapes.items()}
-    after = lock_of(plans, how, how.lock_file.parent, context, digests)
+    after = lock_of(plans, how, how.lock_file.parent, context=context, shapes=digests)
     if before is not None and how.fresh is not None:
-        _report_changes(before, after, how.fresh, recipe, context)
+        _report_changes(before, after, how.fresh, recipe=recipe, context=context)
     if context.sink.has_errors:
         return None
     changes = list(changed(before, after))
     text = to_text(after).encode()
-    if not _wrote_shapes(how.lock_file, shapes, before, context):
+    if not _wrote_shapes(how.lock_file, shapes, before, context=context):
         return None
     if not os.path.isfile(how.lock_file) or read_regular(how.lock_file) != text:
         try:

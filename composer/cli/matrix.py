@@ -114,10 +114,10 @@ def chosen_cells(
     if not every and (picks or samples):
         context.sink.error("missing-key", f"`{recipe}` has neither `matrix` nor `randomize`: it is one model",
                            help=f"{verb} it without `--pick` and `--sample`")  # fmt: skip
-    chosen = picked(every, picks, context.sink, str(recipe)) if picks and every else every
+    chosen = picked(every, picks, context.sink, recipe=str(recipe)) if picks and every else every
     if samples:
         chosen = of_samples(chosen, samples, context.sink)
-    check_axes_are_free(chosen, given, context.sink, f"{verb} without `--all` and `--pick`")
+    check_axes_are_free(chosen, given, context.sink, instead=f"{verb} without `--all` and `--pick`")
     return chosen, USAGE if context.sink.has_errors else 0
 
 
@@ -133,7 +133,7 @@ def chosen_cell(
     every = cells_of(recipe, context, given)
     if context.sink.has_errors:
         return None, exit_code(context.folder, [recipe])
-    cell = picked_one(every, pick, sample, context.sink, str(recipe))
+    cell = picked_one(every, pick, sample, sink=context.sink, recipe=str(recipe))
     if cell is not None:
-        check_axes_are_free([cell], given, context.sink, f"{verb} without `--pick`")
+        check_axes_are_free([cell], given, context.sink, instead=f"{verb} without `--pick`")
     return (None, USAGE) if context.sink.has_errors else (cell, 0)

@@ -80,10 +80,10 @@ def command(
     from composer.migrate.changes import TABLE
     from composer.migrate.run import Wish, run
 
-    _check_usage(model, out, in_place, adopt, [each.name for each in TABLE])
+    _check_usage(model, out, in_place, adopt=adopt, changes=[each.name for each in TABLE])
     context = Context(fetching=fetching())
     progress(f"reading {model}")
-    result = run(Wish(model, before, after, adopt, pythons, prove), context, progress)
+    result = run(Wish(model, before, after, adopt=adopt, pythons=pythons, proves=prove), context, progress)
     if is_strict():
         context.sink.promote()
     written: Path | None = None
@@ -98,7 +98,7 @@ def command(
     if result is None or context.sink.has_errors:
         sys.exit(exit_code(context.folder, [Path(model)] if ":" not in model else []))
     if form != "json":
-        _say(result, written, in_place, context)
+        _say(result, written, in_place, context=context)
     left = bool(result.migrated.changed) and written is None
     sys.exit(FINDINGS if left or result.unexplained else 0)
 
@@ -137,7 +137,7 @@ def _written(result: Result, out: str | None, context: Context) -> Path | None:
             context.sink.error("output-kind", f"`{out}` would not find its files: {why}",
                                help=f"write a folder: `-o {target.with_suffix('')}`")  # fmt: skip
             return None
-        return target if rewrite(target, migrated.files[model][1], context, "-o") else None
+        return target if rewrite(target, migrated.files[model][1], context, option="-o") else None
     try:
         with staged_folder(target, "-o") as stage:
             stage.mkdir()
@@ -163,7 +163,7 @@ def _bound(result: Result, target: Path) -> str | None:
 def _show(result: Result, context: Context) -> None:
     paint = Paint(use_color(out=True))
     for path, (before, after) in result.migrated.changed.items():
-        for line in difference(before, after, context.shown(path), "migrated").splitlines():
+        for line in difference(before, after, context.shown(path), done="migrated").splitlines():
             style = {"+": "added", "-": "removed", "@": "gutter"}.get(line[:1])
             click.echo(paint(style, line) if style else line, color=use_color(out=True))
 
@@ -228,7 +228,7 @@ def _data(result: Result, written: Path | None, context: Context) -> dict[str, A
             for each in migrated.steps
         ],
         "diff": {
-            context.shown(path): difference(before, after, context.shown(path), "migrated")
+            context.shown(path): difference(before, after, context.shown(path), done="migrated")
             for path, (before, after) in migrated.changed.items()
         },
         "adopted": list(migrated.adopted),

@@ -105,19 +105,19 @@ def _project(folder: Path | None, context: Context) -> _Outcome:
         raise click.UsageError("name the folder of the project: mjcompose new --project robots")
     title = as_text(os.path.basename(os.path.realpath(folder)))
     model = re.sub(r"[^\w-]+", "_", title).strip("_-") or "model"
-    files = project(title, model, metadata.version("mujoco"), schema())
+    files = project(title, model, metadata.version("mujoco"), schema=schema())
     recipe = f"recipes/{model}.yaml"
     written, kept = write_project(
         {name: text.encode() for name, text in files.items()},
         needed(model),
         folder,
-        lambda stage: made_lock(stage / recipe, None, context),
+        finish=lambda stage: made_lock(stage / recipe, None, context),
     )
     start = f"start with {folder / 'README.md'}"
     if "README.md" in kept:
         start = f"build its model with: mjcompose build {shlex.quote(str(folder / recipe))}"
     words = [*(_kept(path, folder, files) for path in kept), f"wrote {_files(written)} to {folder}; {start}"]
-    return _outcome(words, folder, written, kept)
+    return _outcome(words, folder, written, kept=kept)
 
 
 def _examples(folder: Path) -> _Outcome:
@@ -126,11 +126,11 @@ def _examples(folder: Path) -> _Outcome:
     from composer.starting.write import write_project
 
     files = examples(schema())
-    written, kept = write_project(files, (), folder, lambda stage: None)
+    written, kept = write_project(files, (), folder, finish=lambda stage: None)
     own = [path for path in kept if read_regular(folder / path) != files[path]]
     start = f"look at one with: mjcompose view {shlex.quote(str(folder / 'demo.yaml'))}"
     words = [*(f"kept {folder / path}" for path in own), f"wrote {_files(written)} to {folder}; {start}"]
-    return _outcome(words, folder, written, kept)
+    return _outcome(words, folder, written, kept=kept)
 
 
 def _files(paths: Sequence[str]) -> str:

@@ -72,4 +72,4 @@ class Picturing:
             if operand is None or side is None:
                 context.sink.error("no-rendering", f"no picture of `{target}` can be made: it cannot be read")
             else:
-                render(_KEPT, out, Wish(), context, self._session, option="--picture")
+                render(_KEPT, out, Wish(), context=context, session=self._session, option="--picture")

@@ -61,7 +61,11 @@ def command(
     if context.sink.has_errors:
         report(context, form)
         sys.exit(USAGE)
-    cell, code = (None, 0) if pick is None else chosen_cell(recipe, pick, sample, given, context, "plan")
+    cell, code = (
+        (None, 0)
+        if pick is None
+        else chosen_cell(recipe, pick, sample, given=given, context=context, verb="plan")
+    )
     if code:
         report(context, form)
         sys.exit(code)
@@ -87,7 +91,7 @@ def command(
     elif expanded:
         click.echo(expanded_text(plan))
     elif form == "json":
-        click.echo(json.dumps(_data(plan, foreseen, filled, cells), indent=2))
+        click.echo(json.dumps(_data(plan, foreseen, filled, cells=cells), indent=2))
     else:
         click.echo(printable(describe(plan, foreseen), colors=True))
         _say_cells(plan, filled, cells)

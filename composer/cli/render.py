@@ -110,7 +110,14 @@ def command(
         raise click.UsageError("A contact sheet does not move: leave --turntable and --play out.")
     if turntable and camera is not None:
         raise click.UsageError("--turntable goes around the whole model: leave --camera out.")
-    wish = Wish(size or (TILE if several else Wish().size), key, camera, background, turntable, play)
+    wish = Wish(
+        size or (TILE if several else Wish().size),
+        key,
+        camera,
+        background=background,
+        turntable=turntable,
+        play=play,
+    )
     with ExitStack() as opened:
         operand = None if context.sink.has_errors else read_operand(target, context, opened)
         if operand is None:
@@ -153,10 +160,14 @@ def _one(
     if not check_given(operand, given):
         return None
     progress(f"drawing {operand.label}")
-    side = load(operand, kept, session, given)
+    side = load(operand, kept, session, given=given)
     if side is None or context.sink.has_errors:
         return None
-    return f"wrote {out}" if render(kept, out, wish, context, session, side.inputs) else None
+    return (
+        f"wrote {out}"
+        if render(kept, out, wish, context=context, session=session, read=side.inputs)
+        else None
+    )
 
 
 def _sheet(
@@ -186,12 +197,14 @@ def _sheet(
         context.sink.error("unknown-name", f"`{operand.label}` is not a recipe and has neither cells nor samples",
                            help="leave `--all`, `--pick` and `--sample` out")  # fmt: skip
         return None
-    cells, code = chosen_cells(operand.path, picks, samples, given, context, "render")
+    cells, code = chosen_cells(operand.path, picks, samples, given=given, context=context, verb="render")
     if code:
         return None
     if not cells:
-        return _one(operand, out, wish, given, picks, samples, session)
-    drawn = render_sheet(operand, cells, out, wish, session, given, _progress, jobs)
+        return _one(operand, out, wish, given=given, _picks=picks, _samples=samples, session=session)
+    drawn = render_sheet(
+        operand, cells, out, wish=wish, session=session, given=given, tell=_progress, jobs=jobs
+    )
     pictures = f"{drawn} picture{'s' * (drawn != 1)}"
     return f"wrote {out}: {pictures}" if drawn else None
 

@@ -55,12 +55,12 @@ def command(
     if pick is not None:
         if not is_recipe:
             raise click.UsageError(f"{model} is not a recipe and has no cells: leave --pick out")
-        cell, code = chosen_cell(Path(model), pick, sample, given, context, "show")
+        cell, code = chosen_cell(Path(model), pick, sample, given=given, context=context, verb="show")
         if cell is None:
             report(context, form)
             sys.exit(code)
         given, sample = {**given, **cell.given}, cell.sample
-    found = outline(model, context, given, sample or 0)
+    found = outline(model, context, given, sample=sample or 0)
     if found is None or not is_recipe:  # `check` and `build` report warnings of a recipe
         report(context, form)
     if found is None:

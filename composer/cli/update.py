@@ -28,4 +28,4 @@ def command(
 
     NAME is the prefix of a part, `base`, or a source as named in the lock. Without NAME, all sources are updated.
     """
-    write_lock(recipe, names, form, choices)
+    write_lock(recipe, names, form, choices=choices)

@@ -46,7 +46,7 @@ def command(bundles: tuple[Path, ...], recipe: Path | None, form: str) -> None:
         context = Context(strict=is_strict())
         progress(f"verifying {bundle}")
         with Session() as session:
-            stored = verify_stored(bundle, context, session, recipe)
+            stored = verify_stored(bundle, context, session, recipe=recipe)
         if context.strict:
             context.sink.promote()
         report(context, form)

@@ -94,13 +94,15 @@ def command(
             from composer.view.workshop import EDITOR, Workshop
 
             workshop = Workshop(
-                target, Asked(given, pick, sample), session, _opener(), words_of, key,
-                editor or os.environ.get("MJCOMPOSE_EDITOR") or EDITOR,
+                target, Asked(given, pick, sample), session, open=_opener(), words=words_of, key=key,
+                editor=editor or os.environ.get("MJCOMPOSE_EDITOR") or EDITOR,
             )  # fmt: skip
-            sys.exit(_live(workshop, Service(host, port, not no_open), context, form))
+            sys.exit(_live(workshop, Service(host, port, not no_open), context, form=form))
         if physics:
             operand = as_recipe(operand, opened)
-        words = _page(operand, html, key, given, pick, sample, session, physics)
+        words = _page(
+            operand, html, key, given=given, pick=pick, sample=sample, session=session, physics=physics
+        )
         operand.report(context.sink)
     report(context, form)
     if words is not None:
@@ -135,7 +137,7 @@ def _live(workshop: Workshop, service: Service, context: Context, form: str) -> 
             say(f"{shown.title}: shown, built in {shown.seconds:.2f} s", form=form)
 
     try:
-        serve(server, service.opens, click.echo, stop, announce)
+        serve(server, service.opens, click.echo, stop=stop, said=announce)
     except KeyboardInterrupt:
         stop.set()
     return 0
@@ -159,8 +161,8 @@ def _page(
     if not check_given(operand, given):
         return None
     progress(f"building {operand.label}")
-    side = load(operand, "view", session, given, pick, sample, whole=physics)
+    side = load(operand, "view", session, given=given, pick=pick, sample=sample, whole=physics)
     if side is None or operand.context.sink.has_errors:
         return None
-    size = write_page(side, out, key, operand.context, session)
+    size = write_page(side, out, key, context=operand.context, session=session)
     return None if size is None else f"wrote {out}, {size / 1e6:.1f} MB: open it in a browser"

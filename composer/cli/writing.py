@@ -36,7 +36,7 @@ def build_one(
     """Build the single model of the recipe. Return the exit code."""
     progress(f"building {maker.recipe}")
     made = maker.make(context, session, given, key=maker.key(), why=why)
-    return finish(made, maker, wanted, context, session)
+    return finish(made, maker, wanted, context=context, session=session)
 
 
 def finish(
@@ -51,7 +51,7 @@ def finish(
 
     files = files_of(made, context)
     note_files(files)
-    made = None if made is None else put(made, maker, context, session, wanted)
+    made = None if made is None else put(made, maker, context, session=session, wanted=wanted)
     if made is not None:
         add_picture(made, wanted, context)
     report(context, wanted.form, err=wanted.out == "-")
@@ -78,19 +78,21 @@ def put(made: Made, maker: Maker, context: Context, session: Session | None, wan
         return None
     target = wanted.target(made.name, made.mujoco)
     try:
-        _check_picture(made, target, wanted, context)
+        _check_picture(made, target, wanted, context=context)
         if wanted.kind == "text" and made.built is not None:
             from composer.bundle.text_alone import text_alone
 
             composed = made.built.composed
-            text = text_alone(composed.model, composed.files, target, context.folder)
+            text = text_alone(composed.model, composed.files, target, folder=context.folder)
             made = maker.with_text(made, text, context)
         if not made.is_written:
             from composer.bundle.replaced import made_of
 
             out = place(context.folder, target)
             before = None if wanted.kind in ("text", "usd") else made_of(out)
-            maker.note_written(made, _write(made, target, maker, wanted, context, session))
+            maker.note_written(
+                made, _write(made, target, maker, wanted=wanted, context=context, session=session)
+            )
             now = None if before is None else made_of(out)
             if before is not None and now is not None:
                 made = replace(made, replaced=before.other_than(now))
@@ -137,7 +139,7 @@ def _write(
         _check_holds_all(made.bundle, out)
     if out != "-":
         if is_address(out):
-            _deliver(made, out, maker, wanted, context, session)
+            _deliver(made, out, maker, wanted=wanted, context=context, session=session)
             return ()
         check_is_no_source(context.folder / out, "-o", inputs_of(made))
     if wanted.kind == "text":
@@ -161,7 +163,13 @@ def _write(
     elif made.packed and made.record is not None:
         from composer.bundle.archive import write_packed
 
-        write_packed(made.packed, made.record.model, Path(out), context.environment, made.packed.__getitem__)
+        write_packed(
+            made.packed,
+            made.record.model,
+            Path(out),
+            environment=context.environment,
+            packed=made.packed.__getitem__,
+        )
     else:
         from composer.bundle.write import write
 
@@ -191,7 +199,14 @@ def _deliver(
     with scratch("output") as folder:
         models = folder / "models"
         local = models.joinpath(*parts[1:])
-        _write(made, f"{local}/" if out.endswith("/") else str(local), maker, wanted, context, session)
+        _write(
+            made,
+            f"{local}/" if out.endswith("/") else str(local),
+            maker,
+            wanted=wanted,
+            context=context,
+            session=session,
+        )
         if os.path.isdir(models / ASSETS):
             deliver_assets(models / ASSETS, f"{parts[0]}/{ASSETS}")
         if os.path.isdir(local):

@@ -70,7 +70,7 @@ class Crew:
         If no worker can make one, it is made here, so that exceptions are raised here.
         """
         self._client = self._held.enter_context(client_of(self._address, self._count))
-        self._stations = stations = Stations(making, cells, self._out, self._away, self._held)
+        self._stations = stations = Stations(making, cells, self._out, away=self._away, held=self._held)
         self._cells = cells
         self._count_threads()
         stations.begin(self._client, list(self._client.nthreads()))

@@ -47,7 +47,7 @@ def freight_of(making: CellMaker, cells: Sequence[Cell]) -> Freight:
     packages: dict[Package, None] = {}
     context = replace(maker.context, sink=Sink())
     for cell in _typical(cells):
-        request = stages.Request(maker.recipe, {**making.given, **cell.given}, cell.name, cell.sample)
+        request = stages.Request(maker.recipe, {**making.given, **cell.given}, cell.name, sample=cell.sample)
         plan = stages.planned(request, context)
         if plan is not None:
             paths.update(dict.fromkeys(inputs.planned(plan, context)))

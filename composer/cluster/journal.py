@@ -63,7 +63,7 @@ class Journal:
                 return False
             if making.maker.form not in _READABLE or read(target).sha256 != record.sha256:
                 return False
-            making.keep_record(cell, record, [seen(each) for each in inputs], packages)
+            making.keep_record(cell, record, [seen(each) for each in inputs], packages=packages)
         except (OSError, ReadError, ValueError, TypeError, KeyError, RecursionError):
             return False
         self.forget(cell.name)
@@ -96,5 +96,5 @@ def journal_of(making: CellMaker, folder: object) -> Journal | None:
     if secret is None:
         secret = os.urandom(32)
         with contextlib.suppress(OSError):
-            blobs.put(cache.store.folder, "asked", name, secret)
+            blobs.put(cache.store.folder, "asked", name, content=secret)
     return Journal(folder, key.digest, secret)

@@ -140,7 +140,7 @@ def _begin(order: Order, contents: Path) -> Refused | Lacks | None:
             return Refused(error.message, error.help)
     if _sees_all(order):
         opening = partial(inside.opened, order.memory, order.job)
-        station = Station(order.run, opening, order.folder, ExitStack())
+        station = Station(order.run, opening, order.folder, held=ExitStack())
     else:
         lacking = tuple(
             dict.fromkeys(each for each in order.layout.files.values() if not os.path.exists(contents / each))
@@ -179,7 +179,7 @@ def _away(order: Order, contents: Path) -> Station | Refused:
         opening = partial(
             inside.opened_away, order.memory, order.away, str(root), str(folder / "store"), order.journal
         )
-        station = Station(order.run, opening, str(work), opened.pop_all())
+        station = Station(order.run, opening, str(work), held=opened.pop_all())
     if order.canary is not None:
         (answer,) = station.made([order.canary])
         if answer != order.canary.sha256:

@@ -59,10 +59,18 @@ class Stations:
         except OSError as error:
             raise unwritable(str(out), error) from error
         self.order = Order(
-            os.urandom(8).hex(), pickle.dumps(Job.of(making)), away_job(making, away),
-            os.fspath(making.maker.context.folder), int(in_force().memory), freight.files, freight.layout,
-            seen, out_seen, out if isinstance(out, str) else None, journal=self._journal,
-        )  # fmt: skip
+            os.urandom(8).hex(),
+            pickle.dumps(Job.of(making)),
+            away_job(making, away),
+            folder=os.fspath(making.maker.context.folder),
+            memory=int(in_force().memory),
+            files=freight.files,
+            layout=freight.layout,
+            store=seen,
+            out=out_seen,
+            address=out if isinstance(out, str) else None,
+            journal=self._journal,
+        )
 
     def begin(self, client: Client, workers: list[str]) -> None:
         """Prepare workers: each gets its missing files before it gets a cell."""
@@ -111,7 +119,7 @@ class Stations:
                 tell(f"`{made.cell.name}` was made here: its worker does not have all files of this machine")
             return made
         if result.record is not None:
-            self._making.keep(result.cell, result.record, result.inputs, self._packages)
+            self._making.keep(result.cell, result.record, result.inputs, packages=self._packages)
             if self._journal is not None:
                 self._journal.forget(result.cell.cell.name)
         return result.cell

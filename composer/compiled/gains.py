@@ -63,7 +63,7 @@ def _ratios(model: Model, actuator: int) -> tuple[float | None, float | None]:
     """Return the damping ratio of a servo by the inverse weight and by the mass matrix, each None if unknown."""
     gains = servo(model, actuator) or {}
     stiffness, damping = gains["kp"], gains["kv"]
-    output = rows_of(model, "actuator", "actuator_gear", actuator).start
+    output = rows_of(model, "actuator", "actuator_gear", index=actuator).start
     gear = float(model.actuator_gear[output, 0])
     kind, target = int(model.actuator_trntype[actuator]), int(model.actuator_trnid[actuator, 0])
     if gear == 0:

@@ -31,11 +31,11 @@ def hold(mujoco: Any, model: Any, question: dict[str, Any]) -> dict[str, Any]:
     data.qvel[:] = 0
     data.qacc[:] = 0
     mujoco.mj_fwdPosition(model, data)
-    laws = [_Law(mujoco, model, data, index) for index in range(_count(model))]
+    laws = [_Law(mujoco, model, data, index=index) for index in range(_count(model))]
     forces, left = np.zeros(len(laws)), 0.0
     if question["forces"]:
         mujoco.mj_inverse(model, data)
-        forces, left = _balance(mujoco, model, data, [law for law in laws if law.gain], len(laws))
+        forces, left = _balance(mujoco, model, data, laws=[law for law in laws if law.gain], count=len(laws))
     ctrl: list[float | None] = [None] * model.nu
     act: list[float | None] = [None] * model.na
     for law, force in zip(laws, forces, strict=True):

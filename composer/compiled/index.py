@@ -147,8 +147,8 @@ class Index:
                     entry["name"],
                     entry["body"],
                     entry["fovy"],
-                    entry["unit"],
-                    (entry["resolution"][0], entry["resolution"][1]),
+                    unit=entry["unit"],
+                    resolution=(entry["resolution"][0], entry["resolution"][1]),
                 )
                 for entry in data["cameras"]
             ),
@@ -223,7 +223,7 @@ def _stiffness(model: Model, row: int) -> float:
         return 0.0
     if is_by_plugin(model, row) or int(model.actuator_biastype[row]) != AFFINE:
         return 0.0
-    gear = float(model.actuator_gear[rows_of(model, "actuator", "actuator_gear", row).start, 0])
+    gear = float(model.actuator_gear[rows_of(model, "actuator", "actuator_gear", index=row).start, 0])
     return -float(model.actuator_biasprm[row, 1]) * gear**2
 
 

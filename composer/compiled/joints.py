@@ -58,10 +58,10 @@ def _common(units: tuple[str, ...]) -> str | None:
 
 
 JOINT_TYPES = (
-    JointType("free", (LENGTH,) * 3 + (QUATERNION,) * 4, ("m/s",) * 3 + ("rad/s",) * 3, None),
-    JointType("ball", (QUATERNION,) * 4, ("rad/s",) * 3, ANGLE),
-    JointType("slide", (LENGTH,), ("m/s",), LENGTH),
-    JointType("hinge", (ANGLE,), ("rad/s",), ANGLE),
+    JointType("free", (LENGTH,) * 3 + (QUATERNION,) * 4, ("m/s",) * 3 + ("rad/s",) * 3, range_unit=None),
+    JointType("ball", (QUATERNION,) * 4, ("rad/s",) * 3, range_unit=ANGLE),
+    JointType("slide", (LENGTH,), ("m/s",), range_unit=LENGTH),
+    JointType("hinge", (ANGLE,), ("rad/s",), range_unit=ANGLE),
 )
 """By `jnt_type`."""
 

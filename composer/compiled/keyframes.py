@@ -61,12 +61,12 @@ def key_differences(
     for key, target in _match(matching, keys, moved):
         name = matching.alone.describe("key", key)
         if target == ABSENT:
-            found.append(Difference("key", name, MISSING, True, False))
+            found.append(Difference("key", name, MISSING, expected=True, actual=False))
             continue
         if matching.composed.names["key"][target] in replaced:
             continue
         there = matching.composed.describe("key", target)
-        pairs = list(_entries(matching, key, target, moved))
+        pairs = list(_entries(matching, key, target, moved=moved))
         if keys is Keys.PREFIX:
             times = (
                 matching.alone.model.key_time[key : key + 1],
@@ -76,7 +76,7 @@ def key_differences(
         for field, mine, theirs, bound in pairs:
             if mine.shape != theirs.shape or unequal(mine, theirs, max(bound, tolerance)).any():
                 expected, actual = tuple(mine.tolist()), tuple(theirs.tolist())
-                found.append(Difference("key", there, field, expected, actual))
+                found.append(Difference("key", there, field, expected=expected, actual=actual))
     return found
 
 
@@ -97,7 +97,7 @@ def _match(matching: Correspondence, keys: Keys, moved: Pose | None) -> Iterator
             for each in (there, matching.prefix + name)
             if each in composed.ids["key"]
         ]
-        alike = (each for each in found if not _says_otherwise(matching, index, each, moved))
+        alike = (each for each in found if not _says_otherwise(matching, index, each, moved=moved))
         target = next(alike, found[0] if found else ABSENT)
         taken.add(target)
         yield index, target
@@ -108,7 +108,7 @@ def _match(matching: Correspondence, keys: Keys, moved: Pose | None) -> Iterator
         if i not in taken and (not name or (prefix and name.startswith(prefix)))
     ]
     for index in unnamed:
-        alike = (i for i in left if not _says_otherwise(matching, index, i, moved))
+        alike = (i for i in left if not _says_otherwise(matching, index, i, moved=moved))
         target = next(alike, left[0] if left else ABSENT)
         if target != ABSENT:
             left.remove(target)
@@ -118,25 +118,28 @@ def _match(matching: Correspondence, keys: Keys, moved: Pose | None) -> Iterator
 def _says_otherwise(matching: Correspondence, key: int, target: int, moved: Pose | None) -> bool:
     return any(
         mine.shape != theirs.shape or unequal(mine, theirs, bound).any()
-        for _, mine, theirs, bound in _entries(matching, key, target, moved)
+        for _, mine, theirs, bound in _entries(matching, key, target, moved=moved)
     )
 
 
 def _entries(matching: Correspondence, key: int, target: int, moved: Pose | None) -> Iterator[Entry]:
-    yield from _of_joints(matching, key, target, moved)
+    yield from _of_joints(matching, key, target, moved=moved)
     alone, composed = matching.alone.model, matching.composed.model
     for actuator, there in enumerate(matching.ids["actuator"]):
         if there == ABSENT:
             continue
         name = matching.composed.describe("actuator", there)
         for vector in ("ctrl", "act"):
-            mine, theirs = _entry(alone, vector, key, actuator), _entry(composed, vector, target, there)
+            mine, theirs = (
+                _entry(alone, vector, key, index=actuator),
+                _entry(composed, vector, target, index=there),
+            )
             yield f"key_{vector} of `{name}`", mine, theirs, 0.0
     for kind in ("tendon", "flex"):
         for index, there in enumerate(matching.ids[kind]):
             if there != ABSENT:
-                yield from _plastic(matching, kind, key, target, index, there)
-    yield from _of_mocap_bodies(matching, key, target, moved)
+                yield from _plastic(matching, kind, key, target=target, index=index, there=there)
+    yield from _of_mocap_bodies(matching, key, target, moved=moved)
 
 
 def _of_joints(matching: Correspondence, key: int, target: int, moved: Pose | None) -> Iterator[Entry]:
@@ -154,7 +157,7 @@ def _of_joints(matching: Correspondence, key: int, target: int, moved: Pose | No
             theirs_q = _aligned(theirs_q, mine_q)
         yield f"key_qpos of `{name}`", mine_q, theirs_q, bound
         yield f"key_qvel of `{name}`", mine_v, theirs_v, bound
-        yield from _plastic(matching, "joint", key, target, joint, there)
+        yield from _plastic(matching, "joint", key, target=target, index=joint, there=there)
 
 
 def _of_mocap_bodies(matching: Correspondence, key: int, target: int, moved: Pose | None) -> Iterator[Entry]:
@@ -173,7 +176,7 @@ def _of_mocap_bodies(matching: Correspondence, key: int, target: int, moved: Pos
 
 
 def _joint_state(model: Model, key: int, joint: int) -> tuple[Array, Array]:
-    return _entry(model, "qpos", key, joint), _entry(model, "qvel", key, joint)
+    return _entry(model, "qpos", key, index=joint), _entry(model, "qvel", key, index=joint)
 
 
 def _entry(model: Model, vector: str, key: int, index: int) -> Array:
@@ -194,8 +197,8 @@ def _plastic(
 ) -> Iterator[Entry]:
     if not hasattr(matching.alone.model, "key_plastic"):
         return
-    mine = _plastic_state(matching.alone.model, kind, key, index)
-    theirs = _plastic_state(matching.composed.model, kind, target, there)
+    mine = _plastic_state(matching.alone.model, kind, key, index=index)
+    theirs = _plastic_state(matching.composed.model, kind, target, index=there)
     if mine.size or theirs.size:
         # By default it is the length in the reference configuration, measured in the world.
         bound = ROUNDING if kind == "tendon" else 0.0

@@ -44,49 +44,49 @@ def links(model: Model, kind: str, index: int) -> list[Link]:
 def _one(model: Model, array: str, kind: str, index: int, world: World = World.WORLD) -> Iterator[Link]:
     values = getattr(model, array, None)
     if values is not None:
-        yield Link(array, kind, int(values[index]), world)
+        yield Link(array, kind, int(values[index]), world=world)
 
 
 def _body(model: Model, index: int) -> Iterator[Link]:
     # MuJoCo 4.0 puts the bodies in which a rod is twisted into the world, wherever its `<flexcomp>` is.
     world = World.EITHER if twists_a_rod(model, index) else World.MOUNT
-    yield from _one(model, "body_parentid", "body", index, world)
-    yield from _one(model, "body_plugin", "plugin", index)
+    yield from _one(model, "body_parentid", "body", index=index, world=world)
+    yield from _one(model, "body_plugin", "plugin", index=index)
 
 
 def _joint(model: Model, index: int) -> Iterator[Link]:
-    yield from _one(model, "jnt_bodyid", "body", index, World.MOUNT)
-    yield from _one(model, "jnt_actuatorid", "actuator", index)
+    yield from _one(model, "jnt_bodyid", "body", index=index, world=World.MOUNT)
+    yield from _one(model, "jnt_actuatorid", "actuator", index=index)
 
 
 _HFIELD, _MESH, _SDF = 1, 7, 8
 
 
 def _geom(model: Model, index: int) -> Iterator[Link]:
-    yield from _one(model, "geom_bodyid", "body", index, World.MOUNT)
+    yield from _one(model, "geom_bodyid", "body", index=index, world=World.MOUNT)
     # MuJoCo 3 leaves the mesh id in primitives that were fitted to it, where it has no meaning.
     shape = int(model.geom_type[index])
     data = int(model.geom_dataid[index]) if shape in (_HFIELD, _MESH, _SDF) else -1
     yield Link("geom_dataid", "hfield" if shape == _HFIELD else "mesh", data)
-    yield from _one(model, "geom_matid", "material", index)
-    yield from _one(model, "geom_plugin", "plugin", index)
+    yield from _one(model, "geom_matid", "material", index=index)
+    yield from _one(model, "geom_plugin", "plugin", index=index)
 
 
 def _site(model: Model, index: int) -> Iterator[Link]:
-    yield from _one(model, "site_bodyid", "body", index, World.MOUNT)
-    yield from _one(model, "site_dataid", "mesh", index)
-    yield from _one(model, "site_matid", "material", index)
+    yield from _one(model, "site_bodyid", "body", index=index, world=World.MOUNT)
+    yield from _one(model, "site_dataid", "mesh", index=index)
+    yield from _one(model, "site_matid", "material", index=index)
 
 
 def _camera(model: Model, index: int) -> Iterator[Link]:
-    yield from _one(model, "cam_bodyid", "body", index, World.MOUNT)
-    yield from _one(model, "cam_targetbodyid", "body", index)
+    yield from _one(model, "cam_bodyid", "body", index=index, world=World.MOUNT)
+    yield from _one(model, "cam_targetbodyid", "body", index=index)
 
 
 def _light(model: Model, index: int) -> Iterator[Link]:
-    yield from _one(model, "light_bodyid", "body", index, World.MOUNT)
-    yield from _one(model, "light_targetbodyid", "body", index)
-    yield from _one(model, "light_texid", "texture", index)
+    yield from _one(model, "light_bodyid", "body", index=index, world=World.MOUNT)
+    yield from _one(model, "light_targetbodyid", "body", index=index)
+    yield from _one(model, "light_texid", "texture", index=index)
 
 
 def _material(model: Model, index: int) -> Iterator[Link]:
@@ -95,11 +95,11 @@ def _material(model: Model, index: int) -> Iterator[Link]:
 
 
 def _skin(model: Model, index: int) -> Iterator[Link]:
-    yield from _one(model, "skin_matid", "material", index)
+    yield from _one(model, "skin_matid", "material", index=index)
     first = int(model.skin_boneadr[index])
     bones = model.skin_bonebodyid[first : first + int(model.skin_bonenum[index])].tolist()
     for place, body in enumerate(bones):
-        yield Link(f"skin_bonebodyid[{place}]", "body", body, World.EITHER)
+        yield Link(f"skin_bonebodyid[{place}]", "body", body, world=World.EITHER)
 
 
 def _flex(model: Model, index: int) -> Iterator[Link]:
@@ -111,7 +111,7 @@ def _flex(model: Model, index: int) -> Iterator[Link]:
         start = int(getattr(model, first)[index])
         bodies = getattr(model, array)[start : start + int(getattr(model, number)[index])].tolist()
         for place, body in enumerate(bodies):
-            yield Link(f"{array}[{place}]", "body", body, World.EITHER)
+            yield Link(f"{array}[{place}]", "body", body, world=World.EITHER)
     rows = bending(model, index)
     if rows is not None:
         for place in twists(rows):
@@ -161,7 +161,7 @@ def twists_a_rod(model: Model, body: int) -> bool:
 def _flex_materials(model: Model, index: int) -> Iterator[Link]:
     """Yield materials: since MuJoCo 4 those of a flex's elements, before that the flex's."""
     if len(model.flex_matid) != model.nflexelem:
-        yield from _one(model, "flex_matid", "material", index)
+        yield from _one(model, "flex_matid", "material", index=index)
         return
     first = int(model.flex_elemadr[index])
     materials = model.flex_matid[first : first + int(model.flex_elemnum[index])].tolist()
@@ -176,8 +176,8 @@ WRAPS_A_GEOM = (4, 5)
 
 
 def _tendon(model: Model, index: int) -> Iterator[Link]:
-    yield from _one(model, "tendon_matid", "material", index)
-    yield from _one(model, "tendon_actuatorid", "actuator", index)
+    yield from _one(model, "tendon_matid", "material", index=index)
+    yield from _one(model, "tendon_actuatorid", "actuator", index=index)
     first = int(model.tendon_adr[index])
     for place in range(int(model.tendon_num[index])):
         at = first + place
@@ -197,8 +197,8 @@ _CONSTRAINED = {2: "joint", 3: "tendon", 4: "flex", 5: "flex", 6: "flex", 7: "ge
 def _equality(model: Model, index: int) -> Iterator[Link]:
     by_type = _CONSTRAINED.get(int(model.eq_type[index]))
     kind = by_type or OF_OBJECT_TYPE.get(int(model.eq_objtype[index]), "body")
-    yield from _one(model, "eq_obj1id", kind, index)
-    yield from _one(model, "eq_obj2id", kind, index)
+    yield from _one(model, "eq_obj1id", kind, index=index)
+    yield from _one(model, "eq_obj2id", kind, index=index)
 
 
 def _pair(model: Model, index: int) -> Iterator[Link]:
@@ -235,15 +235,15 @@ def _actuator(model: Model, index: int) -> Iterator[Link]:
     for place, kind in enumerate(targets):
         if kind is not None:
             yield Link(f"actuator_trnid[{place}]", kind, int(model.actuator_trnid[index, place]))
-    yield from _one(model, "actuator_plugin", "plugin", index)
+    yield from _one(model, "actuator_plugin", "plugin", index=index)
 
 
 def _sensor(model: Model, index: int) -> Iterator[Link]:
     for array, typed in (("sensor_objid", "sensor_objtype"), ("sensor_refid", "sensor_reftype")):
         kind = OF_OBJECT_TYPE.get(int(getattr(model, typed)[index]))
         if kind is not None:
-            yield from _one(model, array, kind, index)
-    yield from _one(model, "sensor_plugin", "plugin", index)
+            yield from _one(model, array, kind, index=index)
+    yield from _one(model, "sensor_plugin", "plugin", index=index)
 
 
 def _tuple(model: Model, index: int) -> Iterator[Link]:

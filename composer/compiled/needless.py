@@ -46,7 +46,7 @@ def needless(mujoco: Any, model: Any, asked: dict[str, int]) -> list[dict[str, A
     left = {
         pair for pair in rest - jaws if pair not in found and _is_tied(mujoco, model, pair, sliding=False)
     }
-    for pose in _poses(mujoco, model, asked["samples"], asked["seed"]) if left or closing else ():
+    for pose in _poses(mujoco, model, asked["samples"], seed=asked["seed"]) if left or closing else ():
         touched = _touched(mujoco, model, pose)
         left -= touched
         for pair in closing - touched:
@@ -55,7 +55,9 @@ def needless(mujoco: Any, model: Any, asked: dict[str, int]) -> list[dict[str, A
         if not (left or closing):
             break
     random = np.random.Generator(np.random.PCG64(asked["seed"]))
-    found |= {pair: (NEVER, "") for pair in sorted(left) if _least(mujoco, model, pair, random) > _NEAR}
+    found |= {
+        pair: (NEVER, "") for pair in sorted(left) if _least(mujoco, model, pair, random=random) > _NEAR
+    }
     return [
         {
             "bodies": [model.body(body).name for body in pair],

@@ -34,7 +34,7 @@ def statistic_differences(alone: Model, composed: Model) -> list[Difference]:
 
 def _differing(kind: str, mine: object, theirs: object) -> list[Difference]:
     return [
-        Difference(kind, name, "value", _value(a), _value(b))
+        Difference(kind, name, "value", expected=_value(a), actual=_value(b))
         for name, a in _settings(mine)
         if unequal(a, b := np.asarray(getattr(theirs, name, np.nan))).any()
     ]

@@ -120,7 +120,7 @@ def rows(order: Order, roster: NameTable) -> dict[Node, int]:
         for at, stretch in enumerate(stretches):
             start = None
             if whole or kind not in ON_BODIES:
-                start = _start(stretch, at == 0, at == len(stretches) - 1, names, ids)
+                start = _start(stretch, at == 0, at == len(stretches) - 1, names=names, ids=ids)
             for place, node in enumerate(stretch):
                 row = ids.get(compiled_name(node)) if start is None else start + place
                 if row is not None:

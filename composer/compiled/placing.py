@@ -73,11 +73,17 @@ class Placing:
                 actual = self._there(kind, index)
                 name = self.matching.composed.describe(kind, self.matching.ids[kind][index])
                 if not _near(expected.pos, actual.pos, bound):
-                    found.append(Difference(kind, name, f"{arrays}_pos", expected.pos, actual.pos))
+                    found.append(
+                        Difference(kind, name, f"{arrays}_pos", expected=expected.pos, actual=actual.pos)
+                    )
                 turned = tuple(-x for x in actual.quat)
                 if not _near(expected.quat, actual.quat, bound) and not _near(expected.quat, turned, bound):
                     why = _OF_FLEXES if kind == "body" and index in vertices else ""
-                    found.append(Difference(kind, name, f"{arrays}_quat", expected.quat, actual.quat, why))
+                    found.append(
+                        Difference(
+                            kind, name, f"{arrays}_quat", expected=expected.quat, actual=actual.quat, why=why
+                        )
+                    )
         found += self._lights(bound)
         return found
 
@@ -92,11 +98,11 @@ class Placing:
             expected = (self.transform @ Pose(_vec(alone.light_pos[index]))).pos
             actual = (frame @ Pose(_vec(composed.light_pos[target]))).pos
             if not _near(expected, actual, bound):
-                found.append(Difference("light", name, "light_pos", expected, actual))
+                found.append(Difference("light", name, "light_pos", expected=expected, actual=actual))
             expected = rotate(self.transform.quat, _vec(alone.light_dir[index]))
             actual = rotate(frame.quat, _vec(composed.light_dir[target]))
             if not _near(expected, actual, bound):
-                found.append(Difference("light", name, "light_dir", expected, actual))
+                found.append(Difference("light", name, "light_dir", expected=expected, actual=actual))
         return found
 
 

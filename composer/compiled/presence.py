@@ -34,7 +34,7 @@ def _missing(matching: Correspondence, kind: str) -> list[Difference]:
         if target != ABSENT or (owners is not None and not name and bodies[owners[index]] == ABSENT):
             continue
         shown = matching.name(kind, name) if name else roster.describe(kind, index)
-        found.append(Difference(kind, shown, MISSING, True, False))
+        found.append(Difference(kind, shown, MISSING, expected=True, actual=False))
     return found
 
 
@@ -42,7 +42,7 @@ def _extra(matching: Correspondence, kind: str, others: Iterable[tuple[str, Name
     prefix = matching.prefix
     theirs = {other + name for other, roster in others for name in roster.names[kind] if name}
     return [
-        Difference(kind, name, EXTRA, False, True)
+        Difference(kind, name, EXTRA, expected=False, actual=True)
         for index, name in enumerate(matching.composed.names[kind])
         if name.startswith(prefix)
         and name != prefix

@@ -25,7 +25,9 @@ def _quantities(table: str) -> dict[str, Quantity]:
     for line in table.strip().splitlines():
         array, words, units, attributes = (cell.strip() for cell in line.split("|"))
         unit, _, angular = units.partition(";")
-        found[array] = Quantity(words, unit.strip(), angular.strip() or None, tuple(attributes.split()))
+        found[array] = Quantity(
+            words, unit.strip(), angular.strip() or None, attributes=tuple(attributes.split())
+        )
     return found
 
 

@@ -16,7 +16,7 @@ def reference_differences(matching: Correspondence) -> list[Difference]:
     for kind in KINDS:
         if kind != "key":
             for index, target in matching.pairs(kind):
-                found += _of_one(matching, kind, index, target)
+                found += _of_one(matching, kind, index, target=target)
     return found
 
 
@@ -31,7 +31,9 @@ def _of_one(matching: Correspondence, kind: str, index: int, target: int) -> lis
         if a.kind != b.kind or (allowed and b.index not in allowed):
             name = matching.composed.describe(kind, target)
             found.append(
-                Difference(kind, name, a.field, _expected(matching, a), _shown(matching.composed, b))
+                Difference(
+                    kind, name, a.field, expected=_expected(matching, a), actual=_shown(matching.composed, b)
+                )
             )
     return found
 

@@ -32,7 +32,7 @@ def touching(mujoco: Any, model: Any, prefixes: list[str]) -> list[dict[str, Any
                 continue
             one, other = sorted(int(model.geom_bodyid[each]) for each in geoms)
             parts = [_part(model, body, prefixes) for body in (one, other)]
-            if parts[0] == parts[1] or (one, other) in found or _floats(mujoco, model, one, other):
+            if parts[0] == parts[1] or (one, other) in found or _floats(mujoco, model, one, other=other):
                 continue
             names = [model.body(body).name for body in (one, other)]
             called = [

@@ -57,11 +57,13 @@ def compare(
     placing = Placing(matching, mount)
     found = presence_differences(matching, others)
     found += reference_differences(matching)
-    found += Values(matching, coupling, placing, tolerance).differences()
+    found += Values(matching, coupling, placing, tolerance=tolerance).differences()
     if not coupling.in_place:
         found += placing.differences(tolerance)
     in_world = placing.transform if matching.mount == 0 else None
-    found += key_differences(matching, in_world, keys, roots_in_keys, tolerance, replaced_keys)
+    found += key_differences(
+        matching, in_world, keys, roots=roots_in_keys, tolerance=tolerance, replaced=replaced_keys
+    )
     return [difference for difference in found if not _ignored(difference, ignore)]
 
 

@@ -72,7 +72,7 @@ def of_sensor(tag: str, dimension: int, about: str | None) -> str | None:
 def of_transmission(model: Model, row: int) -> str | None:
     """Return the unit of an actuator's length: that of its coordinate, unless a gear scales it."""
     kind, target = int(model.actuator_trntype[row]), int(model.actuator_trnid[row, 0])
-    scale, *others = model.actuator_gear[rows_of(model, "actuator", "actuator_gear", row).start]
+    scale, *others = model.actuator_gear[rows_of(model, "actuator", "actuator_gear", index=row).start]
     if abs(scale) != 1 or any(others):
         return None
     if kind == ON_TENDON:

@@ -48,7 +48,9 @@ class Values:
         for kind in KINDS:
             if kind != "key":
                 pairs = self.matching.pairs(kind)
-                found += self._rows(kind, kind, pairs, [i for i, _ in pairs], [j for _, j in pairs])
+                found += self._rows(
+                    kind, kind, pairs, mine=[i for i, _ in pairs], theirs=[j for _, j in pairs]
+                )
                 found += self._runs(kind)
         found += self._dofs()
         found += self._sleep()
@@ -64,7 +66,7 @@ class Values:
                 mine += (own := span(self.alone, "qvel", index))
                 theirs += span(self.composed, "qvel", target)
                 pairs += [(index, target)] * len(own)
-        return list(dict.fromkeys(self._rows("joint", DOF, pairs, mine, theirs)))
+        return list(dict.fromkeys(self._rows("joint", DOF, pairs, mine=mine, theirs=theirs)))
 
     def _rows(
         self, kind: str, group: str, pairs: list[tuple[int, int]], mine: list[int], theirs: list[int]
@@ -80,7 +82,7 @@ class Values:
                 expected = array[mine]
                 if name == "eq_data" and not self.coupling.in_place:
                     expected = np.array([self._moved(*pair, other[pair[1]]) for pair in pairs])
-                found += self._array(kind, name, how, pairs, expected, other[theirs])
+                found += self._array(kind, name, how, pairs=pairs, expected=expected, actual=other[theirs])
         return found
 
     def _array(
@@ -105,7 +107,7 @@ class Values:
             return []
         different = unequal(expected, actual, self._bound(treatment)).reshape(len(expected), -1)
         return [
-            self._difference(kind, pairs[row][1], name, expected[row], actual[row])
+            self._difference(kind, pairs[row][1], name, expected=expected[row], actual=actual[row])
             for row in np.flatnonzero(different.any(axis=1)).tolist()
             if not self._excused(treatment, kind, name, *pairs[row])
         ]
@@ -163,7 +165,7 @@ class Values:
                 acted_on = self._acted_on(kind, index) or self._less_simple(kind, index)
                 return acted_on or (moved and kind == "tendon" and self._has_no_direction(index))
             case Treatment.GAIN if kind == "actuator":
-                return same_dampratio(self.alone, self.composed, index, target)
+                return same_dampratio(self.alone, self.composed, index, target=target)
             case Treatment.GAIN:
                 same = same_stiffness if name == "jnt_stiffness" else same_damping
                 seen_otherwise = self._acted_on(kind, index) or self._less_simple(kind, index)
@@ -235,7 +237,7 @@ class Values:
             for name, mine in runs(self.alone, kind, index):
                 other = theirs.get(name)
                 if other is not None:
-                    found += self._run(kind, name, index, target, mine, other)
+                    found += self._run(kind, name, index, target=target, mine=mine, other=other)
         return found
 
     def _run(
@@ -245,7 +247,7 @@ class Values:
             return []
         if mine.shape != other.shape:
             shown = self.matching.composed.describe(kind, target)
-            return [Difference(kind, shown, f"{name}, rows", len(mine), len(other))]
+            return [Difference(kind, shown, f"{name}, rows", expected=len(mine), actual=len(other))]
         moved, bound = not self.coupling.in_place, self.tolerance
         if name == "actuator_acc0":
             on_tendon = int(self.alone.actuator_trntype[index]) == ON_TENDON
@@ -267,7 +269,7 @@ class Values:
         different = unequal(mine, other, bound)
         if not different.any():
             return []
-        return [self._difference(kind, target, name, mine, other, different)]
+        return [self._difference(kind, target, name, expected=mine, actual=other, different=different)]
 
     def _sleep(self) -> list[Difference]:
         """Compare the sleep policy of a kinematic tree, if the part's author wrote one on its root."""
@@ -284,7 +286,7 @@ class Values:
             actual = int(self.composed.tree_sleep_policy[theirs])
             if expected >= AUTHORED_SLEEP and expected != actual:
                 name = self.matching.composed.describe("body", target)
-                found.append(Difference("body", name, "tree_sleep_policy", expected, actual))
+                found.append(Difference("body", name, "tree_sleep_policy", expected=expected, actual=actual))
         return found
 
     def _difference(
@@ -299,10 +301,12 @@ class Values:
         a, b = np.asarray(expected), np.asarray(actual)
         shown = self.matching.composed.describe(kind, target)
         if a.size <= _SHOWN:
-            return Difference(kind, shown, name, _value(a), _value(b))
+            return Difference(kind, shown, name, expected=_value(a), actual=_value(b))
         places = np.argwhere(unequal(a, b, self.tolerance) if different is None else different)
         first = tuple(places[0].tolist())
-        return Difference(kind, shown, f"{name}{list(first)}", a[first].item(), b[first].item())
+        return Difference(
+            kind, shown, f"{name}{list(first)}", expected=a[first].item(), actual=b[first].item()
+        )
 
 
 def _value(array: Array) -> Value:

@@ -130,7 +130,7 @@ def models_in(unit: Unit, measure: Measure, found: list[Node]) -> dict[Node, Act
     for row in range(count):
         number = int(arrays["actuator_user"][row * width])
         if number:
-            models[found[number - 1]] = _model(arrays, row, count, general)
+            models[found[number - 1]] = _model(arrays, row, count, general=general)
     return models
 
 

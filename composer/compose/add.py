@@ -40,9 +40,9 @@ def add(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
                 node.set("childclass", linking.base_class)
         elif node.tag in ("geom", "site", "camera", "light") and node.get("class") is None:
             node.set("class", linking.base_class)
-    _check_scale(step, holder, linking, making)
+    _check_scale(step, holder, linking, making=making)
     holder.append(node)
-    _check_mass(step, node, linking, making)
+    _check_mass(step, node, linking, making=making)
 
 
 def _check_scale(step: AddElement, holder: Node, linking: Linking, making: ElementBuilder) -> None:
@@ -109,6 +109,12 @@ def _nowhere(step: AddElement, linking: Linking, making: ElementBuilder) -> None
             help = f"`{step.to}` is a site: write `to: {holder.get('name')}`, the body that it stands in"
     making.sink.add(
         unresolved(
-            linking, step.to_kind, step.to, step.to_span, written=written, purpose=" to add to", help=help
+            linking,
+            step.to_kind,
+            step.to,
+            span=step.to_span,
+            written=written,
+            purpose=" to add to",
+            help=help,
         )
     )

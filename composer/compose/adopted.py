@@ -45,7 +45,7 @@ def _settings(plan: Plan, composer: Composer, stands: bool) -> Unit:
         plan.settled,
     )
     adopted = (*of_base(base.adopted, asked, plan.settled), *found.values())
-    unit = Unit(base.root, base.file, base.directory, base.label, origins=base.origins, adopted=adopted)
+    unit = Unit(base.root, base.file, base.directory, label=base.label, origins=base.origins, adopted=adopted)
     for each in found.values():
         if each.is_written:
             set_value(unit, each.path, each.value)
@@ -61,4 +61,4 @@ def _of(each: PartRequest, plan: Plan, composer: Composer) -> Unit:
     if isinstance(each.model, Plan):
         return _settings(each.model, composer, each.stands)
     found = None if each.model is None else composer.unit_of(plan, each)
-    return found or Unit(etree.Element("mujoco"), plan.file, plan.path.parent, plan.path.stem)
+    return found or Unit(etree.Element("mujoco"), plan.file, plan.path.parent, label=plan.path.stem)

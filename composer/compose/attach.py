@@ -35,11 +35,11 @@ def part_of(step: AttachPart, unit: Unit, making: ElementBuilder) -> Part:
     place = _place(step, making)
     if any(step.copy):
         offset = read_pose(place.offset, False, "xyz") @ copy_pose(step, making)
-        place = _computed(place, offset, "replicate", step, making)
+        place = _computed(place, offset, "replicate", step=step, making=making)
     if step.attachment.mate is not None:
-        place = _mated(place, step, unit, making)
+        place = _mated(place, step, unit, making=making)
     keyframes = step.attachment.keyframes
-    return Part(unit, step.prefix, place, keyframes, span=step.span, key=str(step.at[-1]))
+    return Part(unit, step.prefix, place, keyframes=keyframes, span=step.span, key=str(step.at[-1]))
 
 
 def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBuilder) -> None:
@@ -86,7 +86,7 @@ def _sense(step: AttachPart, making: ElementBuilder) -> Sense | None:
         step.prefix + (wanted.name or SENSE),
         tuple((tag, f"{step.prefix}{start}{tag}") for tag in wanted.quantities),
         numbers.text([wanted.cutoff]) if wanted.cutoff else "",
-        locate(making.document, (*step.at, SENSE)),
+        span=locate(making.document, (*step.at, SENSE)),
     )
 
 
@@ -104,7 +104,7 @@ def check_joints(step: AttachPart, linking: Linking, making: ElementBuilder) -> 
     for element in elements:
         name = element.attributes.get("class")
         if name is not None:
-            check_class(linking, making.sink, str(name), making.span(element, "class"))
+            check_class(linking, making.sink, str(name), span=making.span(element, "class"))
 
 
 def _place(step: AttachPart, making: ElementBuilder) -> Place:
@@ -142,7 +142,7 @@ def _place(step: AttachPart, making: ElementBuilder) -> Place:
         if name == "world" and kind == "body":
             break
         if name is not None:
-            return Place(kind, name, offset, locate(making.document, (*step.at, kind)), written)
+            return Place(kind, name, offset, span=locate(making.document, (*step.at, kind)), written=written)
     return Place("world", None, offset, written=written)
 
 
@@ -174,7 +174,7 @@ def _mated(place: Place, step: AttachPart, unit: Unit, making: ElementBuilder) -
     own = effective_pose(element, unit.classes) if element.tag == "site" else element
     mate = pose_in_world(outer, *settings) @ read_pose(own, *settings)
     moved = read_pose(place.offset, False, "xyz") @ mate.inverse()
-    return _computed(place, moved, "mate", step, making)
+    return _computed(place, moved, "mate", step=step, making=making)
 
 
 def _computed(

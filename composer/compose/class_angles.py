@@ -27,7 +27,7 @@ def check_class_angles(linking: Linking, making: ElementBuilder) -> None:
         attribute = GRAMMAR.element("joint").attributes[name]
         for joint in _taking(giver, name, linking):
             if is_angular(attribute, joint_type(joint, linking.base.classes)) != angular:
-                _report(linking, making, element, name, joint, angular)
+                _report(linking, making, element, name=name, joint=joint, angular=angular)
                 break
     making.of_classes.clear()
 

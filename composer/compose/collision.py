@@ -48,7 +48,7 @@ def collide(
     for node in found:
         mesh = _mesh_of(editing, node, at)
         _check_free(editing, node, at)
-        each = workshop.asked(editing, mesh, value["method"], value["wanted"], span)
+        each = workshop.asked(editing, mesh, value["method"], wanted=value["wanted"], span=span)
         if each is None:
             raise Unusable
         asked.append((node, each))
@@ -59,7 +59,9 @@ def collide(
             raise Unusable
         return []
     meshes: dict[tuple[str, int], str] = {}
-    records = [_made(editing, node, each, results[each.key], meshes, at) for node, each in asked]
+    records = [
+        _made(editing, node, each, result=results[each.key], meshes=meshes, at=at) for node, each in asked
+    ]
     workshop.records += records
     return records
 
@@ -83,7 +85,7 @@ def _mesh_of(editing: Editing, node: Node, at: Path) -> Node:
         what = "its mesh" if node.get("mesh") is None else "`fromto`"
         message = f"a class gives {editing.called(node)} {what}, and would give it to the new geoms too"
         refuse(editing, node, Fault("not-supported", message, at, help="write it on the geoms"))
-    return mesh_called(editing, node, str(name), at)
+    return mesh_called(editing, node, str(name), at=at)
 
 
 def mesh_called(editing: Editing, node: Node, name: str, at: Path) -> Node:
@@ -137,12 +139,14 @@ def _made(
         if shape["type"] == "mesh":
             known = meshes.get((asked.key, number))
             if known is None:
-                known = meshes[asked.key, number] = _new_mesh(editing, asked, f"{mesh_name}{end}", shape, at)
-            _write(editing, node, geom, {"type": "mesh", "mesh": known}, pose)
+                known = meshes[asked.key, number] = _new_mesh(
+                    editing, asked, f"{mesh_name}{end}", shape=shape, at=at
+                )
+            _write(editing, node, geom, given={"type": "mesh", "mesh": known}, pose=pose)
         else:
             own = Pose(tuple(shape["pos"]), tuple(shape["quat"]))
             given = {"type": shape["type"], "size": numbers.text(shape["size"])}
-            _write(editing, node, geom, given, pose @ own)
+            _write(editing, node, geom, given=given, pose=pose @ own)
         made.append(geom)
     parent = node.getparent()
     assert parent is not None
@@ -155,11 +159,18 @@ def _made(
     assign(editing, node, {"contype": "0", "conaffinity": "0"})
     editing.write(node, {"contype": at, "conaffinity": at})
     about = MadeShapes(
-        name_of(node) or "", mesh_name, asked.method, asked.wanted,
-        tuple(name_of(geom) or "" for geom in made), result["mesh"]["faces"], result["error"], result["made_with"],
-        asked.key, asked.span,
-    )  # fmt: skip
-    return Record(node, asked.node, tuple(made), about)
+        name_of(node) or "",
+        mesh_name,
+        asked.method,
+        wanted=asked.wanted,
+        shapes=tuple(name_of(geom) or "" for geom in made),
+        faces=result["mesh"]["faces"],
+        error=result["error"],
+        made_with=result["made_with"],
+        key=asked.key,
+        span=asked.span,
+    )
+    return Record(node, asked.node, tuple(made), about=about)
 
 
 def _write(editing: Editing, old: Node, geom: Node, given: Mapping[str, str], pose: Pose) -> None:
@@ -229,7 +240,7 @@ def _new_mesh(editing: Editing, asked: Asked, name: str, shape: Mapping[str, Any
     assert section is not None
     mesh = section.makeelement("mesh", {"name": free})
     section.append(mesh)
-    write_file(editing, mesh, free, asked.key, shape)
+    write_file(editing, mesh, free, key=asked.key, shape=shape)
     # A thin piece would have too little volume for MuJoCo's inertia; nothing weighs anything by it.
     mesh.set("inertia", "shell")
     editing.making.origins.own(mesh, editing.span(at))

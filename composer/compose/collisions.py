@@ -46,12 +46,12 @@ def set_collisions(
     for step in steps:
         if step.collisions.samples is not None:
             if samples:
-                found += _exclude_needless(step, linking, making, context, session)
+                found += _exclude_needless(step, linking, making, context=context, session=session)
             continue
         if not step.collisions.sides:
-            found += _exclude_touching(step, plan, linking, making, context, session)
+            found += _exclude_touching(step, plan, linking, making=making, context=context, session=session)
             continue
-        sides = [_bodies(step, index, plan, linking, making) for index in range(2)]
+        sides = [_bodies(step, index, plan, linking=linking, making=making) for index in range(2)]
         if step.collisions.what == "exclude":
             named = [
                 (first, second)
@@ -61,9 +61,9 @@ def set_collisions(
                 for second in _names(other)
                 if first != second
             ]
-            _append(linking, making, step, "exclude", ("body1", "body2"), named)
+            _append(linking, making, step, tag="exclude", keys=("body1", "body2"), pairs=named)
         else:
-            _collide(step, sides, linking, making)
+            _collide(step, sides, linking, making=making)
     return found
 
 
@@ -78,7 +78,7 @@ def _exclude_needless(
         session = session or stack.enter_context(engine.Session())
         if not keep_finished(linking, context, session):
             return []
-        answer = engine.call(session, needless, [FINISHED], {"samples": samples, "seed": seed})
+        answer = engine.call(session, needless, [FINISHED], argument={"samples": samples, "seed": seed})
     if not answer.ok:
         making.sink.error("mujoco-crash", f"MuJoCo stumbles over the contacts: {answer.error}", step.span)
         return []
@@ -87,13 +87,13 @@ def _exclude_needless(
         TOUCHING: "they touch in {}",
         NEVER: f"they touched in none of {samples} random poses (seed {seed})",
     }
-    _refuse_nameless(answer.value, "need not collide", step, making)
+    _refuse_nameless(answer.value, "need not collide", step, making=making)
     reasons = {
         tuple(each["bodies"]): words[each["why"]].format(each["where"])
         for each in answer.value
         if all(each["bodies"])
     }
-    written = _append(linking, making, step, "exclude", ("body1", "body2"), list(reasons))
+    written = _append(linking, making, step, tag="exclude", keys=("body1", "body2"), pairs=list(reasons))
     return [(node, reasons[str(node.get("body1")), str(node.get("body2"))]) for node in written]
 
 
@@ -122,13 +122,16 @@ def _exclude_touching(
         if not keep_finished(linking, context, session):
             return []
         prefixes = sorted({part.prefix for part in plan.parts if part.prefix})
-        answer = engine.call(session, touching, [FINISHED], prefixes)
+        answer = engine.call(session, touching, [FINISHED], argument=prefixes)
     if not answer.ok:
         making.sink.error("mujoco-crash", f"MuJoCo stumbles over the contacts: {answer.error}", step.span)
         return []
-    _refuse_nameless(answer.value, "touch", step, making)
+    _refuse_nameless(answer.value, "touch", step, making=making)
     named = [tuple(pair["bodies"]) for pair in answer.value if all(pair["bodies"])]
-    return [(each, "") for each in _append(linking, making, step, "exclude", ("body1", "body2"), named)]
+    return [
+        (each, "")
+        for each in _append(linking, making, step, tag="exclude", keys=("body1", "body2"), pairs=named)
+    ]
 
 
 def _bodies(
@@ -207,7 +210,7 @@ def _collide(
             help="name fewer bodies, or set `contype` and `conaffinity` by `edit`",
         )  # fmt: skip
         return
-    _append(linking, making, step, "pair", ("geom1", "geom2"), named)
+    _append(linking, making, step, tag="pair", keys=("geom1", "geom2"), pairs=named)
 
 
 def _geoms(body: Node, linking: Linking) -> Iterator[Node]:

@@ -136,7 +136,7 @@ class Composer:
         self.notes_parts, self.makes_shapes = notes_parts, makes_shapes
         self.workshop: Workshop | None = None
         self.needless: list[tuple[Node, str]] = []
-        self.loader = Loader(context, session, watch, library, checks_sources)
+        self.loader = Loader(context, session, watch, library=library, checks=checks_sources)
         self.subtrees: dict[tuple[str, KeyPath], Subtree] = {}
         self.edits: dict[tuple[str, KeyPath], EditOutcome] = {}
         self.cost = EditCost()
@@ -196,7 +196,7 @@ class Composer:
             faulty = [unit for unit in library.values() if not check_source(unit, self.context.sink)]
             if not faulty:
                 raise
-            self._try_put_right(plan, stands, work, library)
+            self._try_put_right(plan, stands, work, library=library)
             return None
         except RecursionError:
             self.context.sink.error(
@@ -226,9 +226,9 @@ class Composer:
         assert base is not None
         given = [unit for unit in units if unit is not None]
         if len(given) == len(units):
-            return self._joined(plan, base, given, stands)
+            return self._joined(plan, base, given, stands=stands)
         # Only for the errors that can still be found: a model without some of its parts is not given.
-        self._joined(self._without_lost(plan, units), base, given, stands)
+        self._joined(self._without_lost(plan, units), base, given, stands=stands)
         return None
 
     def _units(self, plan: Plan, stands: bool) -> list[Unit | None] | None:
@@ -269,30 +269,35 @@ class Composer:
             remove_keys(base)
         self.watch([base, *units], plan)
         making = ElementBuilder.of(plan, base, self.context, model_angle="radian")
-        linking = self._linking(plan, base, units, making)
+        linking = self._linking(plan, base, units, making=making)
         early = EarlyAdditions(plan, linking, making)
         linking.later_places = early
         if not link(linking):
             return None
         self.keys.join(linking)
-        _carry_out(plan, linking, making, early)
+        _carry_out(plan, linking, making, early=early)
         changes = self._model_edits(plan, linking, making)
-        self._edit(plan, changes, linking, making)
+        self._edit(plan, changes, linking, making=making)
         if self.context.sink.error_count > before:
             return None
         finish(linking)
         spare_added(linking)
-        hold_poses(plan, linking, making, self.context, self.loader.session)
+        hold_poses(plan, linking, making, context=self.context, session=self.loader.session)
         linking.watch(linking.units, hold_poses)
         session = self.loader.session
-        self.needless += set_collisions(plan, linking, making, self.context, session, self.makes_shapes)
+        self.needless += set_collisions(
+            plan, linking, making, context=self.context, session=session, samples=self.makes_shapes
+        )
         check_names_of_keys(linking, making)
         if changes:
             changes.of_keys()
         self.keys.add(linking)
         roots = [base.root, *(unit.root for unit in units)]
         self.unplaced[base.root] = unplaced_records(
-            plan, part_requests(plan, stands), linking.parts, [self.unplaced.get(root, []) for root in roots]
+            plan,
+            part_requests(plan, stands),
+            linking.parts,
+            inner=[self.unplaced.get(root, []) for root in roots],
         )
         if self.context.sink.error_count > before:
             return None
@@ -307,7 +312,7 @@ class Composer:
         """Return the base and its parts, with the joints between them, ready to be linked."""
         parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
         linking = Linking(
-            base, parts, self.context.sink, _request(plan), measure=self.measure, watch=self.watch
+            base, parts, self.context.sink, request=_request(plan), measure=self.measure, watch=self.watch
         )
         self.watch(linking.units, linking)
         if self.notes_parts:
@@ -315,7 +320,7 @@ class Composer:
         # Whether the model is in degrees is known only with all parts.
         making.model_angle = model_angle(linking)
         for step, part in zip(plan.parts, parts, strict=True):
-            add_joints(step, part, linking, making)
+            add_joints(step, part, linking, making=making)
         return linking
 
     def _edit(self, plan: Plan, changes: ModelEdits | None, linking: Linking, making: ElementBuilder) -> None:
@@ -331,10 +336,10 @@ class Composer:
             write_keyframes(plan, linking, making)
         if sink.has_errors:
             # A missing file is reported beside other errors. What a joint moves is not known without what is at fault.
-            check_files(linking.base, linking.files, sink, self.context.shown)
+            check_files(linking.base, linking.files, sink, shown=self.context.shown)
         elif are_named:
             for step, part in zip(plan.parts, linking.parts, strict=True):
-                check_mass(step, part, linking, making)
+                check_mass(step, part, linking, making=making)
         check_size(linking.base, sink, attached_size(linking.base))
 
     def _model_edits(self, plan: Plan, linking: Linking, making: ElementBuilder) -> ModelEdits | None:
@@ -342,7 +347,15 @@ class Composer:
             return None
         from composer.compose.model_edits import ModelEdits  # few recipes need it
 
-        return ModelEdits(plan, linking, making, self.parts, self.cost, self.edits, self._workshop())
+        return ModelEdits(
+            plan,
+            linking,
+            making,
+            parts=self.parts,
+            cost=self.cost,
+            outcomes=self.edits,
+            workshop=self._workshop(),
+        )
 
     def _workshop(self) -> Workshop:
         """Return the place where meshes are worked on, one for the whole composition."""
@@ -391,13 +404,13 @@ class Composer:
                 plan,
                 wanted,
                 unit,
-                self.context,
-                self.measure,
-                self.watch,
-                self.cost,
-                self.edits,
-                self._workshop(),
-                self.keys,
+                context=self.context,
+                measure=self.measure,
+                watch=self.watch,
+                cost=self.cost,
+                outcomes=self.edits,
+                workshop=self._workshop(),
+                keys=self.keys,
             )
             dropped = edits.carry_out()
             if dropped is None:
@@ -425,12 +438,12 @@ def _top_tags(plan: Plan) -> Iterator[str]:
 
 
 def _empty(plan: Plan) -> Unit:
-    return Unit(etree.Element("mujoco"), plan.file, plan.path.parent, plan.path.stem, door=NOTHING)
+    return Unit(etree.Element("mujoco"), plan.file, plan.path.parent, label=plan.path.stem, door=NOTHING)
 
 
 def _request(plan: Plan) -> Request:
     return Request(
-        plan.separator, plan.conflict, plan.settled, plan.base.keyframes,
+        plan.separator, plan.conflict, plan.settled, base_keyframes=plan.base.keyframes,
         requested_keys=plan.key_sources if plan.keyframes else None,
         isolated_tags=frozenset(_top_tags(plan)),
         adds_mass=_adds_mass(plan),
@@ -469,7 +482,15 @@ def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder, early: Earl
         check_joints(part, linking, making)
     for node, attribute, name in making.files:
         folder, door = making.folder_of(node, attribute), making.door_of(node, attribute)
-        add_named_file(linking, folder, node, attribute, name, door, making.span_of(node, attribute))
+        add_named_file(
+            linking,
+            folder,
+            node,
+            attribute=attribute,
+            name=name,
+            door=door,
+            span=making.span_of(node, attribute),
+        )
     if making.files:
         linking.watch(linking.units, add_file)
     making.files.clear()

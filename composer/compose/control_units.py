@@ -114,11 +114,11 @@ class ControlUnits:
             return "other"
         gain, bias = ((*numbers.read(words[name]), *[0.0] * 10)[:10] for name in ("gainprm", "biasprm"))
         return ActuatorModel(
-            "fixed", words["biastype"] or "none", words["dyntype"] or "none", gain, bias
+            "fixed", words["biastype"] or "none", words["dyntype"] or "none", gainprm=gain, biasprm=bias
         ).control
 
     def _class(self, actuator: Node) -> DefaultClass:
         return self.linking.base.classes.get(str(actuator.get("class") or "") or None)
 
     def _effective(self, actuator: Node, name: str) -> str | None:
-        return text_in_effect(actuator, kind_of(actuator), name, self.linking.base.classes)
+        return text_in_effect(actuator, kind_of(actuator), name, classes=self.linking.base.classes)

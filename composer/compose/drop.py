@@ -22,7 +22,9 @@ def drop(entries: Iterable[Drop], editing: Editing, at: Path) -> list[Left]:
     for entry in entries:
         path = (*at, entry.index)
         if entry.select is not None:
-            found = select_counted(editing, entry.select, path, entry.expect, entry.optional, path)
+            found = select_counted(
+                editing, entry.select, path, expect=entry.expect, optional=entry.optional, counted_at=path
+            )
         else:
             found = _section(editing, str(entry.section), path)
         if found:

@@ -38,7 +38,7 @@ class EarlyAdditions:
 
     def make(self, kind: str, name: str) -> list[Place]:
         """Make a place and what it is added to. Return all that this makes, nothing if it cannot be made yet."""
-        steps = makers(self.places, kind, name, self.done)
+        steps = makers(self.places, kind, name, done=self.done)
         if not steps or not self._stands(steps[0]):
             return []
         for step in steps:
@@ -59,7 +59,7 @@ class EarlyAdditions:
 
     def waits_for(self, kind: str, name: str) -> Place | None:
         """Return what has to be in the model before a place can be made, or None if nothing is left to be made."""
-        steps = makers(self.places, kind, name, self.done)
+        steps = makers(self.places, kind, name, done=self.done)
         return (steps[0].to_kind, steps[0].to) if steps else None
 
     def stands_on(self, kind: str, name: str) -> tuple[str, Span] | None:

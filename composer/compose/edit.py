@@ -30,14 +30,19 @@ def edit(step: EditElements, editing: Editing, workshop: Workshop) -> EditOutcom
     """
     entry = step.edit
     found = select_counted(
-        editing, entry.select, (*entry.at, "select"), entry.expect, entry.optional, (*entry.at, "expect"),
-        count_values(entry.verbs),
-    )  # fmt: skip
+        editing,
+        entry.select,
+        (*entry.at, "select"),
+        expect=entry.expect,
+        optional=entry.optional,
+        counted_at=(*entry.at, "expect"),
+        values=count_values(entry.verbs),
+    )
     if not found:
         is_right = entry.expect == 0 or entry.optional
         return EditOutcome({}) if is_right and not editing.cost.ended else None
     selected = Counter(listed_kind(node, section_of(node)) for node in found)
-    work = Entry(editing, found, Masses(editing, found), workshop)
+    work = Entry(editing, found, Masses(editing, found), workshop=workshop)
     try:
         for name, value in entry.verbs.items():
             CARRY_OUT[name](work, value, (*entry.at, name))

@@ -78,7 +78,7 @@ class Values:
             )
             if attribute is not None and (now := self.now(attribute)) is not None:
                 return self.evaluated(text, at, {**scope, attribute.name: now}, needs_value=needs_value)
-            self._report(error, at, scope, needs_value)
+            self._report(error, at, scope, needs_value=needs_value)
             raise Unusable from None
 
     def _report(

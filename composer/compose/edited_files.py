@@ -26,9 +26,11 @@ def take_files(editing: Editing) -> None:
             use for use in linking.files if use.element is not node or use.attribute != attribute
         ]
         if editing.own:
-            _take_own_file(editing, node, attribute, Path(os.path.realpath(folder / name)), door, span)
+            _take_own_file(
+                editing, node, attribute, file=Path(os.path.realpath(folder / name)), door=door, span=span
+            )
         else:
-            add_named_file(linking, folder, node, attribute, name, door, span)
+            add_named_file(linking, folder, node, attribute=attribute, name=name, door=door, span=span)
     making.files.clear()
 
 

@@ -137,7 +137,7 @@ class Editing:
 
     def effective(self, node: Node, name: str) -> str | None:
         """Return the effective text of an attribute: the written one, that of a class, or MuJoCo's default."""
-        return text_in_effect(node, kind_of(node), name, self.classes)
+        return text_in_effect(node, kind_of(node), name, classes=self.classes)
 
     def called(self, node: Node) -> str:
         """Return the description of an element for messages."""

@@ -105,11 +105,11 @@ class ElementBuilder:
 
     def turned(self, value: object, settings: AngleSettings, radians: Callable[[float], float]) -> float:
         """Return an angle in the model's unit. `radians` converts degrees as MuJoCo does for this attribute."""
-        return _in(value, settings, self.model_angle, radians)
+        return _in(value, settings, self.model_angle, radians=radians)
 
     def span_of(self, node: Node, attribute: str | None = None) -> Span:
         """Return where a node, or the value of its attribute, is written. A fragment is searched for its place."""
-        return self._span_of(node, self.made[node], self.fragments.get(node), attribute)
+        return self._span_of(node, self.made[node], self.fragments.get(node), attribute=attribute)
 
     def _span_of(self, node: Node, element: Element, start: int | None, attribute: str | None) -> Span:
         if start is None:
@@ -120,12 +120,16 @@ class ElementBuilder:
         for line in (start, start - 1) if text is not None else ():  # below the key, or beside it
             assert text is not None
             tag = str(node.tag)
-            found = next((at for name in names if (at := text.attribute(tag, line, written, name))), None)
+            found = next(
+                (at for name in names if (at := text.attribute(tag, line, written, name=name))), None
+            )
             if found is None and attribute == "name" and text.element(tag, line, written) is not None:
                 return locate(self.document, element.at, key=True)
             found = found or text.element(tag, line, written)
             if found is not None:
-                return Span(self.file, found.line, found.column, found.line, found.end_column)
+                return Span(
+                    self.file, found.line, found.column, end_line=found.line, end_column=found.end_column
+                )
         return locate(self.document, (*element.at, "xml"))
 
     def folder_of(self, node: Node, attribute: str) -> Path:
@@ -174,7 +178,7 @@ def make(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
         attribute = kind.attributes.get(name)
         if attribute is None:
             continue
-        _set(node, element, attribute, value, making)
+        _set(node, element, attribute, value=value, making=making)
     for child in element.children:
         child_kind = kind.children.get(child.tag)
         if child_kind is not None:
@@ -195,7 +199,7 @@ def update(node: Node, element: Element, kind: ElementType, making: ElementBuild
     for name, value in element.attributes.items():
         attribute = kind.attributes.get(name)
         if attribute is not None:
-            _set(node, element, attribute, value, making)
+            _set(node, element, attribute, value=value, making=making)
     for child in element.children:
         child_kind = kind.children[child.tag]
         existing = next(node.iterchildren(child.tag), None)
@@ -204,7 +208,7 @@ def update(node: Node, element: Element, kind: ElementType, making: ElementBuild
             node.append(made)
             making.place(made)
         else:
-            update(existing, child, child_kind, making)
+            update(existing, child, child_kind, making=making)
 
 
 def _set(node: Node, element: Element, attribute: Attribute, value: object, making: ElementBuilder) -> None:
@@ -212,7 +216,7 @@ def _set(node: Node, element: Element, attribute: Attribute, value: object, maki
     if attribute.is_interval:
         making.intervals[node, name] = making.span(element, name)
     if attribute.angle == "orientation-euler" or attribute.angle == "replicate":
-        _set_euler(node, element, name, value, making)
+        _set_euler(node, element, name, value=value, making=making)
     elif attribute.angle == "orientation-axisangle" and isinstance(value, tuple):
         *axis, angle = value
         inner = making.turned(angle, making.angle_settings_of(element, name), numbers.orientation_radians)
@@ -270,7 +274,7 @@ def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> 
             making.sink.error(
                 "bare-angle",
                 f"`{name}` of a {kind} is an angle and {number} has no unit",
-                _item_span(making, node, element, name, bare[0]),
+                _item_span(making, node, element, name=name, index=bare[0]),
                 help=f"write `{number}deg` or `{number}rad`, or `angle: degree` at the top of the recipe",
             )
     making.pending.clear()
@@ -290,7 +294,7 @@ def joint_attributes(element: Element, making: ElementBuilder) -> dict[str, str]
     making.made[node] = element
     for name, value in element.attributes.items():
         if name != "name" and name in kind.attributes:
-            _set(node, element, kind.attributes[name], value, making)
+            _set(node, element, kind.attributes[name], value=value, making=making)
     settle_joints(making, lambda joint: str(joint.get("type") or "hinge"))
     return {str(name): str(value) for name, value in node.items()}
 
@@ -299,7 +303,7 @@ def in_radians(
     value: object, settings: AngleSettings, radians: Callable[[float], float] = numbers.orientation_radians
 ) -> float:
     """Return an angle in radians. `radians` converts degrees as MuJoCo does for this attribute."""
-    return _in(value, settings, "radian", radians)
+    return _in(value, settings, "radian", radians=radians)
 
 
 def _in(value: object, settings: AngleSettings, unit: str, radians: Callable[[float], float]) -> float:
@@ -337,7 +341,9 @@ def _parsed(element: Element, kind: ElementType, making: ElementBuilder) -> Node
     for name, value in element.attributes.items():
         node.set(name, to_text(kind.attributes[name], value))
     scalar = find(making.document, (*element.at, "xml"))
-    _read_fragment(node, element, kind, making, scalar.span.line if isinstance(scalar, Scalar) else 0)
+    _read_fragment(
+        node, element, kind, making=making, line=scalar.span.line if isinstance(scalar, Scalar) else 0
+    )
     return node
 
 
@@ -365,13 +371,13 @@ def _read_fragment(
     for name, value in values.items():
         if kind.attributes[name].angle in ("orientation-euler", "replicate"):
             del node.attrib[name]
-        _set(node, own, kind.attributes[name], value, making)
+        _set(node, own, kind.attributes[name], value=value, making=making)
     for name in intervals:
         making.intervals[node, name] = making.span_of(node, name)
     for child in node.iterchildren("*"):
         child_kind = kind.children.get(child.tag)
         if child_kind is not None:
-            _read_fragment(child, element, child_kind, making, line)
+            _read_fragment(child, element, child_kind, making=making, line=line)
 
 
 def default_kind(tag: str) -> ElementType:

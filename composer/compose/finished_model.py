@@ -27,5 +27,5 @@ def keep_finished(linking: Linking, context: Context, session: engine.Session) -
     if not found.ok:
         fault = parse(found.error or "")
         element = None if fault.line is None else element_at(unit.root, text, fault.line)
-        report(translate(" ".join(fault.message.split()), element), element, unit, context)
+        report(translate(" ".join(fault.message.split()), element), element, unit, context=context)
     return found.ok

@@ -38,10 +38,10 @@ def foresee(plan: Plan, context: Context) -> Foreseen:
             composer.read_subtrees(plan)
         if _excludes_touching(plan):
             composed = _composed_aside(plan, context, library)
-    adopted = _adopted(plan, composed, context, library)
+    adopted = _adopted(plan, composed, context, library=library)
     excluded = () if composed is None else composed.excluded
     gains = tuple(_gains(composed, composer.edits.values(), measure))
-    return Foreseen(composer.subtrees, composer.edits, adopted, excluded, gains)
+    return Foreseen(composer.subtrees, composer.edits, adopted, excluded=excluded, gains=gains)
 
 
 def _composed_aside(plan: Plan, context: Context, library: Library) -> Composed | None:
@@ -75,4 +75,10 @@ def _gains(composed: Composed | None, edits: Iterable[EditOutcome], measure: Mea
     for node, model in (models_in(composed.model, measure, found) or {}).items():
         if model.gear and (model.kp or model.kv):
             name = node.get("name") or f"the {node.tag} of {node.get('joint') or node.get('tendon')}"
-            yield Gains(str(name), model.kp * model.gear**2, model.kv * model.gear**2, model.gear, model.unit)
+            yield Gains(
+                str(name),
+                model.kp * model.gear**2,
+                model.kv * model.gear**2,
+                gear=model.gear,
+                unit=model.unit,
+            )

@@ -37,7 +37,7 @@ def hold_poses(
         session = session or stack.enter_context(engine.Session())
         if keep_finished(linking, context, session):
             for step in steps:
-                _hold(step, layout, linking, making, session)
+                _hold(step, layout, linking, making=making, session=session)
 
 
 def _hold(
@@ -49,7 +49,7 @@ def _hold(
     index = next(at for at, key in enumerate(keys) if key.get("name") == step.key.name)
     controls, path = step.key.controls, (*step.key.at, CTRL)
     question = {"key": index, "forces": controls.hold == "forces"}
-    answer = engine.call(session, hold, [FINISHED], question)
+    answer = engine.call(session, hold, [FINISHED], argument=question)
     if not answer.ok:
         making.sink.error("mujoco-crash", f"MuJoCo stumbles over the key `{step.key.name}`: {answer.error}",
                           locate(making.document, path))  # fmt: skip
@@ -62,7 +62,7 @@ def _hold(
             locate(making.document, path),
         )
     for vector, rows in (("ctrl", found["ctrl"]), ("act", found["act"])):
-        _write(vector, rows, found, step, keys[index], layout, linking, making)
+        _write(vector, rows, found, step=step, key=keys[index], layout=layout, linking=linking, making=making)
 
 
 def _write(
@@ -86,7 +86,7 @@ def _write(
             continue
         kind = found["unlike"].get(str(control))
         if kind and not whole and vector == "ctrl":
-            _no_control(step, singles[span], kind, making)  # type: ignore[index]
+            _no_control(step, singles[span], kind, making=making)  # type: ignore[index]
         name = "" if isinstance(actuator, str) else str(getattr(actuator, "get", lambda _: "")("name") or "")
         if kind and whole and vector == "ctrl" and control in found["unknown"]:
             unknown.append(f"`{name}` ({kind})" if name else f"{kind} without a name")

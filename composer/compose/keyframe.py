@@ -76,10 +76,19 @@ def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> Non
     ]
     parts = frozenset(plan.part_names)
     types = {name: slot.kind for name, (_, slot) in holders["joint"].items() if slot is not None}
-    units = ControlUnits(linking, making.sink, types, making.sink.has_errors)
+    units = ControlUnits(linking, making.sink, types, in_doubt=making.sink.has_errors)
     for step in plan.keyframes:
         linking.keys.written.append(
-            _Writing(step, linking, making, holders, parts, units, unnamed, layout.actuators).key()
+            _Writing(
+                step,
+                linking,
+                making,
+                holders=holders,
+                parts=parts,
+                units=units,
+                unnamed=unnamed,
+                actuators=layout.actuators,
+            ).key()
         )
 
 
@@ -137,7 +146,7 @@ class _Writing:
         time = None
         if asked.time is not None:
             time = Number(numbers.text([asked.time]), KeySource("entry", TIME, span=self._at(TIME)))
-        key = Key(asked.name, time, element, making.file, making.origins, self.values)
+        key = Key(asked.name, time, element, file=making.file, origins=making.origins, values=self.values)
         sources = self._sources()
         self.noted = linking.keys.noted[element] = Written(
             tuple(source.element for source in sources),
@@ -152,11 +161,11 @@ class _Writing:
         self._hold()
         for vector, entries in asked.values.items():
             for name, entry in entries.items():
-                self._set(vector, name, entry, (name,))
+                self._set(vector, name, entry, path=(name,))
         for joint, entry in asked.controls.joints.items():
             found = self._of_joint(joint)
             if found is not None:
-                self._place("ctrl", joint, found, entry, (JOINT, joint))
+                self._place("ctrl", joint, found, entry=entry, path=(JOINT, joint))
         return key
 
     def _hold(self) -> None:
@@ -246,7 +255,7 @@ class _Writing:
             span, message = self._at(FROM, part), f"`{part}` has no key `{name}`"
             self.making.sink.add(
                 unknown_name(
-                    "key", name, names, span, message=message, written=f"{part}: {{}}", about=(part,)
+                    "key", name, names, span=span, message=message, written=f"{part}: {{}}", about=(part,)
                 )
             )
         return [key for _, key in sorted(found, key=lambda each: each[0])]
@@ -270,7 +279,7 @@ class _Writing:
         if known is None:
             self._unknown(vector, name)
         else:
-            self._place(vector, name, known, entry, path)
+            self._place(vector, name, known, entry=entry, path=path)
 
     def _place(self, vector: str, name: str, known: _Holder, entry: Entry, path: tuple[str, ...]) -> None:
         """Write the numbers of an entry. `path` is the place of the entry below its vector."""
@@ -278,11 +287,11 @@ class _Writing:
         if slot is not None:
             width = slot.widths[vector in ("qvel", "act")]
             if len(entry) != width:
-                self._wrong_width(vector, name, slot, entry, width, path)
+                self._wrong_width(vector, name, slot, entry=entry, width=width, path=path)
                 return
-        meant = self._meant(vector, name, node, slot, len(entry))
+        meant = self._meant(vector, name, node, slot=slot, width=len(entry))
         values = [
-            plain(value) if words is None else self._angle(vector, value, words, path)
+            plain(value) if words is None else self._angle(vector, value, words, path=path)
             for value, words in zip(entry, meant, strict=True)
         ]
         source = KeySource("entry", vector, span=self._at(vector, *path))

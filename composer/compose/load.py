@@ -84,7 +84,7 @@ class Loader:
         if model.format == "urdf":
             from composer.compose.urdf import urdf_unit  # few recipes need it
 
-            return urdf_unit(model, self.context, self.session, span, stands=stands)
+            return urdf_unit(model, self.context, self.session, span=span, stands=stands)
         sink, shown = self.context.sink, self.context.shown
         unit = parse_file(model.path, sink, file=shown(model.path), span=span, door=model.door)
         if unit is None or not all_admitted(unit, sink, shown):

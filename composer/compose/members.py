@@ -53,7 +53,7 @@ def unplaced_records(
     for step, each, part, below in zip(plan.parts, others, parts, inner[1:], strict=True):
         name = part_name(step, plan.separator)
         if isinstance(each.model, Plan):
-            moved = [_moved(member, name, part, plan.separator, _cut(each)) for member in below]
+            moved = [_moved(member, name, part, separator=plan.separator, cut=_cut(each)) for member in below]
             found += [_own(member, each) for member in moved]
         elif each.model is not None:
             keys = {"merge": "", "prefix": part.prefix, "none": None}[part.keyframes]

@@ -51,7 +51,9 @@ def write_file(editing: Editing, mesh: Node, name: str, key: str, shape: Mapping
     folders, _, last = name.rpartition("/")
     path = f"{ASSETS}/{_folder(folders)}{_FILE_NAME.sub('_', last)}.{key[:8]}.obj"
     mesh.set("file", path)
-    linking.files.append(FileUse(mesh, "file", path, held(os.path.join(unit.directory, path)), content))
+    linking.files.append(
+        FileUse(mesh, "file", path, source=held(os.path.join(unit.directory, path)), content=content)
+    )
 
 
 def _folder(names: str) -> str:

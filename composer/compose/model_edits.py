@@ -124,7 +124,7 @@ class ModelEdits:
             self.linking,
             self.making,
             plan.scope,
-            self.parts,
+            parts=self.parts,
             cost=self.cost,
             motors=plan.motors,
         )

@@ -56,7 +56,9 @@ class PartEdits:
         before = self.context.sink.error_count
         if self.wanted.keyframes == "none":
             remove_keys(self.unit)
-        linking = Linking(self.unit, [], self.context.sink, Request(self.plan.separator), self.measure)
+        linking = Linking(
+            self.unit, [], self.context.sink, request=Request(self.plan.separator), measure=self.measure
+        )
         # First of all: the numbers of the keys belong to joints and actuators as the source has them.
         layouts(linking)
         editing = self._editing(linking)

@@ -47,7 +47,13 @@ def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[E
     at = (*entry.at, "expect")
     cost = cost_of_draws(0 if step.sample else step.samples, step.tabled)
     found = select_counted(
-        editing, entry.select, (*entry.at, "select"), entry.expect, entry.optional, at, cost
+        editing,
+        entry.select,
+        (*entry.at, "select"),
+        expect=entry.expect,
+        optional=entry.optional,
+        counted_at=at,
+        values=cost,
     )
     draws = _Draws(step, editing, Masses(editing, found))
     drawn: list[Drawn] = []
@@ -70,7 +76,7 @@ def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[E
         return [], []
     for key in zeros:
         help = "draw the value itself, or what is added to it, by `offset`"
-        report_only_zeros(editing, found, key, entry.drawn_at, help)
+        report_only_zeros(editing, found, key, at=entry.drawn_at, help=help)
     return drawn, tabled
 
 
@@ -92,7 +98,7 @@ class _Draws:
         written = self._with_unit(node, drawn)
         self.editing.linking.notes.drawn.setdefault(node, {})[entry.name] = written
         Change(self.editing, OPERATIONS[entry.operation], self.masses).carry_out(
-            node, index, {entry.attr: written}, at
+            node, index, {entry.attr: written}, at=at
         )
         return self._stated(node, drawn)
 
@@ -120,8 +126,8 @@ class _Draws:
         angles = tuple(self._angles(node)) if step.field.operation != "scale" else ()
         kind = kind_of(node)
         return ElementDraws(
-            first, step.field, name_of(node), _place(node), kind.tag, kind.family or kind.tag,
-            self._numbers(node, len(first.columns())), angles, self._angle_settings.angle,
+            first, step.field, name_of(node), place=_place(node), tag=kind.tag, family=kind.family or kind.tag,
+            numbers=self._numbers(node, len(first.columns())), angles=angles, unit=self._angle_settings.angle,
         )  # fmt: skip
 
     def _numbers(self, node: Node, count: int) -> tuple[Sequence[Value], ...]:
@@ -148,8 +154,8 @@ class _Draws:
         entry = self.step.field
         name, subscript = attribute_and_index(entry.attr)
         return Drawn(
-            entry.name, self.drawn_by(node), name, entry.operation, self._in_radians(node, drawn),
-            entry.per == "sample", subscript or 0,
+            entry.name, self.drawn_by(node), name, operation=entry.operation, value=self._in_radians(node, drawn),
+            shared=entry.per == "sample", start=subscript or 0,
         )  # fmt: skip
 
     def drawn_by(self, node: Node) -> str:
@@ -184,7 +190,7 @@ class _Draws:
         return self.editing.making.angle_context.at(self.step.field.drawn_at)
 
     def _values(self, node: Node) -> Values:
-        return Values(self.editing, node, 0, self.step.field.drawn_at)
+        return Values(self.editing, node, 0, at=self.step.field.drawn_at)
 
     # -- what is drawn -----------------------------------------------------------------------------------------
 
@@ -195,7 +201,9 @@ class _Draws:
 
         def one(place: int) -> Any:
             component, of = self._component(place)
-            found = bits(self.step.seed, sample, entry.stream, self._stream(node), component)
+            found = bits(
+                self.step.seed, sample, entry.stream, element=self._stream(node), component=component
+            )
             return entry.distribution.draw(found, of)
 
         if entry.distribution.is_whole or subscript is not None:
@@ -207,7 +215,7 @@ class _Draws:
         """Return the number at one place of the draw, for each of the samples."""
         entry, (component, of) = self.step.field, self._component(place)
         return entry.distribution.draw_all(
-            self.step.seed, samples, entry.stream, self._stream(node), component, of
+            self.step.seed, samples, entry.stream, element=self._stream(node), component=component, of=of
         )
 
     def _stream(self, node: Node) -> str:
@@ -276,7 +284,7 @@ class _Draws:
             if entry.operation != "offset" and min(distribution.extremes(component), default=0.0) >= 0:
                 continue
             base = self.masses.of(node, entry.drawn_at) if is_mass else bases[component]
-            self._check_numbers(node, samples, component, base)
+            self._check_numbers(node, samples, component, base=base)
 
     def _check_numbers(self, node: Node, samples: Sequence[int], component: int, base: Any) -> None:
         entry = self.step.field

@@ -26,13 +26,13 @@ def check_names(linking: Linking, making: ElementBuilder) -> None:
             written = making.written(node)
             for name, (kind, namespace) in naming_table(section).get(str(node.tag), {}).items():
                 if kind == DECLARES and name in written and (value := node.get(name)):
-                    _declare(linking, making, node, name, namespace, str(value))
+                    _declare(linking, making, node, name=name, namespace=namespace, value=str(value))
             references += [(node, *each) for each in own_references(node, section) if each[0] in written]
     for node, name, namespace, value, typed_by in references:
         if namespace == "key":
             making.of_keys.append((node, name, value, typed_by))
         else:
-            _look_up(linking, making, node, name, namespace, value, typed_by)
+            _look_up(linking, making, node, name=name, namespace=namespace, value=value, typed_by=typed_by)
 
 
 def check_names_of_keys(linking: Linking, making: ElementBuilder) -> None:
@@ -40,13 +40,13 @@ def check_names_of_keys(linking: Linking, making: ElementBuilder) -> None:
     if making.of_keys:
         linking.names.declared["key"] = {str(key.get("name") or ""): key for key in keys_of(linking.base)}
     for node, name, value, typed_by in making.of_keys:
-        _look_up(linking, making, node, name, "key", value, typed_by)
+        _look_up(linking, making, node, name=name, namespace="key", value=value, typed_by=typed_by)
 
 
 def check_class(linking: Linking, sink: Sink, name: str, span: Span) -> None:
     """Report a default class that the recipe names by its final name and that does not exist."""
     if name != MAIN and linking.find_node("default", name) is None:
-        sink.add(unresolved(linking, "default", name, span, written="class: {}"))
+        sink.add(unresolved(linking, "default", name, span=span, written="class: {}"))
 
 
 def refer_to_top_class(linking: Linking, node: Node, attribute: str) -> bool:
@@ -82,5 +82,5 @@ def _look_up(
     if not resolves(linking, namespace, value):
         span = making.span_of(node, name)
         making.sink.add(
-            unresolved(linking, namespace, value, span, written=f"{name}: {{}}", typed_by=typed_by)
+            unresolved(linking, namespace, value, span=span, written=f"{name}: {{}}", typed_by=typed_by)
         )

@@ -15,5 +15,5 @@ def copy_pose(step: AttachPart, making: ElementBuilder) -> Pose:
     for number, axis in zip(step.copy, step.attachment.replicate, strict=True):
         x, y, z = (plain(value) for value in axis.offset)
         angles = tuple(in_radians(angle, settings) for angle in axis.euler)
-        pose = pose @ row(axis.count, (x, y, z), angles, settings.eulerseq)[number]
+        pose = pose @ row(axis.count, (x, y, z), angles, sequence=settings.eulerseq)[number]
     return pose

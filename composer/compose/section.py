@@ -19,7 +19,7 @@ from composer.tree.references import unresolved
 def set_singleton(step: SetSingleton, linking: Linking, making: ElementBuilder) -> None:
     """Write `option`, `visual` and the like. The recipe is written last, so its values win."""
     node = linking.base.section(step.section)
-    update(node, step.element, GRAMMAR.section(step.section), making)
+    update(node, step.element, GRAMMAR.section(step.section), making=making)
 
 
 def set_default(step: SetDefault, linking: Linking, making: ElementBuilder) -> None:
@@ -54,7 +54,7 @@ def set_default(step: SetDefault, linking: Linking, making: ElementBuilder) -> N
             found.insert(len(found) - len(list(found.iterchildren("default"))), node)
             making.register(node, "default")
         else:
-            update(existing, child, kind, making)
+            update(existing, child, kind, making=making)
             making.made[existing] = child
             making.registered.append((existing, "default"))
 
@@ -69,7 +69,7 @@ def _parent(step: SetDefault, linking: Linking, making: ElementBuilder) -> etree
     found = linking.names.find("default", step.parent)
     if found is None:
         span = making.span(step.element, "parent")
-        making.sink.add(unresolved(linking, "default", step.parent, span, written="parent: {}"))
+        making.sink.add(unresolved(linking, "default", step.parent, span=span, written="parent: {}"))
     return found
 
 

@@ -84,11 +84,16 @@ def select_counted(
 
 def _selection(editing: Editing) -> Selection:
     def holds(node: Node, selector: Selector) -> bool:
-        return _holds(editing, selection, node, selector)
+        return _holds(editing, selection, node, selector=selector)
 
     linking = editing.linking
     selection = Selection(
-        editing.root, editing.classes, linking.request.separator, editing.parts, linking.base_class, holds
+        editing.root,
+        editing.classes,
+        linking.request.separator,
+        parts=editing.parts,
+        base_class=linking.base_class,
+        holds=holds,
     )
     return selection
 
@@ -97,10 +102,10 @@ def _holds(editing: Editing, selection: Selection, node: Node, selector: Selecto
     at = (*selector.at, "where")
     if not editing.cost.allows(cost_of_condition(selector.where), editing.sink, editing.span(at)):
         raise Unusable
-    values = Values(editing, node, 0, at)
+    values = Values(editing, node, 0, at=at)
     if isinstance(selector.where, str):
-        return _expression_holds(values, selection, selector, selector.where)
-    return all(_has(values, selection, key, wanted) for key, wanted in (selector.where or {}).items())
+        return _expression_holds(values, selection, selector, condition=selector.where)
+    return all(_has(values, selection, key, wanted=wanted) for key, wanted in (selector.where or {}).items())
 
 
 def _expression_holds(values: Values, selection: Selection, selector: Selector, condition: str) -> bool:
@@ -130,7 +135,7 @@ def _has(values: Values, selection: Selection, key: str, wanted: object) -> bool
         return False
     meant = values.of(wanted, (*values.at, key), have)
     if attribute.is_number:
-        meant = _in_its_unit(values, attribute, index, meant)
+        meant = _in_its_unit(values, attribute, index, meant=meant)
     if isinstance(meant, str) and (attribute.is_reference or name == "name") and is_pattern(meant):
         return selection.fits(meant)(str(have))
     return equal(attribute, have, meant)
@@ -160,7 +165,7 @@ def _attributes_of(family: str) -> frozenset[str]:
 def _in_its_unit(values: Values, attribute: Attribute, index: int | None, meant: Any) -> Any:
     """Return what a condition compares with; angles are in the unit in which the element's value is given."""
     if isinstance(meant, list):
-        return [_in_its_unit(values, attribute, n, each) for n, each in enumerate(meant)]
+        return [_in_its_unit(values, attribute, n, meant=each) for n, each in enumerate(meant)]
     angle = Angle.read(meant) if isinstance(meant, str) else None
     if angle is None:
         return meant

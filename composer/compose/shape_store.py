@@ -71,7 +71,7 @@ class ShapeStore:
         content = (json.dumps(found, separators=(",", ":"), sort_keys=True, allow_nan=False) + "\n").encode()
         self.used[key] = content
         with contextlib.suppress(OSError):  # it is computed again the next time
-            blobs.put(self._store, "shapes", key, content)
+            blobs.put(self._store, "shapes", key, content=content)
 
     def path(self, key: str) -> Path | None:
         """Where a result is kept beside the recipe, or would be."""
@@ -100,7 +100,7 @@ class ShapeStore:
             message = f"`{self.context.shown(path)}` cannot be read: {(error.strerror or str(error)).lower()}"
             self.context.sink.error("file-unreadable", message, span)
         if fetching.lock is not None:
-            self._compare(key, path, content, fetching.lock.shapes.get(key), span)
+            self._compare(key, path, content, pinned=fetching.lock.shapes.get(key), span=span)
         return content
 
     def _compare(self, key: str, path: Path, content: bytes | None, pinned: str | None, span: Span) -> None:

@@ -37,7 +37,7 @@ def simplify(
                     "write the `inertial` of the body, or give the geom `mass: 0` if another one has its mass"
                 )
                 refuse(editing, geom, Fault("mesh-unusable", message, at, help=help))
-        each = workshop.asked(editing, mesh, "simplify", dict(value), span)
+        each = workshop.asked(editing, mesh, "simplify", wanted=dict(value), span=span)
         if each is None:
             raise Unusable
         asked.append(each)
@@ -48,8 +48,8 @@ def simplify(
             raise Unusable
         return []
     for each in asked:
-        _check_textures(editing, each.node, results[each.key], at)
-    records = [_made(editing, each, results[each.key], at) for each in asked]
+        _check_textures(editing, each.node, results[each.key], at=at)
+    records = [_made(editing, each, results[each.key], at=at) for each in asked]
     workshop.records += records
     return records
 
@@ -60,7 +60,7 @@ def _mesh(editing: Editing, node: Node, at: Path) -> Node:
     name = editing.effective(node, "mesh") if node.tag == "geom" else None
     if not name:
         refuse(editing, node, Fault("wrong-type", f"{editing.called(node)} has no mesh to simplify", at))
-    return mesh_called(editing, node, str(name), at)
+    return mesh_called(editing, node, str(name), at=at)
 
 
 def _geoms(editing: Editing, mesh: str) -> Iterator[Node]:
@@ -102,13 +102,21 @@ def _made(editing: Editing, asked: Asked, result: Mapping[str, Any], at: Path) -
     mesh, name = asked.node, name_of(asked.node) or ""
     shape = result["shapes"][0]
     about = MadeShapes(
-        "", name, "simplify", asked.wanted, (), len(shape["faces"]), result["error"], result["made_with"], asked.key,
-        asked.span,
-    )  # fmt: skip
+        "",
+        name,
+        "simplify",
+        wanted=asked.wanted,
+        shapes=(),
+        faces=len(shape["faces"]),
+        error=result["error"],
+        made_with=result["made_with"],
+        key=asked.key,
+        span=asked.span,
+    )
     if len(shape["faces"]) < result["mesh"]["faces"]:
         with changing(editing, mesh):
             if not mesh.get("name"):
                 mesh.set("name", name)
-            write_file(editing, mesh, name, asked.key, shape)
+            write_file(editing, mesh, name, key=asked.key, shape=shape)
         editing.write(mesh, {"file": at})
-    return Record(mesh, mesh, (), about)
+    return Record(mesh, mesh, (), about=about)

@@ -47,7 +47,7 @@ class PartRequest:
         assert self.body is not None
         found = take_subtree(unit, self.body, sink, span=self.span, keyframes=self.keyframes, measure=measure)
         if found is not None and found.cut:
-            _report_cut(unit, found, sink, self.span)
+            _report_cut(unit, found, sink, span=self.span)
         return found
 
 
@@ -60,13 +60,31 @@ def part_requests(plan: Plan, stands: bool) -> Iterator[PartRequest]:
     span = locate(document, ("base", "subtree"))
     key_sources = plan.key_sources
     keyframes: KeyPolicy = "merge" if BASE in key_sources else base.keyframes
-    yield PartRequest(base.model, base.subtree, (BASE,), keyframes, span, stands, base.drop, base.edit)
+    yield PartRequest(
+        base.model,
+        base.subtree,
+        (BASE,),
+        keyframes=keyframes,
+        span=span,
+        stands=stands,
+        drop=base.drop,
+        edit=base.edit,
+    )
     for step in plan.parts:
         part = step.attachment
         span = locate(document, (*step.at, "subtree"))
         keyframes = "merge" if part_name(step, plan.separator) in key_sources else part.keyframes
         inside = stands and stands_in_world(part)
-        yield PartRequest(step.model, part.subtree, step.at, keyframes, span, inside, part.drop, part.edit)
+        yield PartRequest(
+            step.model,
+            part.subtree,
+            step.at,
+            keyframes=keyframes,
+            span=span,
+            stands=inside,
+            drop=part.drop,
+            edit=part.edit,
+        )
 
 
 def _report_cut(unit: Unit, found: Subtree, sink: Sink, span: Span) -> None:

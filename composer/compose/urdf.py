@@ -37,7 +37,14 @@ def urdf_unit(
     """
     beside = _Beside(context, span)
     reader = UrdfReader(
-        source, context.sink, session, context.shown, span, stands, beside.report_missing, beside.relative
+        source,
+        context.sink,
+        session,
+        shown=context.shown,
+        asked=span,
+        stands=stands,
+        missing=beside.report_missing,
+        relative=beside.relative,
     )
     return reader.unit()
 
@@ -59,9 +66,13 @@ class _Beside:
         for file in converted.meshes:
             if not file.startswith(PACKAGE) and file not in robot.made and not os.path.isfile(file):
                 found = held(join(str(robot.path.parent), join(converted.folder, file)))
-                uses.append(FileUse(mesh_of(robot.root, file), "filename", file, found, None, shared=False))
+                uses.append(
+                    FileUse(
+                        mesh_of(robot.root, file), "filename", file, source=found, content=None, shared=False
+                    )
+                )
         sink = Sink()
-        collect(robot.unit, uses, sink, self.context.shown)
+        collect(robot.unit, uses, sink, shown=self.context.shown)
         asked = () if self.asked is None else (Note("the recipe takes it from here", self.asked),)
         for each in sink.diagnostics:
             help = each.help or "put the file there, or correct `filename`"

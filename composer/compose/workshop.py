@@ -95,18 +95,27 @@ class Workshop:
     def asked(self, editing: Editing, mesh: Node, method: str, wanted: Any, span: Span) -> Asked | None:
         """What is asked of a mesh of a model; None where its file cannot be had, which is reported."""
         if next(mesh.iterchildren("plugin"), None) is not None:
-            self._unusable(editing, mesh, "a plugin makes it", span)
+            self._unusable(editing, mesh, "a plugin makes it", span=span)
             return None
         said = {name: text for name in SAID if (text := editing.classes.effective(mesh, None, name))}
         file = mesh.get("file")
         content, suffix = None, ""
         if file:
-            content = _content(editing, mesh, str(file), self.context)
+            content = _content(editing, mesh, str(file), context=self.context)
             if content is None:
                 return None
             suffix = os.path.splitext(str(file))[1]
             said["file"] = digest(content) + suffix.lower()
-        return Asked(mesh, editing.called(mesh), said, content, suffix, method, wanted, span)
+        return Asked(
+            mesh,
+            editing.called(mesh),
+            said,
+            content=content,
+            suffix=suffix,
+            method=method,
+            wanted=wanted,
+            span=span,
+        )
 
     def results(self, editing: Editing, asked: Sequence[Asked]) -> dict[str, dict[str, Any]] | None:
         """The results by their keys; None where one cannot be had, which is reported, or may not be made now."""
@@ -149,9 +158,9 @@ class Workshop:
                 "wanted": asked.wanted,
                 "most_faces": in_force().mesh_faces,
             }
-            answer = engine.call(session, make, (), argument)
+            answer = engine.call(session, make, (), argument=argument)
         if not answer.ok:
-            self._failed(editing, asked, answer.crash, answer.error)
+            self._failed(editing, asked, answer.crash, error=answer.error)
             return None
         value = answer.value
         if "missing" in value:
@@ -165,7 +174,7 @@ class Workshop:
             return None
         if "unusable" in value:
             why = value["unusable"].replace(str(attributes.get("file")), "its file")
-            self._unusable(editing, asked.node, why, asked.span, value.get("limit"))
+            self._unusable(editing, asked.node, why, span=asked.span, limit=value.get("limit"))
             return None
         return checked(value)
 
@@ -238,8 +247,8 @@ def _content(editing: Editing, mesh: Node, file: str, context: Context) -> bytes
         if isinstance(source, bytes):
             return source
         try:
-            use = FileUse(mesh, "file", path, unit.door.admit(source), None)
+            use = FileUse(mesh, "file", path, source=unit.door.admit(source), content=None)
         except Refused as refused:
             refused.report(editing.sink, editing.span_of(mesh, "file"))
             return None
-    return read(unit, use, editing.sink, context.shown)
+    return read(unit, use, editing.sink, shown=context.shown)

@@ -179,7 +179,16 @@ class Sink:
         fix: Fix | None = None,
     ) -> None:
         names = frozenset(name for name in subjects if name)
-        found = Diagnostic(code, message, span, Severity.ERROR, tuple(notes), help, subjects=names, fix=fix)
+        found = Diagnostic(
+            code,
+            message,
+            span,
+            severity=Severity.ERROR,
+            notes=tuple(notes),
+            help=help,
+            subjects=names,
+            fix=fix,
+        )
         self.add(found, cause)
 
     def warning(
@@ -193,7 +202,12 @@ class Sink:
         cause: Cause | None = None,
         fix: Fix | None = None,
     ) -> None:
-        self.add(Diagnostic(code, message, span, Severity.WARNING, tuple(notes), help, fix=fix), cause)
+        self.add(
+            Diagnostic(
+                code, message, span, severity=Severity.WARNING, notes=tuple(notes), help=help, fix=fix
+            ),
+            cause,
+        )
 
     def note(
         self,
@@ -205,7 +219,9 @@ class Sink:
         help: str | None = None,
         cause: Cause | None = None,
     ) -> None:
-        self.add(Diagnostic(code, message, span, Severity.NOTE, tuple(notes), help), cause)
+        self.add(
+            Diagnostic(code, message, span, severity=Severity.NOTE, notes=tuple(notes), help=help), cause
+        )
 
     @property
     def diagnostics(self) -> list[Diagnostic]:

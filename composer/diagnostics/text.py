@@ -152,7 +152,7 @@ def _excerpt(span: Span, read_source: ReadSource | None) -> _Excerpt | None:
         text, offset = "…" + text, offset + 1
     if right < len(cells) or skipped + len(line) < len(whole):
         text += "…"
-    return _Excerpt(span.line, text, offset, width)
+    return _Excerpt(span.line, text, offset, width=width)
 
 
 def _window(widths: list[int], start: int) -> tuple[int, int]:

@@ -145,7 +145,7 @@ class Causes:
 
     def _changed(self, change: Change, before: Node, after: Node) -> Iterator[Cause]:
         wanted = quantity(change.field).attributes
-        for mine, theirs, attributes in self.pairs.candidates(change, before, after, wanted):
+        for mine, theirs, attributes in self.pairs.candidates(change, before, after, wanted=wanted):
             yield from self._attribute(mine, theirs, attributes)
 
     def _swapped(self, after: Node) -> Iterator[Cause]:
@@ -234,7 +234,7 @@ class Causes:
             if there is not None:
                 both = self._known(side, part), self._known(1 - side, there)
                 yield from self._said(*(both if side == 0 else both[::-1]), ("model",))
-            yield _cause(f"part `{part.called}`", part.span, None if there is None else there.span, side)
+            yield _cause(f"part `{part.called}`", part.span, None if there is None else there.span, side=side)
         traced, other = self.sides[side].traced, self.sides[1 - side].traced
         assert traced is not None
         bases = _base(self.sides[0]), _base(self.sides[1])
@@ -243,7 +243,7 @@ class Causes:
         if replaced and all(bases) and owner == traced.model.file:
             yield Cause("base", bases[0], bases[1])
         span = self.places.span(side, node, None)
-        yield _cause("element", span, None, side)
+        yield _cause("element", span, None, side=side)
         yield from self._removed(node, 1 - side)
         yield from self._conditions(span)
 
@@ -253,7 +253,7 @@ class Causes:
             return
         for at, each in ((side, node), (1 - side, self.places.of_the_same_line(node, side))):
             for place in reversed(self.places.written(at, each, "name")):
-                yield _cause("`name`", place, None, at)
+                yield _cause("`name`", place, None, side=at)
 
     def _removed(self, node: Node, side: int) -> Iterator[Cause]:
         """Yield what removed the element on the side that also read it."""
@@ -267,14 +267,14 @@ class Causes:
                 and gone.attributes == life.attributes
                 and isinstance(gone.owner, str) is isinstance(life.owner, str)
             ):
-                yield _cause("removed", None, traced.causes.gone(gone).span, 1 - side)
+                yield _cause("removed", None, traced.causes.gone(gone).span, side=1 - side)
 
     def _conditions(self, span: Span | None) -> Iterator[Cause]:
         """Yield the `when` of the item around a place."""
         for side in (0, 1):
             for item, when in self.recipes[side].conditions():
                 if span is not None and self.written.is_within(side, item, span):
-                    yield _cause("`when`", when.span, None, side)
+                    yield _cause("`when`", when.span, None, side=side)
 
     def _outermost(self, node: Node, side: int) -> Node:
         """Return the outermost body that came or went with the element, or the element itself."""
@@ -337,7 +337,7 @@ class Causes:
             return
         vector = change.field.removeprefix("key_")
         mine, theirs = (
-            key_lines(elements, node, vector, change.entry)
+            key_lines(elements, node, vector, entry=change.entry)
             for elements, node in zip((self.a, self.b), self._nodes(change), strict=True)
         )
         for before, after in zip_longest(mine.spans, theirs.spans):

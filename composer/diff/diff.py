@@ -62,7 +62,7 @@ def diff(
         for operand, kept in zip(operands, ("diff a", "diff b"), strict=True):
             if operand is None:
                 continue
-            side = load(operand, kept, session, given, pick, sample)
+            side = load(operand, kept, session, given=given, pick=pick, sample=sample)
             if side is None or operand.context.sink.has_errors:
                 operand.report(context.sink)
             elif side is not None:
@@ -71,10 +71,10 @@ def diff(
             return None
         first, second = sides
         found = between(
-            first, second, context, session, tolerance=tolerance, only=only, everything=everything
+            first, second, context, session=session, tolerance=tolerance, only=only, everything=everything
         )
         if found is not None and renders is not None:
-            views = render_views(renders, (first.kept, second.kept), context, session)
+            views = render_views(renders, (first.kept, second.kept), context, session=session)
             found = replace(found, views=views)
         if found is not None and show is not None:
             show(first, second, found)
@@ -95,13 +95,13 @@ def between(
 
     A crash is reported.
     """
-    answer = engine.call(session, contrast, [a.kept, b.kept], {"tolerance": tolerance})
+    answer = engine.call(session, contrast, [a.kept, b.kept], argument={"tolerance": tolerance})
     if not answer.ok:
         said = answer.error or answer.crash
         message = f"`{a.operand.label}` and `{b.operand.label}` cannot be compared: {said}"
         context.sink.error("mujoco-crash", message)
         return None
-    return _diff(contrast_of(answer.value), a, b, tolerance, only, everything)
+    return _diff(contrast_of(answer.value), a, b, tolerance=tolerance, only=only, everything=everything)
 
 
 def _diff(
@@ -113,10 +113,10 @@ def _diff(
     wanted = [each for each in found.changes if not each.follows]
     if everything or not (wanted or found.moves or found.counts):
         wanted, follows = list(found.changes), []
-    groups = grouped(wanted, causes, a, b)
+    groups = grouped(wanted, causes, a, b=b)
     paths = sorted({*a.digests, *b.digests})
     files = tuple(path for path in paths if a.digests.get(path) != b.digests.get(path))
-    return Diff(a.end, b.end, found, tuple(groups), files, len(follows))
+    return Diff(a.end, b.end, found, groups=tuple(groups), files=files, follows=len(follows))
 
 
 def _narrowed(found: Contrast, tolerance: float, only: Collection[str]) -> Contrast:

@@ -110,7 +110,7 @@ class Elements:
         known = kind.attributes.get(attribute)
         if known is None:
             return None, None
-        steps = levels(node, kind, known, self.traced.classes)
+        steps = levels(node, kind, known, classes=self.traced.classes)
         return value(steps), next((step.writer for step in steps if step.taken), None)
 
 

@@ -54,6 +54,6 @@ def _worded(cause: Cause | None, a: Side, b: Side) -> Cause | None:
         cause.words,
         None if cause.before is None else a.operand.located(cause.before),
         None if cause.after is None else b.operand.located(cause.after),
-        excerpt(before),
-        excerpt(after),
+        lines_before=excerpt(before),
+        lines_after=excerpt(after),
     )

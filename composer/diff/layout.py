@@ -38,4 +38,4 @@ def moves(matching: Correspondence) -> Iterator[Move]:
                 before, after = span(a, vector, index), span(b, vector, target)
                 if before and after and before.start != after.start:
                     name = matching.composed.describe(kind, target)
-                    yield Move(vector, kind, name, before.start, after.start)
+                    yield Move(vector, kind, name, before=before.start, after=after.start)

@@ -40,7 +40,7 @@ def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[
         *references(matching),
         *values.changes(),
         *_keys(matching, float(given["tolerance"])),
-        *setting_changes(mujoco, a, b, float(given["tolerance"])),
+        *setting_changes(mujoco, a, b, tolerance=float(given["tolerance"])),
     ]
     arrays = unequal_arrays(a, b)
     contrast = Contrast(
@@ -92,11 +92,11 @@ def _presence(matching: Correspondence) -> Iterator[Change]:
             {0} if kind == "body" else set()
         )
         for index in sorted(lost):
-            if not _goes_along(matching.alone, kind, index, matching.ids["body"], None):
+            if not _goes_along(matching.alone, kind, index, ids=matching.ids["body"], taken=None):
                 name = named(matching.alone, kind, index)
                 yield Change("removed", kind, name, index=(index, ABSENT), name_before=name)
         for index in sorted(new):
-            if not _goes_along(matching.composed, kind, index, None, matching.taken["body"]):
+            if not _goes_along(matching.composed, kind, index, ids=None, taken=matching.taken["body"]):
                 yield Change("added", kind, named(matching.composed, kind, index), index=(ABSENT, index))
 
 
@@ -117,7 +117,7 @@ def references(matching: Correspondence) -> Iterator[Change]:
         if kind == "key":
             continue
         for index, target in matching.pairs(kind):
-            yield from _references_of(matching, kind, index, target)
+            yield from _references_of(matching, kind, index, target=target)
 
 
 def _references_of(matching: Correspondence, kind: str, index: int, target: int) -> Iterator[Change]:
@@ -135,17 +135,19 @@ def _references_of(matching: Correspondence, kind: str, index: int, target: int)
             None if each is None or each.index < 0 else side.describe(each.kind, each.index)
             for each, side in ((link, matching.alone), (other, matching.composed))
         ]
-        yield _changed(matching, kind, index, target, link.field, shown[0], shown[1])
+        yield _changed(
+            matching, kind, index, target=target, field=link.field, before=shown[0], after=shown[1]
+        )
     for field, link in after.items():
         named = None if link.index < 0 else matching.composed.describe(link.kind, link.index)
-        yield _changed(matching, kind, index, target, field, None, named)
+        yield _changed(matching, kind, index, target=target, field=field, before=None, after=named)
 
 
 def _changed(
     matching: Correspondence, kind: str, index: int, target: int, field: str, before: Value, after: Value
 ) -> Change:
     return Change(
-        "changed", kind, named(matching.composed, kind, target), field, before, after,
+        "changed", kind, named(matching.composed, kind, target), field=field, before=before, after=after,
         index=(index, target), name_before=named(matching.alone, kind, index), follows=follows(field),
     )  # fmt: skip
 
@@ -155,7 +157,7 @@ def _keys(matching: Correspondence, tolerance: float) -> Iterator[Change]:
     mine, theirs = matching.alone, matching.composed
     types = matching.composed.model.jnt_type.tolist()
     joints = {theirs.describe("joint", j): JOINT_TYPES[types[j]].word for _, j in matching.pairs("joint")}
-    for difference in key_differences(matching, None, Keys.MERGE, Roots.KEPT, tolerance):
+    for difference in key_differences(matching, None, Keys.MERGE, roots=Roots.KEPT, tolerance=tolerance):
         if difference.field == MISSING:
             index = mine.ids["key"].get(difference.name, ABSENT)
             yield Change(
@@ -166,8 +168,18 @@ def _keys(matching: Correspondence, tolerance: float) -> Iterator[Change]:
         name = entry.strip("`")
         before, after = _alone(difference.expected), _alone(difference.actual)
         both = mine.ids["key"].get(difference.name, ABSENT), theirs.ids["key"].get(difference.name, ABSENT)
-        yield Change("changed", "key", difference.name, field, before, after, joints.get(name, ""), name, both,
-                     difference.name)  # fmt: skip
+        yield Change(
+            "changed",
+            "key",
+            difference.name,
+            field=field,
+            before=before,
+            after=after,
+            form=joints.get(name, ""),
+            entry=name,
+            index=both,
+            name_before=difference.name,
+        )
     known = set(mine.names["key"])
     for index, name in enumerate(theirs.names["key"]):
         if name not in known:

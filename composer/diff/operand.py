@@ -80,7 +80,7 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
     if not os.path.exists(path) and (parts := split(text)) is not None:
         revision = parts[0]
         try:
-            path, files, own = _of_revision(revision, parts[1], own, opened)
+            path, files, own = _of_revision(revision, parts[1], own, opened=opened)
         except RevisionError as error:
             context.sink.add(error.diagnostic)
             return None
@@ -102,7 +102,7 @@ def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | No
         return None
     if path.suffix.lower() in _URDF:
         path = _recipe_of(path, opened)
-    return Operand(text, kind, path, own, revision, files)
+    return Operand(text, kind, path, context=own, revision=revision, files=files)
 
 
 def as_recipe(operand: Operand, opened: ExitStack) -> Operand:
@@ -125,7 +125,9 @@ def _recipe_of(path: Path, opened: ExitStack) -> Path:
 def _of_revision(revision: str, path: str, context: Context, opened: ExitStack) -> tuple[Path, Path, Context]:
     """Return the path in a checkout of the revision, its root, and a context with the user's folder in it."""
     made = opened.enter_context(scratch("revision"))
-    tree = check_out(revision, context.folder / path, Path(os.path.realpath(made)), context.environment)
+    tree = check_out(
+        revision, context.folder / path, Path(os.path.realpath(made)), environment=context.environment
+    )
     # Its root counts as the root of the project, even without a file there that says so.
     fetching = Fetching(trust=Trust(files=(tree.root,)))
     inside = os.path.relpath(tree.path, tree.root)

@@ -23,7 +23,7 @@ def renames(a: NameTable, b: NameTable) -> dict[str, dict[str, str]]:
     lost = {kind: [name for name in a.ids[kind] if name not in b.ids[kind]] for kind in KINDS}
     new = {kind: [name for name in b.ids[kind] if name not in a.ids[kind]] for kind in KINDS}
     found: dict[str, dict[str, str]] = defaultdict(dict)
-    for before, after in _prefixes(lost, new, a, b):
+    for before, after in _prefixes(lost, new, a, b=b):
         for kind in KINDS:
             for name in lost[kind]:
                 called = after + name.removeprefix(before)
@@ -33,7 +33,7 @@ def renames(a: NameTable, b: NameTable) -> dict[str, dict[str, str]]:
         taken = set(found[kind].values())
         left = [name for name in lost[kind] if name not in found[kind]]
         free = [name for name in new[kind] if name not in taken]
-        found[kind].update(_alike(kind, left, free, a, b, found["body"]))
+        found[kind].update(_alike(kind, left, free, a=a, b=b, bodies=found["body"]))
     return {kind: names for kind, names in found.items() if names}
 
 
@@ -73,7 +73,7 @@ def _alike(
     """Return elements without a double that have equal numbers and are on the same body."""
     if not lost or not new:
         return {}
-    mine, theirs = _by_look(kind, lost, a, bodies), _by_look(kind, new, b, {})
+    mine, theirs = _by_look(kind, lost, a, renamed=bodies), _by_look(kind, new, b, renamed={})
     return {
         names[0]: theirs[look][0]
         for look, names in mine.items()

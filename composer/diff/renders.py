@@ -23,7 +23,7 @@ _HELP = "without a display set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and instal
 def render_views(folder: Path, kept: tuple[str, str], context: Context, session: Session) -> tuple[View, ...]:
     """Write the pictures of two models that `session` keeps; if there are none, the sink says why."""
     with scratch("pictures") as made:
-        answer = engine.call(session, pictures, kept, str(made))
+        answer = engine.call(session, pictures, kept, argument=str(made))
         if not answer.ok:
             said = answer.error or answer.crash
             context.sink.error("no-rendering", f"no pictures could be made: {said}")
@@ -40,7 +40,7 @@ def render_views(folder: Path, kept: tuple[str, str], context: Context, session:
                 for place, side in zip(places, "ab", strict=True):
                     with staged_file(context.folder / place, "--renders") as stage:
                         stage.write_bytes(Path(made, f"{number}-{side}.png").read_bytes())
-                views.append(View(each["name"], str(places[0]), str(places[1]), each["differs"]))
+                views.append(View(each["name"], str(places[0]), str(places[1]), differs=each["differs"]))
         except OutputError as error:
             context.sink.add(error.diagnostic)
             return ()

@@ -77,7 +77,7 @@ def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, s
     )
     try:  # byte for byte: runs no filters and hooks, which may come from anyone
         root = _beside_the_same(Path(os.path.realpath(top)), into)
-        write_tree(Git(git.environment, quiet), repository, commit, root)
+        write_tree(Git(git.environment, quiet), repository, commit, target=root)
         from_lfs(root, _lfs_folder(git))
     except (GitFailure, SourceError, OSError) as error:
         fault = f"the files of revision `{revision}` cannot be checked out"

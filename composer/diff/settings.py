@@ -31,11 +31,18 @@ def setting_changes(mujoco: Any, a: Model, b: Model, tolerance: float) -> Iterat
             before, after = (
                 _word(mujoco, difference.name, each) for each in (difference.expected, difference.actual)
             )
-            yield Change("changed", difference.kind, "", difference.name, before, after)
+            yield Change("changed", difference.kind, "", field=difference.name, before=before, after=after)
     for difference in statistic_differences(a, b):
         if not _close(difference.expected, difference.actual, tolerance):
-            yield Change("changed", "statistic", "", difference.name, difference.expected, difference.actual,
-                         follows=True)  # fmt: skip
+            yield Change(
+                "changed",
+                "statistic",
+                "",
+                field=difference.name,
+                before=difference.expected,
+                after=difference.actual,
+                follows=True,
+            )
 
 
 def _flags(mujoco: Any, difference: Difference) -> Iterator[Change]:
@@ -47,7 +54,14 @@ def _flags(mujoco: Any, difference: Difference) -> Iterator[Change]:
                 bool(each & int(bit)) is not disables for each in (difference.expected, difference.actual)
             ]
             before, after = ("enable" if state else "disable" for state in states)
-            yield Change("changed", "option", "", f"flag {word.removeprefix(prefix).lower()}", before, after)
+            yield Change(
+                "changed",
+                "option",
+                "",
+                field=f"flag {word.removeprefix(prefix).lower()}",
+                before=before,
+                after=after,
+            )
 
 
 def _word(mujoco: Any, name: str, value: Value) -> Value:

@@ -82,7 +82,14 @@ class Side:
         whole = hashlib.sha256("".join(f"{path}\0{sha}\n" for path, sha in self.digests.items()).encode())
         cells = 0 if self.cell is not None else self.cells
         outside = _outside(self.operand, self.inputs)
-        return End(self.operand.label, self.operand.kind, whole.hexdigest(), self.cell, cells, outside)
+        return End(
+            self.operand.label,
+            self.operand.kind,
+            whole.hexdigest(),
+            cell=self.cell,
+            cells=cells,
+            outside=outside,
+        )
 
     def lines(self, file: str) -> list[str]:
         """Return the lines of a file; none if it cannot be read."""
@@ -114,7 +121,7 @@ def load(
     were read before. With `whole` the side has its bundle.
     """
     if operand.kind is Kind.RECIPE:
-        side = _recipe(operand, kept, session, given or {}, pick, sample, library)
+        side = _recipe(operand, kept, session, given=given or {}, pick=pick, sample=sample, library=library)
     elif operand.kind is Kind.MJCF:
         side = _mjcf(operand, kept, session)
     else:
@@ -133,10 +140,10 @@ def _recipe(
     sample: int | None,
     library: Library | None,
 ) -> Side | None:
-    cell = None if pick is None else _cell(operand, given, pick, sample)
+    cell = None if pick is None else _cell(operand, given, pick, sample=sample)
     if pick is not None and cell is None:
         return None
-    side = load_cell(operand, kept, session, given, cell, sample or 0, library)
+    side = load_cell(operand, kept, session, given=given, cell=cell, sample=sample or 0, library=library)
     if side is not None:
         side.cell = pick
     return side
@@ -167,14 +174,14 @@ def load_cell(
     composer = Composer(context, measure, session, watch=watch, library=library, checks_sources=True)
     if (composed := composer.compose(plan)) is None:
         return None
-    if (bundle := assemble(plan, composed.model, composed.files, context)) is None:
+    if (bundle := assemble(plan, composed.model, composed.files, context=context)) is None:
         return None
     watch([composed.model], collect)
     compiled = judge(bundle, composed.model, context, session=session, keep=kept, at=plan.span)
     acknowledge(plan, context.sink, context.shown, whole=False)
     if compiled is None or context.sink.has_errors:
         return None
-    traced = Traced(composed.model, watch, plan.separator, context.folder)
+    traced = Traced(composed.model, watch, plan.separator, folder=context.folder)
     matrix = read_matrix(operand.path, context, given)
     cells = len(matrix.cells) if matrix else 0
     name = None if cell is None else cell.name
@@ -183,12 +190,12 @@ def load_cell(
         operand,
         kept,
         _digests(bundle),
-        traced,
-        plan,
-        name,
-        cells,
-        values,
-        inputs,
+        traced=traced,
+        plan=plan,
+        cell=name,
+        cells=cells,
+        given=values,
+        inputs=inputs,
         bundle=bundle,
         excluded=composed.excluded,
     )
@@ -209,9 +216,9 @@ def _cell(operand: Operand, given: Given, pick: str, sample: int | None) -> Cell
     every = cells_of(operand.path, operand.context, dict(given))
     if sink.has_errors:
         return None
-    cell = picked_one(every, pick, sample, sink, operand.label)
+    cell = picked_one(every, pick, sample, sink=sink, recipe=operand.label)
     if cell is not None:
-        check_axes_are_free([cell], given, sink, "compare without `--pick`")
+        check_axes_are_free([cell], given, sink, instead="compare without `--pick`")
     return None if sink.has_errors else cell
 
 
@@ -227,11 +234,11 @@ def _mjcf(operand: Operand, kept: str, session: Session) -> Side | None:
     compiled = engine.compile(path.parent, path.name, keep=kept, session=session)
     if not compiled.ok:
         fault = Fault(compiled.error or "") if compiled.crash else parse(compiled.error or "")
-        _refused(fault, compiled.crash, shown, context)
+        _refused(fault, compiled.crash, shown, context=context)
         return None
     digest = hashlib.sha256(read_regular(path)).hexdigest()
     inputs = tuple(_files_of(unit, path))
-    return Side(operand, kept, {MODEL: digest}, _traced(unit, context), inputs=inputs)
+    return Side(operand, kept, {MODEL: digest}, traced=_traced(unit, context), inputs=inputs)
 
 
 def _files_of(unit: Unit, path: Path) -> Iterator[Path]:
@@ -256,7 +263,7 @@ def _bundle(operand: Operand, kept: str, session: Session) -> Side | None:
         context.sink.add(error.diagnostic)
         return None
     if verified.error is not None and not verified.compiled.ok:
-        _refused(verified.error, verified.crash, f"{shown}/{bundle.model}", context)
+        _refused(verified.error, verified.crash, f"{shown}/{bundle.model}", context=context)
         return None
     file, text = f"{shown}/{bundle.model}", bundle.files[bundle.model]
     unit = parse_text(
@@ -269,7 +276,7 @@ def _bundle(operand: Operand, kept: str, session: Session) -> Side | None:
         door=NOTHING,
     )
     files = [operand.path / name for name in bundle.files] if os.path.isdir(operand.path) else [operand.path]
-    side = Side(operand, kept, _digests(bundle), _traced(unit, context), inputs=tuple(files))
+    side = Side(operand, kept, _digests(bundle), traced=_traced(unit, context), inputs=tuple(files))
     side.bundle = bundle
     side.texts[file] = text.decode("utf-8", "replace")
     return side
@@ -280,7 +287,7 @@ def _traced(unit: Unit | None, context: Context) -> Traced | None:
         return None
     watch = Trace()
     watch([unit], parse_file)
-    return Traced(unit, watch, "/", context.folder)
+    return Traced(unit, watch, "/", folder=context.folder)
 
 
 def _refused(fault: Fault, crash: str | None, file: str, context: Context) -> None:

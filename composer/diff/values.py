@@ -61,9 +61,19 @@ class Values:
                             named(self.matching.composed, kind, target),
                         )
                         yield Change(
-                            "changed", kind, names[1], field, before, None if note else after,
-                            self._form(kind, target), "", (index, target), names[0], follows(field), note,
-                        )  # fmt: skip
+                            "changed",
+                            kind,
+                            names[1],
+                            field=field,
+                            before=before,
+                            after=None if note else after,
+                            form=self._form(kind, target),
+                            entry="",
+                            index=(index, target),
+                            name_before=names[0],
+                            follows=follows(field),
+                            note=note,
+                        )
 
     def _of(self, kind: str, index: int, target: int) -> Iterator[tuple[str, Value, Value]]:
         gains = self._gains(index, target) if kind == "actuator" else None
@@ -73,7 +83,7 @@ class Values:
             other = there.get(name)
             if other is None or (gains is not None and name in ("actuator_gainprm", "actuator_biasprm")):
                 continue
-            yield from self._row(name, treatment, array, other, index, target)
+            yield from self._row(name, treatment, array, theirs=other, index=index, target=target)
         if kind == "joint":
             yield from self._dofs(index, target)
         theirs = dict(runs(self.b, kind, target))

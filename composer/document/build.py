@@ -121,12 +121,14 @@ class Builder:
                 # Nearly every event is a scalar on one line without properties: this path is kept short.
                 simple = end.line + 1 == line and event.anchor is None and event.tag is None
                 span = (
-                    Span(file, line, start.column + 1, line, end.column + 1) if simple else marks.span(event)
+                    Span(file, line, start.column + 1, end_line=line, end_column=end.column + 1)
+                    if simple
+                    else marks.span(event)
                 )
                 text = event.value if restore is None else self._restored(event.value, span)
                 frame = stack[-1] if stack else None
                 if frame is not None and frame.entries is not None and frame.key is None:
-                    self._key(event, text, span, frame)
+                    self._key(event, text, span, frame=frame)
                     continue
                 if not text and frame is not None and frame.flow and frame.entries is not None:
                     self._check_colon(event, frame)
@@ -134,9 +136,9 @@ class Builder:
                 if not simple:
                     self._add(self._scalar(event, text, span), 0)
                 elif event.style:
-                    self._add(Scalar(text, span, text, False), 0)
+                    self._add(Scalar(text, span, text, plain=False), 0)
                 else:
-                    self._add(Scalar(self._resolved(text, span), span, text, True), 0)
+                    self._add(Scalar(self._resolved(text, span), span, text, plain=True), 0)
             elif kind is MappingStartEvent or kind is SequenceStartEvent:
                 if not self._begin(event, kind is MappingStartEvent):
                     return None
@@ -222,13 +224,13 @@ class Builder:
                 {} if mapping else None,
                 None if mapping else [],
                 bool(event.flow_style),
-                line,
-                column,
-                self._total,
-                column + 1,
-                event.anchor,
-                tag,
-                is_key,
+                line=line,
+                column=column,
+                total=self._total,
+                first_end=column + 1,
+                anchor=event.anchor,
+                tag=tag,
+                is_key=is_key,
             )
         )
         self._total += 1
@@ -239,7 +241,9 @@ class Builder:
         end = frame.first_end
         if frame.flow and event.end_mark.line + 1 == frame.line:
             end = event.end_mark.column + 1
-        span = Span(self._file, frame.line, frame.column, frame.line, max(end, frame.column + 1))
+        span = Span(
+            self._file, frame.line, frame.column, end_line=frame.line, end_column=max(end, frame.column + 1)
+        )
         node: Node
         if frame.entries is not None:
             node, standard = Mapping(frame.entries, span), _STANDARD + "map"
@@ -279,7 +283,7 @@ class Builder:
             value = self._tagged(event, text, span)
         elif not event.style:
             value = self._resolved(text, span)
-        node = Scalar(value, span, text, not event.style, self._marks.block(event))
+        node = Scalar(value, span, text, plain=not event.style, block=self._marks.block(event))
         if event.anchor is not None:
             self._anchors[event.anchor] = _Anchored(node, 1, 0)
         return node
@@ -298,7 +302,7 @@ class Builder:
             if event.tag not in (None, "!", _STANDARD + "str"):
                 self._refuse_tag(event.tag, self._marks.tag(event))
             if event.anchor is not None:
-                self._anchors[event.anchor] = _Anchored(Scalar(name, span, name, False), 1, 0)
+                self._anchors[event.anchor] = _Anchored(Scalar(name, span, name, plain=False), 1, 0)
         entries = frame.entries if frame.entries is not None else {}
         found = entries.get(name)
         if name == "<<" and type(event) is ScalarEvent and not event.style:
@@ -352,11 +356,11 @@ class Builder:
                 help=f"if the text itself is meant, quote it: {quoted('*' + name)}",
                 fix=Fix(quoted("*" + name)),
             )
-            anchored = _Anchored(Scalar(f"*{name}", span, f"*{name}", True), 1, 0)
+            anchored = _Anchored(Scalar(f"*{name}", span, f"*{name}", plain=True), 1, 0)
         frame = self._stack[-1] if self._stack else None
         if frame is not None and frame.entries is not None and frame.key is None:
             if isinstance(anchored.node, Scalar):
-                self._key(event, anchored.node.text, span, frame)
+                self._key(event, anchored.node.text, span, frame=frame)
             else:
                 self._refuse_key(event, "an alias of a list or mapping")
                 frame.key = _DROPPED

@@ -44,7 +44,7 @@ def decode(source: str | bytes, file: str, sink: Sink) -> str | None:
     sink.error(
         "yaml-syntax",
         f"the character U+{ord(bad.group()):04X} cannot stand in YAML",
-        Span(file, line, column, line, column + 1),
+        Span(file, line, column, end_line=line, end_column=column + 1),
         notes=[Note(f"the file has {others} more of its kind; it may not be a text file")] if others else (),
         help=f'remove it; inside double quotes it may be written as "\\u{ord(bad.group()):04x}"'
         if not 0xD800 <= ord(bad.group()) <= 0xDFFF
@@ -85,7 +85,7 @@ def _utf8(source: bytes, file: str, sink: Sink) -> str | None:
         sink.error(
             "yaml-not-utf8",
             f"the byte 0x{source[fault.start]:02x} is not part of UTF-8 text",
-            Span(file, line, column, line, column + 1),
+            Span(file, line, column, end_line=line, end_column=column + 1),
             help="save the file as UTF-8",
         )
         return None

@@ -23,7 +23,9 @@ def explain(error: Any, text: str, file: str, outer: bool) -> SyntaxFault:
     mark = error.problem_mark or error.context_mark
     at = min(mark.index, len(text)) if mark else 0
     since = min(error.context_mark.index, len(text)) if error.context_mark else at
-    stop = ParserStop(text, file, error.context or "", error.problem or "", since, at, outer)
+    stop = ParserStop(
+        text, file, error.context or "", problem=error.problem or "", since=since, at=at, outer=outer
+    )
     for rule in _RULES:
         fault = rule(stop)
         if fault is not None:
@@ -51,7 +53,7 @@ def _template(it: ParserStop) -> SyntaxFault | None:
     end = unquoted_end(it.text, start, True)
     shown = it.text[start:end]
     return it.unquoted(
-        "yaml-template-unquoted", start, end, f"`{shown}` inside `[ ]` or `{{ }}` must be in quotes"
+        "yaml-template-unquoted", start, end, message=f"`{shown}` inside `[ ]` or `{{ }}` must be in quotes"
     )
 
 
@@ -63,8 +65,10 @@ def _alias(it: ParserStop) -> SyntaxFault | None:
     shown = it.text[it.since : end]
     if sign == "*":
         message = f"`{shown}` begins with `*`, which is an alias in YAML"
-        return it.unquoted("yaml-alias", it.since, end, message)
-    return it.unquoted("yaml-syntax", it.since, end, f"`{shown}` begins with `&`, which is an anchor in YAML")
+        return it.unquoted("yaml-alias", it.since, end, message=message)
+    return it.unquoted(
+        "yaml-syntax", it.since, end, message=f"`{shown}` begins with `&`, which is an anchor in YAML"
+    )
 
 
 def _tab(it: ParserStop) -> SyntaxFault | None:
@@ -93,7 +97,7 @@ def _reserved_start(it: ParserStop) -> SyntaxFault | None:
     end = max(unquoted_end(it.text, it.at, it.flow), it.at + 1)
     sign = it.text[it.at]
     message = f"an unquoted value cannot begin with {'a backquote' if sign == '`' else f'`{sign}`'}"
-    return it.unquoted("yaml-syntax", it.at, end, message)
+    return it.unquoted("yaml-syntax", it.at, end, message=message)
 
 
 def _colon_in_flow(it: ParserStop) -> SyntaxFault | None:
@@ -111,7 +115,7 @@ def _colon_in_flow(it: ParserStop) -> SyntaxFault | None:
             f"write `{key}: {value}`",
         )
     message = f"`{it.text[start:end]}` has a colon, and inside `[ ]` or `{{ }}` must be in quotes"
-    return it.unquoted("yaml-syntax", start, end, message)
+    return it.unquoted("yaml-syntax", start, end, message=message)
 
 
 def _glob_choice(it: ParserStop) -> SyntaxFault | None:
@@ -128,7 +132,7 @@ def _glob_choice(it: ParserStop) -> SyntaxFault | None:
     message = (
         f"`{shown}` begins with `{opening}`, which is a {'list' if opening == '[' else 'mapping'} in YAML"
     )
-    return it.unquoted("yaml-syntax", start, end, message)
+    return it.unquoted("yaml-syntax", start, end, message=message)
 
 
 def _mapping_not_allowed(it: ParserStop) -> SyntaxFault | None:
@@ -157,7 +161,7 @@ def _mapping_not_allowed(it: ParserStop) -> SyntaxFault | None:
             f"if it is text, quote it: {first.group(1)}: {quoted(value)}",
         )
     if above.strip() and not lead.lstrip().startswith("-"):
-        return _below_value(it, lead, above_begin, above)
+        return _below_value(it, lead, above_begin, above=above)
     return it.fault("a key cannot stand here", span, "quote the text if the colon is part of it")
 
 

@@ -41,11 +41,11 @@ def load(text: str | bytes, file: str, sink: Sink, *, empty: str | None = None) 
     readings = max(1, min(_MAX_READINGS, _MAX_CHARACTERS_READ // max(len(source), 1)))
     for _ in range(readings):
         found = Sink()
-        builder = Builder(source, file, found, _restorer(mask, reader is _PURE), empty)
+        builder = Builder(source, file, found, restore=_restorer(mask, reader is _PURE), empty=empty)
         try:
             root = builder.build(yaml.parse(mask.text, Loader=reader))
         except yaml.MarkedYAMLError as error:
-            fault = explain(error, source, file, builder.in_flow)
+            fault = explain(error, source, file, outer=builder.in_flow)
             faults.append(fault.diagnostic)
             if fault.hide is not None and mask.hide(*fault.hide):
                 continue
@@ -83,5 +83,5 @@ def _unreadable(error: Exception, text: str, file: str) -> Diagnostic:
     if escape is None:
         return Diagnostic("yaml-syntax", f"this is not YAML: {error}", Span(file, 1, 1))
     line, column = position(text, escape.start())
-    span = Span(file, line, column, line, column + len(escape.group()))
+    span = Span(file, line, column, end_line=line, end_column=column + len(escape.group()))
     return Diagnostic("yaml-syntax", f"`{escape.group()}` is not a character", span)

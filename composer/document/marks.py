@@ -34,7 +34,7 @@ class Marks:
             last = column + (len(found.group().rstrip()) if found else 0)
         if getattr(event, "tag", None) is not None or getattr(event, "anchor", None) is not None:
             column = min(column + self.properties(event), last)
-        return Span(self.file, line, column, line, last)
+        return Span(self.file, line, column, end_line=line, end_column=last)
 
     def block(self, event: Any) -> tuple[int, int] | None:
         """Return where the text of a literal block begins, as line and column; None for all other scalars."""
@@ -54,6 +54,6 @@ class Marks:
         found = _TAG.match(self.text, event.start_mark.index)
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
         if found is None or "\n" in found.group():
-            return Span(self.file, line, column, line, column + 1)
+            return Span(self.file, line, column, end_line=line, end_column=column + 1)
         column += found.start(1) - found.start()
-        return Span(self.file, line, column, line, column + len(found.group(1)))
+        return Span(self.file, line, column, end_line=line, end_column=column + len(found.group(1)))

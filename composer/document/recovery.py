@@ -46,7 +46,7 @@ class ParserStop:
         """Return the place of the characters up to `end`, or of a single one."""
         line, column = position(self.text, start)
         length = 1 if end is None else max(end - start, 1)
-        return Span(self.file, line, column, line, column + length)
+        return Span(self.file, line, column, end_line=line, end_column=column + length)
 
     def fault(
         self, message: str, span: Span, help: str | None = None, code: str = "yaml-syntax", *notes: Note

@@ -60,7 +60,7 @@ def tokens(text: str) -> list[Token]:
         start, end = each.start_mark.index, each.end_mark.index
         line = bisect_right(starts, start) - 1
         kind = type(each).__name__.removesuffix("Token")
-        token = Token(kind, text[start:end], line, 0, start - starts[line])
+        token = Token(kind, text[start:end], line, end_line=0, column=start - starts[line])
         if kind == "Scalar" and each.style in ("|", ">"):
             _block(token, columns[-1])
             token.ended = start + len(token.text) < len(text) or token.text.endswith(("\n", "\r"))
@@ -70,7 +70,7 @@ def tokens(text: str) -> list[Token]:
             columns.pop()
         end = start + len(token.text)
         token.end_line = bisect_right(starts, end) - 1
-        _between(text, last, start, token)
+        _between(text, last, start, token=token)
         last = max(last, end)
         result.append(token)
     return result
@@ -115,7 +115,7 @@ def _between(text: str, start: int, end: int, token: Token) -> None:
             begin = max(text.rfind("\n", 0, position), text.rfind("\r", 0, position)) + 1
             column = position + piece.index("#") - begin
             own_line = index > 0 or start == 0 or text[start - 1] in "\r\n"
-            token.comments.append(Comment(stripped, column, own_line, token.blank))
+            token.comments.append(Comment(stripped, column, own_line, blank_before=token.blank))
             token.blank = False
         elif not stripped and 0 < index < len(pieces) - 1:
             token.blank = True

@@ -88,19 +88,19 @@ def convert_urdf(
         "shells": sorted(shells),
         "made": {name: file.absolute().as_posix() for name, file in (made or {}).items()},
     }
-    read = call(session, read_meshes, (), argument)
+    read = call(session, read_meshes, (), argument=argument)
     if read.ok:
         _admit(read.value, path, door)
-    converted = call(session, convert, (), argument) if read.ok and not read.value["error"] else read
+    converted = call(session, convert, (), argument=argument) if read.ok and not read.value["error"] else read
     meshes, folder = (read.value["meshes"], read.value["folder"]) if read.ok else ([], "")
     error = converted.value["error"] if converted.ok else converted.error
     return Converted(
         converted.value.get("text") if converted.ok else None,
         tuple(meshes),
         folder,
-        tuple(without_folder(text, path.parent) for text in read.warnings),
-        error and without_folder(error, path.parent),
-        converted.crash,
+        warnings=tuple(without_folder(text, path.parent) for text in read.warnings),
+        error=error and without_folder(error, path.parent),
+        crash=converted.crash,
     )
 
 

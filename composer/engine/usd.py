@@ -38,11 +38,14 @@ def export_usd(model: Path, out: Path, session: Session) -> Exported:
 
     A layer with textures is not written. Never raises for contents of the model.
     """
-    answer = call(session, export, (), {"model": str(model.absolute()), "out": str(out.absolute())})
+    answer = call(session, export, (), argument={"model": str(model.absolute()), "out": str(out.absolute())})
     if not answer.ok:
         return Exported(error=answer.error)
     return Exported(
-        answer.value["missing"], None, tuple(answer.value["textures"]), tuple(answer.value["warnings"])
+        answer.value["missing"],
+        None,
+        tuple(answer.value["textures"]),
+        warnings=tuple(answer.value["warnings"]),
     )
 
 

@@ -45,21 +45,27 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = Fal
     """
     axes = read_axes(document, sink)
     chosen = choose(axes, given, sink)
-    document = merged(document, axes, chosen, sink)
+    document = merged(document, axes, chosen, sink=sink)
     declared = document.entries.get("params")
     parameters = read_params(declared[1] if declared else None, sink)
-    _check_names(document, axes, parameters, given, sink)
-    scope: dict[str, Value] = {**settle(parameters, given, sink, _axes(document)), **chosen}
+    _check_names(document, axes, parameters, given=given, sink=sink)
+    scope: dict[str, Value] = {**settle(parameters, given, sink, in_cells=_axes(document)), **chosen}
     rest = Mapping(
         {name: entry for name, entry in document.entries.items() if name not in SETTLED}, document.span
     )
     broken = (_declared(document, "params") | _declared(document, "variants")) - scope.keys()
-    substitution = Substitution(scope, parameters, broken, sink)
-    condition = Condition(scope, axes, broken, sink, any)
+    substitution = Substitution(scope, parameters, broken, sink=sink)
+    condition = Condition(scope, axes, broken, sink=sink, any=any)
     substituted = substitution.of(without_ids(condition.kept(rest), sink))
     assert isinstance(substituted, Mapping)
-    return Concrete(substituted, scope, parameters, chosen, frozenset(substitution.lost | condition.in_doubt),
-                    frozenset(substitution.gone))  # fmt: skip
+    return Concrete(
+        substituted,
+        scope,
+        parameters,
+        variants=chosen,
+        lost=frozenset(substitution.lost | condition.in_doubt),
+        gone=frozenset(substitution.gone),
+    )
 
 
 def scope_of(document: Mapping, given: Map[str, Node]) -> dict[str, Value]:
@@ -68,7 +74,7 @@ def scope_of(document: Mapping, given: Map[str, Node]) -> dict[str, Value]:
     axes = read_axes(document, sink)
     chosen = choose(axes, given, sink)
     taken = {axis: _only_params(axes[axis], value) for axis, value in chosen.items()}
-    declared = merged(_section(document), taken, chosen, sink).entries.get("params")
+    declared = merged(_section(document), taken, chosen, sink=sink).entries.get("params")
     return {**settle(read_params(declared[1] if declared else None, sink), given, sink), **chosen}
 
 
@@ -105,7 +111,7 @@ def _check_names(
     for name, node in given.items():
         if name not in tried:
             message = f"the recipe has no parameter or variant `{name}`"
-            sink.add(unknown_name("name", name, [*axes, *parameters], node.span, message=message))
+            sink.add(unknown_name("name", name, [*axes, *parameters], span=node.span, message=message))
 
 
 def _declared(document: Mapping, section: str) -> frozenset[str]:

@@ -68,7 +68,7 @@ def cells(document: Mapping, name: str, sink: Sink, given: Map[str, Node] | None
     if found is None:
         return []
     before = sink.error_count
-    matrix = _Matrix(document, found, given or {}, sink)
+    matrix = _Matrix(document, found, given or {}, sink=sink)
     combinations = list(matrix.combinations())
     if sink.error_count > before:
         return []
@@ -89,7 +89,7 @@ class _Matrix:
         for each, _ in self.node.entries.values():
             if each.name not in KEYS:
                 message = f"`matrix` has no key `{each.name}`"
-                sink.add(unknown_key(each.name, KEYS, each.span, message))
+                sink.add(unknown_key(each.name, KEYS, each.span, message=message))
         emit = self.node.entries.get("emit")
         if emit is not None and not (isinstance(emit[1], Scalar) and emit[1].value in EMITS):
             sink.error("unknown-name", "`emit` of a matrix is `models` or `union`", emit[1].span)
@@ -187,7 +187,7 @@ class _Matrix:
         wrong = [key for key, _ in item.entries.values() if key.name not in self.axes]
         for key in wrong:
             message = f"the matrix has no axis `{key.name}`"
-            self.sink.add(unknown_name("axis", key.name, self.axes, key.span, message=message))
+            self.sink.add(unknown_name("axis", key.name, self.axes, span=key.span, message=message))
         return not wrong
 
     def name_of(self, name: str, given: dict[str, Node]) -> str:
@@ -205,7 +205,7 @@ class _Matrix:
         try:
             return str(Template.parse(node.value).value({**scope, "name": name}))
         except ExpressionError as error:
-            report(error, node, ["name", *scope], frozenset(), self.sink)
+            report(error, node, ["name", *scope], broken=frozenset(), sink=self.sink)
             return name
 
 

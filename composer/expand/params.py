@@ -80,7 +80,7 @@ def _read(key: Key, node: Node, sink: Sink) -> Parameter | None:
     own_unit, own_doc = part("unit")[0], part("doc")[0]
     unit = unit if own_unit is None else str(own_unit)
     low, high, length = (
-        _number(part(name)[1], name, key.name, unit, sink) for name in ("min", "max", "length")
+        _number(part(name)[1], name, key.name, unit=unit, sink=sink) for name in ("min", "max", "length")
     )
     if low is not None and high is not None and low > high:
         at_high = part("max")[1]
@@ -91,10 +91,10 @@ def _read(key: Key, node: Node, sink: Sink) -> Parameter | None:
     if type == "string":
         value, unit = sample, None if own_unit is None else str(own_unit)
     parameter = Parameter(
-        key.name, str(type or guess), None if default is None else value, key.span, low, high,
-        tuple(_in_unit(each, unit) for each in choices) if isinstance(choices, tuple) else (),
-        int(length) if length is not None else len(value) if isinstance(value, tuple) else None,
-        unit, str(own_doc or ""),
+        key.name, str(type or guess), None if default is None else value, span=key.span, low=low, high=high,
+        choices=tuple(_in_unit(each, unit) for each in choices) if isinstance(choices, tuple) else (),
+        length=int(length) if length is not None else len(value) if isinstance(value, tuple) else None,
+        unit=unit, doc=str(own_doc or ""),
     )  # fmt: skip
     if default is None:
         return parameter
@@ -111,7 +111,7 @@ def _check_keys(key: Key, written: Map[str, tuple[Key, Node]], sink: Sink) -> No
     for name, (each, value) in written.items():
         if name not in KEYS:
             message = f"parameter `{key.name}` has no key `{name}`"
-            sink.add(unknown_key(name, KEYS, each.span, message))
+            sink.add(unknown_key(name, KEYS, each.span, message=message))
         elif name in ("unit", "doc") and not isinstance(plain(value), str):
             sink.error("wrong-type", f"`{name}` of `{key.name}` is text", value.span)
 

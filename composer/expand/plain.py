@@ -21,7 +21,7 @@ def node_of(value: Value, span: Span) -> Node:
     """Return a node with this value and place."""
     if isinstance(value, tuple):
         return Sequence(tuple(node_of(each, span) for each in value), span)
-    return Scalar(value, span, shown(value), not isinstance(value, str))
+    return Scalar(value, span, shown(value), plain=not isinstance(value, str))
 
 
 def same(a: Value, b: Value) -> bool:

@@ -64,7 +64,7 @@ class Substitution:
             value = template.value(self.scope)
         except ExpressionError as error:
             self.lost.add(node.text)
-            report(error, node, [*self.scope], self.broken, self.sink)
+            report(error, node, [*self.scope], broken=self.broken, sink=self.sink)
             return None
         alone = self.parameters.get(template.is_one_name or "")
         if alone is not None and alone.is_angle and isinstance(value, (int, float)):
@@ -83,7 +83,7 @@ def report(
         sink.error("expression", error.message, span, help=error.help)
         return
     declared = f"declare it: `params: {{{error.name}: …}}`"
-    sink.add(unknown_name("parameter", error.name, known, span, otherwise=declared))
+    sink.add(unknown_name("parameter", error.name, known, span=span, otherwise=declared))
 
 
 def within(node: Scalar, start: int, end: int) -> Span:
@@ -98,4 +98,6 @@ def within(node: Scalar, start: int, end: int) -> Span:
     if quotes not in (0, 2):
         return span
     first = span.column + quotes // 2
-    return Span(span.file, span.line, first + start, span.line, first + max(end, start + 1))
+    return Span(
+        span.file, span.line, first + start, end_line=span.line, end_column=first + max(end, start + 1)
+    )

@@ -82,14 +82,14 @@ def choose(axes: Axes, given: Map[str, Node], sink: Sink) -> dict[str, str]:
         if value in values.entries:
             chosen[axis] = value
             continue
-        no_value(axis, value, values, node, sink)
+        no_value(axis, value, values, node=node, sink=sink)
     return chosen
 
 
 def no_value(axis: str, value: str, values: Mapping, node: Node, sink: Sink) -> None:
     """Report that an axis does not have a value."""
     message = f"variant `{axis}` has no value `{value}`"
-    sink.add(unknown_name("value", value, values.entries, node.span, message=message))
+    sink.add(unknown_name("value", value, values.entries, span=node.span, message=message))
 
 
 def merged(document: Mapping, axes: Axes, chosen: Map[str, str], sink: Sink) -> Mapping:

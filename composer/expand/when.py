@@ -90,7 +90,7 @@ class Condition:
         try:
             value = Template.parse(str(node.value)).value(self.scope)
         except ExpressionError as error:
-            report(error, node, [*self.scope], self.broken, self.sink)
+            report(error, node, [*self.scope], broken=self.broken, sink=self.sink)
             return True
         if not isinstance(value, bool):
             self.sink.error("wrong-type", "`when` needs `true` or `false`", node.span)
@@ -102,7 +102,7 @@ class Condition:
             return True
         if key.name not in self.scope:
             message = f"the variant or parameter `{key.name}` does not exist"
-            self.sink.add(unknown_name("name", key.name, self.scope, key.span, message=message))
+            self.sink.add(unknown_name("name", key.name, self.scope, span=key.span, message=message))
             return True
         axis = self.axes.get(key.name)
         have = self.scope[key.name]
@@ -111,7 +111,7 @@ class Condition:
             if axis is not None:
                 text = each.text if isinstance(each, Scalar) else ""
                 if text not in axis.entries:
-                    no_value(key.name, text, axis, each, self.sink)
+                    no_value(key.name, text, axis, node=each, sink=self.sink)
                 holds |= text == have
             else:
                 value = plain(each)

@@ -37,7 +37,7 @@ class Causes:
             reason = known(self.passes, change, life)
             if reason is not None:
                 return reason
-        return of_step(cause, change.owner, change.attribute, life.node)
+        return of_step(cause, change.owner, change.attribute, node=life.node)
 
     def made(self, life: Life) -> Reason:
         """Return why an element exists that was read from no file."""

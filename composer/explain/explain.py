@@ -35,7 +35,7 @@ def explain(
     Errors go to `context.sink`. `sample` selects the draws of the model; 0 is the nominal one. `given` are values
     of parameters and variants.
     """
-    traced = trace(path, context, sample, given)
+    traced = trace(path, context, sample, given=given)
     return None if traced is None else traced.answer(asked, context)
 
 
@@ -52,7 +52,7 @@ def trace(path: Path, context: Context, sample: int = 0, given: Given | None = N
         if unit is None or not check_source(unit, context.sink):
             return None
         watch([unit], path)
-        return Traced(unit, watch, "/", context.folder)
+        return Traced(unit, watch, "/", folder=context.folder)
     if path.suffix.lower() in (".zip", ".mjz", ".mjb") or os.path.isdir(context.folder / path):
         _no_recipe(path, context)
         return None
@@ -64,9 +64,9 @@ def trace(path: Path, context: Context, sample: int = 0, given: Given | None = N
         acknowledge(plan, context.sink, context.shown, whole=False)
     if plan is None or composed is None:
         return None
-    collect(composed.model, composed.files, context.sink, context.shown)
+    collect(composed.model, composed.files, context.sink, shown=context.shown)
     watch([composed.model], collect)
-    return Traced(composed.model, watch, plan.separator, context.folder)
+    return Traced(composed.model, watch, plan.separator, folder=context.folder)
 
 
 def _no_recipe(path: Path, context: Context) -> None:

@@ -31,7 +31,7 @@ def not_found(asked: Asked, root: Node, sink: Sink, notes: Iterable[Note] = ()) 
     elif asked.name is None:
         sink.error("unknown-name", f"the model has no {word}", notes=notes)
     else:
-        _no_such_name(asked, asked.name, word, root, sink, notes)
+        _no_such_name(asked, asked.name, word, root=root, sink=sink, notes=notes)
 
 
 def _no_such_name(

@@ -167,7 +167,7 @@ class PassWords:
 
     def _agreement_made(self, life: Life, cause: Cause) -> Reason:
         for name, value in life.attributes.items():
-            reason = self._agreement(Change(name, None, value, cause, life.owner), life)
+            reason = self._agreement(Change(name, None, value, cause=cause, owner=life.owner), life)
             if reason is not None:
                 return reason
         return Reason("what the parts ask for")
@@ -205,14 +205,14 @@ class PassWords:
         return None
 
     def _agreement_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
-        change = Change(attribute, None, life.attributes.get(attribute), cause, life.owner)
+        change = Change(attribute, None, life.attributes.get(attribute), cause=cause, owner=life.owner)
         return self._agreement(change, life)
 
     def _compiler_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
         for source in life.sources:
             if source.attributes.get(attribute) == life.attributes.get(attribute):
                 return Reason("", source.span(cause.unit.origins, attribute))
-        return self._compiler(Change(attribute, None, None, cause, life.owner), life)
+        return self._compiler(Change(attribute, None, None, cause=cause, owner=life.owner), life)
 
     def _defaults_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
         if attribute == "class" and cause.part is not None:

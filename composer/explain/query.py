@@ -71,7 +71,14 @@ def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
         sink.error("unknown-name", f"`{' '.join(rest)}` is more than the name of one attribute",
                    help="a query is KIND NAME ATTRIBUTE, quoted as one: 'geom gripper/pad friction'")  # fmt: skip
         return None
-    return Asked(asked.text, asked.kinds, asked.name, asked.number, asked.line, rest[0] if rest else None)
+    return Asked(
+        asked.text,
+        asked.kinds,
+        asked.name,
+        number=asked.number,
+        line=asked.line,
+        attribute=rest[0] if rest else None,
+    )
 
 
 def find(asked: Asked, root: Node, separator: str) -> list[Node]:

@@ -24,7 +24,9 @@ def row_explained(
     on_the_way += [Reason(f"moved with the part `{part}`", span) for part, span in origin.moved]
     if origin.lost is not None:
         on_the_way.append(Reason("an edit has made meaningless what is written there:", origin.lost.span))
-    return RowExplained(label, numbers, origin.kind, reason, written, tuple(on_the_way))
+    return RowExplained(
+        label, numbers, origin.kind, reason=reason, written=written, on_the_way=tuple(on_the_way)
+    )
 
 
 def reason_of(origin: NumberOrigin, edited: Callable[[Change], Reason]) -> Reason:

@@ -137,7 +137,7 @@ class _Reading:
                 each for each in life.of(vector) if isinstance(each.cause.done, EditElements | DrawValues)
             ]
             now = str(key.get(vector) or "").split()
-            self.known[key, vector] = _after([_Known(each) for each in noted], now, changes, vector)
+            self.known[key, vector] = _after([_Known(each) for each in noted], now, changes, vector=vector)
         return self.known[key, vector]
 
     def origin(self, run: list[_Known]) -> NumberOrigin:
@@ -178,7 +178,7 @@ class _Reading:
         if found is None:
             return None
         first, last, words = found
-        span = Span(life.owner, first.line, first.column, last.line, last.end_column)
+        span = Span(life.owner, first.line, first.column, end_line=last.line, end_column=last.end_column)
         return NumberOrigin("file", span, " ".join(words.split()))
 
 

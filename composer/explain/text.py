@@ -50,7 +50,7 @@ def _element(it: ElementExplained, read_source: ReadSource | None, paint: Paint)
     yield paint("bold", "where it comes from")
     for number, each in enumerate(it.written):
         yield f"  {each.words}{_in_full(each.span, ' ' if each.words == 'read from' else ', ')}"
-        yield from _source(each.span, it.end_line if number == 0 else None, read_source, paint)
+        yield from _source(each.span, it.end_line if number == 0 else None, read_source, paint=paint)
     yield from _table([("part", each.words, _at(each.span)) for each in it.parts])
     if it.sets:
         yield ""
@@ -97,7 +97,7 @@ def _attribute(it: AttributeExplained, read_source: ReadSource | None, paint: Pa
     winner = next((each for each in it.levels if each.wins and each.span is not None), None)
     if winner is not None and winner.span is not None:
         yield f"  {winner.span.file}:{winner.span.line}"
-        yield from _source(winner.span, None, read_source, paint)
+        yield from _source(winner.span, None, read_source, paint=paint)
     if it.rows:
         yield ""
         yield paint("bold", "number by number")

@@ -103,7 +103,7 @@ class Life:
             return owner
         if not isinstance(owner, str):
             return owner(attribute)
-        return origins.in_file(owner, self.line, self.tag, self.attributes, attribute)
+        return origins.in_file(owner, self.line, self.tag, written=self.attributes, attribute=attribute)
 
     @property
     def name(self) -> str | None:
@@ -135,7 +135,7 @@ class Trace:
             return
         linking = self._linkings.get(units[0].root)
         causes = {
-            unit.root: Cause(done, unit, self._parts.get(unit.root), linking) for unit in units
+            unit.root: Cause(done, unit, self._parts.get(unit.root), linking=linking) for unit in units
         }  # fmt: skip
         before = {node for unit in changed for node in self._members.get(unit.root, ())}
         now: set[Node] = set()
@@ -194,13 +194,24 @@ class Trace:
         parent = node.getparent()
         root = cause.unit.root
         life = Life(
-            node, root, owner, line_of(node), str(node.tag), dict(items), parent, root, made, cause,
-            items=items, last_tag=str(node.tag), last_parent=parent,
-        )  # fmt: skip
+            node,
+            root,
+            owner,
+            line=line_of(node),
+            tag=str(node.tag),
+            attributes=dict(items),
+            parent=parent,
+            home=root,
+            made_by=made,
+            born=cause,
+            items=items,
+            last_tag=str(node.tag),
+            last_parent=parent,
+        )
         self.lives[node] = life
         part = cause.part or (_carried(life, cause.linking) if cause.linking is not None else None)
         if part is not None and made is not None and made.is_pass:
-            life.made_by = Cause(cause.done, part.unit, part, cause.linking)
+            life.made_by = Cause(cause.done, part.unit, part, linking=cause.linking)
             life.parts.append(part)
         return life
 
@@ -210,9 +221,9 @@ class Trace:
         if items != life.items or tag != life.last_tag:
             owner = unit.origins.owner(life.node, unit.file)
             if tag != life.last_tag:
-                life.changes.append(Change(TAG, life.last_tag, str(tag), cause, owner))
+                life.changes.append(Change(TAG, life.last_tag, str(tag), cause=cause, owner=owner))
                 life.last_tag = str(tag)
-            life.changes += _differences(dict(life.items), dict(items), cause, owner)
+            life.changes += _differences(dict(life.items), dict(items), cause, owner=owner)
             life.items = items
         parent = life.node.getparent()
         if parent is not life.last_parent:
@@ -231,7 +242,7 @@ class Trace:
                     life.sources.append(old)
         if len(life.sources) == 1:
             life.changes += _differences(
-                dict(life.sources[0].items), life.attributes, life.made_by, life.owner
+                dict(life.sources[0].items), life.attributes, life.made_by, owner=life.owner
             )
 
 
@@ -240,7 +251,7 @@ def _differences(
 ) -> Iterator[Change]:
     for name in {**before, **after}:
         if before.get(name) != after.get(name):
-            yield Change(name, before.get(name), after.get(name), cause, owner)
+            yield Change(name, before.get(name), after.get(name), cause=cause, owner=owner)
 
 
 def _carried(life: Life, linking: Linking) -> Part | None:

@@ -88,7 +88,7 @@ class Traced:
             return None
         if not found:
             elsewhere = attached_notes(self.model, asked.name) if asked.name else []
-            not_found(asked, self.model.root, context.sink, [*self._left_out(asked), *elsewhere])
+            not_found(asked, self.model.root, context.sink, notes=[*self._left_out(asked), *elsewhere])
             return None
         if asked.attribute is not None:
             attribute, _ = attribute_and_index(asked.attribute)
@@ -121,13 +121,22 @@ class Traced:
             parts=tuple(self.parts(life)),
             changes=tuple(self.changes(life)),
             in_force=self._in_force(node) if reached else None,
-            classes=tuple(self._class_step(each.name) for each in class_chain(node, self.classes)) if reached else (),
+            classes=tuple(self._class_step(each.name) for each in class_chain(node, self.classes))
+            if reached
+            else (),
             given=tuple(
-                Given(attribute.name, str(level.text), str(level.name), self.written_at(level.writer, attribute.name))
+                Given(
+                    attribute.name,
+                    str(level.text),
+                    str(level.name),
+                    span=self.written_at(level.writer, attribute.name),
+                )
                 for attribute, level in given(node, kind, self.classes)
-            ) if reached else (),
+            )
+            if reached
+            else (),
             sets=tuple(self._sets(node)) if node.tag == "default" else (),
-        )  # fmt: skip
+        )
 
     def attribute(self, node: Node, name: str) -> AttributeExplained:
         """Explain an attribute."""
@@ -135,21 +144,21 @@ class Traced:
             return self._derived(node, name)
         kind = kind_of(node)
         attribute = kind.attributes[name]
-        steps = levels(node, kind, attribute, self.classes)
+        steps = levels(node, kind, attribute, classes=self.classes)
         explained = []
         for step in steps:
             words = {"element": f"<{node.tag}>", "mujoco": "MuJoCo's default"}.get(step.kind, str(step.name))
             whole = step.text is not None and len(step.taken) == len(step.text.split())
-            origin = self._level_origin(step.kind, step.name, step.writer, name)
+            origin = self._level_origin(step.kind, step.name, step.writer, attribute=name)
             explained.append(
                 LevelExplained(
-                    step.kind, words, step.text, bool(step.taken),
-                    None if whole or not step.taken or step.text is None
+                    step.kind, words, step.text, wins=bool(step.taken),
+                    part_of_it=None if whole or not step.taken or step.text is None
                     else " ".join(step.text.split()[step.taken.start : step.taken.stop]),
-                    origin.span,
-                    () if step.writer is None or (step.text is None and step.kind != "element")
+                    span=origin.span,
+                    changes=() if step.writer is None or (step.text is None and step.kind != "element")
                     else tuple(self.changes(self.watch.life(step.writer), name)),
-                    origin.words,
+                    words=origin.words,
                 )
             )  # fmt: skip
         return AttributeExplained(
@@ -198,26 +207,26 @@ class Traced:
             text = self._derived(node, attribute).value or "computed by MuJoCo"
         elif attribute is not None:
             kind = kind_of(node)
-            steps = levels(node, kind, kind.attributes[attribute], self.classes)
+            steps = levels(node, kind, kind.attributes[attribute], classes=self.classes)
             text = value(steps)
             winner = next((step for step in steps if step.taken), steps[-1])
             words = {"element": "written on it", "mujoco": "MuJoCo's default"}.get(
                 winner.kind, f"class {winner.name}"
             )
-            origin = self._level_origin(winner.kind, winner.name, winner.writer, attribute)
+            origin = self._level_origin(winner.kind, winner.name, winner.writer, attribute=attribute)
             reason = Reason("computed" if origin.words else words, origin.span)
         return Listed(self.labels[node], text, reason)
 
     def key_rows(self, key: Node, vector: str) -> Iterator[tuple[Node, RowExplained]]:
         """Yield the numbers of a key by their joint, actuator or mocap body, and by their origin."""
-        for holder, numbers, origin in rows(self.model, key, vector, self.watch):
+        for holder, numbers, origin in rows(self.model, key, vector, trace=self.watch):
             reason = self._row_reason(key, origin)
             if origin.kind == "entry":
                 reason = self.recipe_lines.in_own_form(reason.span, numbers)
             written = origin.written or (
                 None if reason.span is None else self.recipe_lines.text_of(reason.span)
             )
-            yield holder, row_explained(self.labels[holder], numbers, origin, reason, written)
+            yield holder, row_explained(self.labels[holder], numbers, origin, reason=reason, written=written)
 
     def _sets(self, node: Node) -> Iterator[Listed]:
         for child in node.iterchildren("*"):
@@ -278,7 +287,7 @@ class Traced:
             if isinstance(change, Move):
                 cause = self.causes.move(change, life) if only is None else None
                 if cause is not None:
-                    yield Changed(None, None, None, cause)
+                    yield Changed(None, None, None, reason=cause)
             elif only in (None, change.attribute) and change.cause.function is not settle_joints:
                 yield self._changed(change, life)
 
@@ -295,11 +304,13 @@ class Traced:
                 continue
             recipe = self.recipe_lines.text_of(span)
             if recipe is not None and not same_words(recipe, text):
-                yield Changed(name, recipe, text, Reason("written in the recipe's own unit or form", span))
+                yield Changed(
+                    name, recipe, text, reason=Reason("written in the recipe's own unit or form", span)
+                )
 
     def _changed(self, change: Change, life: Life) -> Changed:
         name = "tag" if change.attribute == TAG else change.attribute
-        return Changed(name, change.before, change.after, self.causes.change(change, life))
+        return Changed(name, change.before, change.after, reason=self.causes.change(change, life))
 
     # -- its classes -------------------------------------------------------------------------------------------
 
@@ -381,7 +392,7 @@ class Traced:
         return Reason("", span)
 
     def _only_place(self, key: Node, attribute: str) -> Span | None:
-        origins = key_origins(self.model, key, attribute, self.watch)
+        origins = key_origins(self.model, key, attribute, trace=self.watch)
         return only_place(self._row_reason(key, origin) for origin in origins)
 
     def _row_reason(self, key: Node, origin: NumberOrigin) -> Reason:

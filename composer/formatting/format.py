@@ -46,7 +46,7 @@ def format_recipe(source: bytes, file: str, sink: Sink) -> bytes | None:
     first = _LINE_BREAK.search(text)
     end = first.group() if first else "\n"
     result = end.join([*write(document), ""])
-    changed = _changed(node, text, result, file)
+    changed = _changed(node, text, result, file=file)
     if changed is not None:
         sink.error(
             "cannot-format",

@@ -72,7 +72,7 @@ class _Reader:
         entries = root.value.entries
         if entries and not root.value.flow:
             header, parted = _header(entries[0])
-        return Document(preface, header, parted, root.head, root.value, [*tail, *self.rest()])
+        return Document(preface, header, parted, head=root.head, root=root.value, tail=[*tail, *self.rest()])
 
     def value(self, entry: Entry, in_mapping: bool) -> None:
         """Read the value of an entry after its `:` or `-`, and the comments before it."""

@@ -155,7 +155,7 @@ class Grammar:
         if rows_of is None:
             has_default = "default" in raw
             attributes = {
-                name: self._attribute(place, name, row, has_default)
+                name: self._attribute(place, name, row, has_default=has_default)
                 for place, name, row in self._rows(path, raw)
             }
             constraints = self._constraints(raw)
@@ -204,16 +204,18 @@ class Grammar:
         for place, name, row in self._rows(path, raw):
             allowed = row.get("in_default", True)
             if allowed is True:
-                attributes[name] = self._attribute(place, name, row, True)
+                attributes[name] = self._attribute(place, name, row, has_default=True)
             elif allowed:
-                attributes[name] = self._attribute(f"default/{place}", name, {**row, "since": allowed}, True)
+                attributes[name] = self._attribute(
+                    f"default/{place}", name, {**row, "since": allowed}, has_default=True
+                )
         return attributes
 
     def _attribute(self, place: str, name: str, row: dict[str, Any], has_default: bool) -> Attribute:
         key = (place, name, has_default)
         known = self._attributes.get(key)
         if known is None:
-            known = self._attributes[key] = self._make_attribute(place, name, row, has_default)
+            known = self._attributes[key] = self._make_attribute(place, name, row, has_default=has_default)
         return known
 
     def _make_attribute(self, place: str, name: str, row: dict[str, Any], has_default: bool) -> Attribute:

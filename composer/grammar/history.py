@@ -132,7 +132,7 @@ def _attributes(node: Node, path: str, version: str) -> Iterator[Unread]:
                 yield Unread(node, name, word, *span)
         since = LONGER.get(f"{path}@{name}")
         if since is not None and len(value.split()) > 1 and not exists_in(version, since, None):
-            yield Unread(node, name, value, since, None)
+            yield Unread(node, name, value, since=since, until=None)
 
 
 def default_of(path: str, attribute: str) -> str | None:

@@ -187,9 +187,9 @@ class Comparison:
             changes = self.changes(item, there, each)
             if moved or item.node is each.root:  # the attachment determines its pose
                 changes = {k: v for k, v in changes.items() if (each.is_base and not moved) or k not in POSE}
-            self.pairs.append(Pair(select, item, each, changes, moved))
+            self.pairs.append(Pair(select, item, each, changes=changes, moved=moved))
             if item.kind.tag == "body":
-                self.unnamed(item.node, there.node, selector_of(_BODY, _BODY, each.out + name), each)
+                self.unnamed(item.node, there.node, selector_of(_BODY, _BODY, each.out + name), each=each)
 
     def changes(self, before: Item, after: Item, each: Instance) -> dict[str, str | None]:
         """Return the values that differ between an element of the part and the merged model.
@@ -200,10 +200,10 @@ class Comparison:
             return {}
         part = self.parts[each.part]
         degrees = self.merged.settings.angle == "degree"
-        one = plain(effective(before, part), before.kind.tag, part.settings, degrees)
-        other = plain(effective(after, self.merged), after.kind.tag, self.merged.settings, degrees)
+        one = plain(effective(before, part), before.kind.tag, part.settings, degrees=degrees)
+        other = plain(effective(after, self.merged), after.kind.tag, self.merged.settings, degrees=degrees)
         if POSE & (one.keys() | other.keys()) and at_the_same_place(
-            one, part.settings, other, self.merged.settings
+            one, part.settings, other, others=self.merged.settings
         ):
             for name in (*POSE, "size"):
                 one.pop(name, None)
@@ -227,7 +227,7 @@ class Comparison:
                     own and own == self.alike.get(there or "")
                 ):
                     del one[name], other[name]  # the part has an equal one of its own
-        return differing(one, other, before.kind, each.prefix)
+        return differing(one, other, before.kind, prefix=each.prefix)
 
     def same(self, before: Node, after: Node, each: Instance) -> bool:
         """Return whether MuJoCo compiles the two to the same."""
@@ -268,7 +268,13 @@ class Comparison:
             before = effective(pair.item, self.parts[pair.each.part]).get(name)
             self.found_changes.append(
                 Changed(
-                    "default class", called, f"{tag} {name}", before, value, self.unit(pair, name), len(pairs)
+                    "default class",
+                    called,
+                    f"{tag} {name}",
+                    before=before,
+                    after=value,
+                    unit=self.unit(pair, name),
+                    count=len(pairs),
                 )
             )
             for each in pairs:
@@ -305,9 +311,9 @@ class Comparison:
                     pair.item.kind.tag,
                     self.called(pair),
                     name,
-                    before.get(name),
-                    value,
-                    self.unit(pair, name),
+                    before=before.get(name),
+                    after=value,
+                    unit=self.unit(pair, name),
                 )
                 self.found_changes.append(place)
         if pair.changes or pair.moved:
@@ -354,9 +360,11 @@ class Comparison:
             if there is None:
                 continue
             kind = GRAMMAR.element(tag)
-            item = Item(node, kind, "asset", tag)
-            changes = self.changes(item, Item(there, kind, "asset", tag), each)
-            self.pairs.append(Pair(selector_of(tag, tag, each.out + name), item, each, changes, {}))
+            item = Item(node, kind, "asset", namespace=tag)
+            changes = self.changes(item, Item(there, kind, "asset", namespace=tag), each)
+            self.pairs.append(
+                Pair(selector_of(tag, tag, each.out + name), item, each, changes=changes, moved={})
+            )
 
     def compare_sections(self, each: Instance) -> None:
         """Compare unnamed elements of sections, paired by what they refer to."""
@@ -375,7 +383,7 @@ class Comparison:
                 self.edit({"select": select, "remove": "true"}, REMOVED)
             else:
                 self.covered.add(found.node)
-                self.pairs.append(Pair(select, item, each, self.changes(item, found, each), {}))
+                self.pairs.append(Pair(select, item, each, changes=self.changes(item, found, each), moved={}))
 
     def compare_world(self, each: Instance) -> list[str]:
         """Return selectors of unnamed elements in the part's world that the merged model lacks."""
@@ -385,7 +393,7 @@ class Comparison:
         if here is None or there is None:
             return []
         if each.is_base:
-            self.unnamed(here, there, _IN_WORLD, each)
+            self.unnamed(here, there, _IN_WORLD, each=each)
             return []
         return [*self.beside(here, each)] + [
             flow({tag: '"**"', "parent": _IN_WORLD, "where": quoted("${name == ''}")})
@@ -398,7 +406,7 @@ class Comparison:
         around = each.body.getparent()
         kind = GRAMMAR.within("worldbody")[_BODY]
         one, other = (
-            [Item(node, kind, "worldbody", _BODY) for node in _without_name(holder, _BODY)]
+            [Item(node, kind, "worldbody", namespace=_BODY) for node in _without_name(holder, _BODY)]
             for holder in (here, each.body if around is None else around)
         )
         other = [item for item in other if item.node not in self.covered]
@@ -409,7 +417,7 @@ class Comparison:
                 dropped.append(select)
             else:
                 self.covered.add(b.node)
-                self.unnamed(a.node, b.node, select, each)
+                self.unnamed(a.node, b.node, select, each=each)
         return dropped[::-1]  # one that goes must not renumber those that are still to go
 
     def meant(self, item: Item, each: Instance | None) -> tuple[object, ...]:
@@ -440,7 +448,7 @@ class Comparison:
         for tag in (*_IN_BODIES, _BODY):
             kind = GRAMMAR.within("worldbody")[tag]
             one, other = (
-                [Item(node, kind, "worldbody", tag) for node in _without_name(body, tag)]
+                [Item(node, kind, "worldbody", namespace=tag) for node in _without_name(body, tag)]
                 for body in (before, after)
             )
             for a, b in paired(one, other, lambda a, b: not self.changes(a, b, each)):
@@ -449,9 +457,9 @@ class Comparison:
                     self.edit({"select": select, "remove": "true"}, REMOVED - one.index(a))
                 else:
                     self.covered.add(b.node)
-                    self.pairs.append(Pair(select, a, each, self.changes(a, b, each), {}))
+                    self.pairs.append(Pair(select, a, each, changes=self.changes(a, b, each), moved={}))
                     if tag == _BODY:
-                        self.unnamed(a.node, b.node, select, each)
+                        self.unnamed(a.node, b.node, select, each=each)
 
     def written(self, item: Item) -> Iterator[tuple[str, Attribute, str]]:
         for name, attribute in item.kind.attributes.items():

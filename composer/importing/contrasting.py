@@ -64,7 +64,7 @@ class Trial:
         if not self._parts[each.part] or (above is not None and body is None):
             return Likeness()
         given: dict[str, object] = {"prefix": each.prefix, "names": names, "body": body}
-        answer = call(self.session, unchanged, [name, _MERGED], given)
+        answer = call(self.session, unchanged, [name, _MERGED], argument=given)
         if not answer.ok:
             return Likeness()
         self.compared = True
@@ -75,7 +75,7 @@ class Trial:
         if self.refused is not None:
             return None
         given = {"tolerance": _TOLERANCE, "names": proposal.renamed}
-        answer = call(self.session, contrast, [_MERGED, WHOLE], given)
+        answer = call(self.session, contrast, [_MERGED, WHOLE], argument=given)
         if not answer.ok:
             return None
         seen = contrast_of(answer.value)

@@ -48,7 +48,7 @@ def items(unit: Unit) -> Iterator[Item]:
             kind = kinds.get(str(node.tag))
             name = None if kind is None else kind.attributes.get("name")
             if node is not section and kind is not None and name is not None and name.declares is not None:
-                yield Item(node, kind, str(section.tag), name.declares)
+                yield Item(node, kind, str(section.tag), namespace=name.declares)
 
 
 def named(unit: Unit) -> dict[tuple[str, str], Item]:
@@ -78,7 +78,7 @@ def differing(
     changes: dict[str, str | None] = {}
     for name, attribute in kind.attributes.items():
         before, after = (each.get(name) or default_text(attribute) for each in (one, other))
-        if before == after or (before and after and _same(before, after, attribute, prefix)):
+        if before == after or (before and after and _same(before, after, attribute, prefix=prefix)):
             continue
         changes[name] = after
     return changes

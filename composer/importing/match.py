@@ -101,7 +101,7 @@ def _of_part(number: int, part: Unit, bodies: dict[str, Node]) -> Iterator[Insta
             prefix = there.removesuffix(name)
             likeness = sum(prefix + each in bodies for each in own) / len(own)
             if likeness >= _ENOUGH:
-                yield Instance(number, prefix, root, body, likeness, names=own)
+                yield Instance(number, prefix, root, body=body, likeness=likeness, names=own)
 
 
 def _bodies(unit: Unit) -> Iterator[Node]:

@@ -41,11 +41,11 @@ def of_urdf(path: Path, target: Path, context: Context) -> OfUrdf | None:
         return None
     choices = UrdfChoices(visuals="keep")
     with Session() as session:
-        reader = UrdfReader(replace(source, urdf=choices), Sink(), session, context.shown)
+        reader = UrdfReader(replace(source, urdf=choices), Sink(), session, shown=context.shown)
         unit = reader.unit()
         if unit is None and {each.code for each in reader.sink.errors} == {INERTIA}:
             choices = replace(choices, inertia="mend")
-            reader = UrdfReader(replace(source, urdf=choices), Sink(), session, context.shown)
+            reader = UrdfReader(replace(source, urdf=choices), Sink(), session, shown=context.shown)
             unit = reader.unit()
     for each in reader.sink.diagnostics:
         if each.code != UNREAD or each.severity is Severity.ERROR:
@@ -53,7 +53,7 @@ def of_urdf(path: Path, target: Path, context: Context) -> OfUrdf | None:
     if unit is None:
         return None
     has_unread = any(row.why and not row.is_minor for row in unit.table)
-    return OfUrdf(_text(path, target, unit, choices, has_unread), unit.table)
+    return OfUrdf(_text(path, target, unit, choices=choices, has_unread=has_unread), unit.table)
 
 
 def _text(path: Path, target: Path, unit: Unit, choices: UrdfChoices, has_unread: bool) -> str:

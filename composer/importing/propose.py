@@ -68,7 +68,9 @@ def propose(
     found = find(merged, parts)
     separator = separator_of(found)
     name_in_recipe(found, [part.label for part in parts], separator)
-    return _Proposer(merged, parts, references, found, separator, relative, likeness).proposal()
+    return _Proposer(
+        merged, parts, references, found=found, separator=separator, relative=relative, likeness=likeness
+    ).proposal()
 
 
 class _Proposer(Comparison):
@@ -92,7 +94,14 @@ class _Proposer(Comparison):
             for key in self.parts[each.part].root.iter("key"):
                 keys.setdefault(str(key.get("name") or ""), []).append("base" if each.is_base else each.key)
         return Proposal(
-            head, self.entries, self.found, renamed, self.alike, nameless, keys, tuple(self.found_changes)
+            head,
+            self.entries,
+            self.found,
+            renamed=renamed,
+            alike=self.alike,
+            nameless_keys=nameless,
+            keys=keys,
+            changed=tuple(self.found_changes),
         )
 
     def match_names(self) -> None:
@@ -123,7 +132,7 @@ class _Proposer(Comparison):
                 if not name:
                     shown = {"name": quoted(""), **shown}
                     name = self.label(f"asset/{tag}", shown.get("type", tag).strip('"'))
-                self.entries.append(Entry("asset", f"{word(name)}: {flow(shown)}", nested, tag))
+                self.entries.append(Entry("asset", f"{word(name)}: {flow(shown)}", nested, group=tag))
 
     def remove_keys(self) -> None:
         """Remove the keys of parts that the merged model does not have."""

@@ -72,7 +72,16 @@ def recover(
     if context.sink.error_count > before or len(units) < len(read):
         return None
     with Session() as session:
-        recovery = _Recovery(merged, parts, out, context, session, progress, units, references or {})
+        recovery = _Recovery(
+            merged,
+            parts,
+            out,
+            context=context,
+            session=session,
+            progress=progress,
+            units=units,
+            references=references or {},
+        )
         return recovery.recovered()
 
 
@@ -125,8 +134,8 @@ class _Recovery:
             self.units[0],
             self.units[1:],
             references,
-            lambda file: _reference(file, self.out.parent),
-            likeness,
+            relative=lambda file: _reference(file, self.out.parent),
+            likeness=likeness,
         )
 
     def settled(self, proposal: Proposal) -> Recovered:
@@ -164,7 +173,9 @@ class _Recovery:
             text, _ = recipe_text(proposal)
             bundle, faults = self.built(text)
             outcome = None if bundle is None else self.trial.outcome(proposal)
-        return Recovered(text, proposal, bundle, tuple(faults), outcome, self.trial.refused)
+        return Recovered(
+            text, proposal, bundle, faults=tuple(faults), outcome=outcome, refused=self.trial.refused
+        )
 
     def built(self, text: str) -> tuple[Bundle | None, list[Diagnostic]]:
         """Build the text as if it were at `out`."""
@@ -176,7 +187,8 @@ class _Recovery:
         with unsaved({os.path.realpath(trial): text.encode()}):
             result = build(Request(trial), own, session=self.session)
         faults = [
-            replace(each, span=_at(each, trial, out, own), others=(), cells=()) for each in own.sink.errors
+            replace(each, span=_at(each, trial, out, context=own), others=(), cells=())
+            for each in own.sink.errors
         ]
         return (None if result is None else result.bundle), faults
 

@@ -42,7 +42,7 @@ class Index:
                 each.name,
                 each.ctrl,
                 (each.unit,) * each.ctrl_size,
-                tuple(map(_limits, each.ranges)),
+                limits=tuple(map(_limits, each.ranges)),
                 origin=each.origin,
             )
             for each in self._listed.actuators
@@ -63,7 +63,7 @@ class Index:
                 each.name,
                 each.address,
                 (each.unit,) * each.size,
-                ((-each.cutoff, each.cutoff) if each.cutoff is not None else UNLIMITED,) * each.size,
+                limits=((-each.cutoff, each.cutoff) if each.cutoff is not None else UNLIMITED,) * each.size,
                 origin=each.origin,
             )
             for each in self._listed.sensors
@@ -116,7 +116,7 @@ class Index:
         return self._numbers("tendon")
 
     def _vector(self, name: str, kind: str, entries: Sequence[Entry]) -> Vector:
-        return Vector(name, kind, entries, self._separator)
+        return Vector(name, kind, entries, separator=self._separator)
 
     def _numbers(self, kind: str, word: str | None = None) -> Numbers:
         return Numbers(Lookup(word or kind, self._names(kind), self._separator))
@@ -135,16 +135,23 @@ def _position(joint: Joint) -> Entry:
     units = BY_WORD[joint.type].position_units
     scalar = joint.qpos_size == 1  # the range of a ball joint is an angle, not one of its numbers
     limits = (_limits(joint.range) if scalar else UNLIMITED,) * joint.qpos_size
-    return Entry(joint.name, joint.qpos, units, limits, joint.body, joint.origin)
+    return Entry(joint.name, joint.qpos, units, limits=limits, body=joint.body, origin=joint.origin)
 
 
 def _velocity(joint: Joint) -> Entry:
     units = BY_WORD[joint.type].velocity_units
-    return Entry(joint.name, joint.dof, units, (UNLIMITED,) * joint.dof_size, joint.body, joint.origin)
+    return Entry(
+        joint.name,
+        joint.dof,
+        units,
+        limits=(UNLIMITED,) * joint.dof_size,
+        body=joint.body,
+        origin=joint.origin,
+    )
 
 
 def _activations(actuators: Sequence[Actuator]) -> Iterator[Entry]:
     for each in actuators:
         if each.act is not None:
             limits = (_limits(each.act_range),) * each.act_size
-            yield Entry(each.name, each.act, (None,) * each.act_size, limits, origin=each.origin)
+            yield Entry(each.name, each.act, (None,) * each.act_size, limits=limits, origin=each.origin)

@@ -79,7 +79,7 @@ def _downloaded(address: str, folder: Path) -> Path:
 
     limits = ReadLimits()
     try:
-        return download(address, folder, limits.files, limits.bytes)
+        return download(address, folder, limits.files, size=limits.bytes)
     except RemoteError as error:
         raise _failure("file-unreadable", f"cannot read `{hide(address)}`: {error}") from error
 
@@ -91,11 +91,11 @@ def _load(path: Path, shown: str, *, allow_changes: bool) -> Loaded:
     checked = _read_binary(path, shown) if is_binary else _checked(path, shown)
     manifest = checked.manifest
     with _on_disk(checked, shown, allow_changes) as file:
-        _check_version(manifest, mujoco.__version__, shown, is_binary)
+        _check_version(manifest, mujoco.__version__, shown, is_binary=is_binary)
         model = _compiled(mujoco, file, shown)
     listed = _listed(mujoco, model)
     if manifest.index is not None:
-        check_index(manifest.index, listed, shown, sink := Sink())
+        check_index(manifest.index, listed, shown, sink=(sink := Sink()))
         _raise_or_warn(sink.errors, allow_changes)
         listed = _with_places(listed, manifest)
     return Loaded(model, manifest, Index(listed, partial(names, model), manifest.separator))
@@ -134,9 +134,9 @@ def _compare(bundle: Bundle, shown: str, content: bytes | None = None) -> _Check
     manifest = manifest_of(bundle.files.get(MANIFEST), shown, sink := Sink())
     if manifest is None:
         raise LoadError(sink.errors)
-    check_files(bundle, manifest, shown, sink)
+    check_files(bundle, manifest, shown, sink=sink)
     key = (bundle.sha256 if content is None else sha256(content).hexdigest()), in_force()
-    return _Checked(key, manifest, bundle, sink.errors, _taken(key))
+    return _Checked(key, manifest, bundle, faults=sink.errors, kept=_taken(key))
 
 
 def _read_binary(path: Path, shown: str) -> _Checked:
@@ -219,7 +219,7 @@ def _written(checked: _Checked, shown: str) -> _Kept:
         if found := outside(file.parent, file.name, shown):
             raise LoadError(found)
         stamps = {path: _stamp(path) for path in (folder / name for name in bundle.files)}
-        return _Kept(checked.manifest, file, stamps, stack.pop_all())
+        return _Kept(checked.manifest, file, stamps, folder=stack.pop_all())
 
 
 def _taken(key: Hashable) -> _Kept | None:

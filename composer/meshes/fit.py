@@ -23,10 +23,10 @@ def fit(mesh: Mesh, wanted: str) -> Primitive:
 def _fitted(type: str, points: numpy.ndarray) -> Primitive:
     if type == "sphere":
         centre, radius = _ball(points)
-        return Primitive("sphere", (radius,), centre, numpy.eye(3))
+        return Primitive("sphere", (radius,), centre, turn=numpy.eye(3))
     turn, low, high = _box(points)
     if type == "box":
-        return Primitive("box", tuple((high - low) / 2), turn @ ((low + high) / 2), turn)
+        return Primitive("box", tuple((high - low) / 2), turn @ ((low + high) / 2), turn=turn)
     found = []
     for axes in ((1, 2, 0), (2, 0, 1), (0, 1, 2)):
         turned = turn[:, axes]
@@ -44,7 +44,7 @@ def _fitted(type: str, points: numpy.ndarray) -> Primitive:
             bottom, top = along.min(), along.max()
             half = (top - bottom) / 2
         pos = turned @ numpy.array([*centre, (bottom + top) / 2])
-        found.append(Primitive(type, (float(radius), float(half)), pos, turned))
+        found.append(Primitive(type, (float(radius), float(half)), pos, turn=turned))
     return min(found, key=lambda each: each.volume)
 
 

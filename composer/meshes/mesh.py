@@ -65,7 +65,7 @@ def read_mesh(mujoco: Any, attributes: dict[str, str], most_faces: int) -> Mesh:
     vertices = numpy.array(model.mesh_vert, dtype=float) @ turn.reshape(3, 3).T + model.mesh_pos[0]
     solid = trimesh.Trimesh(vertices, faces, process=True)
     mapped = bool(model.mesh_texcoordnum[0] > 0)
-    return Mesh(numpy.asarray(solid.vertices), numpy.asarray(solid.faces), solid, mapped)
+    return Mesh(numpy.asarray(solid.vertices), numpy.asarray(solid.faces), solid, is_mapped=mapped)
 
 
 def check_thick(mesh: Mesh) -> None:

@@ -116,7 +116,7 @@ def measures(vertices: Any, faces: Any) -> dict[str, Any]:
 def measured(facts: dict[str, Any], scale: Sequence[float]) -> Measured:
     """Return what `measures` found, for a mesh with this scale."""
     size = math.dist((0, 0, 0), [factor * each for factor, each in zip(scale, facts["extents"], strict=True)])
-    return Measured(size, facts["flat"], not facts["open"], facts["open"], facts["edges"])
+    return Measured(size, facts["flat"], not facts["open"], open_edges=facts["open"], edges=facts["edges"])
 
 
 def is_flat(vertices: Any) -> bool:

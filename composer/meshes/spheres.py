@@ -30,7 +30,7 @@ def spheres(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Primitive]:
         own = points[nearest == each]
         centre = numpy.asarray(minimum_nsphere(own)[0]) if len(own) > 4 else own.mean(axis=0)
         radius = float(numpy.linalg.norm(own - centre, axis=1).max())
-        found.append(Primitive("sphere", (radius,), centre, numpy.eye(3)))
+        found.append(Primitive("sphere", (radius,), centre, turn=numpy.eye(3)))
     return found
 
 

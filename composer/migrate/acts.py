@@ -30,7 +30,7 @@ def rename(places: str, old: str, new: str, words: dict[str, str] | None = None)
                 if node.get(new) is not None:
                     editing.unset(node, old)  # MuJoCo takes the new one where both are written
                     continue
-                editing.rename(node, old, new, value if words is None else words[value])
+                editing.rename(node, old, new, value=value if words is None else words[value])
 
         return carry_out
 

@@ -56,7 +56,9 @@ class Pieces:
             if not file or not unit.door.exists(path):
                 continue  # MuJoCo says so
             if "urdf" in f"{element.get('content_type')} {path.suffix}".lower():
-                self.left.append(Meaning("attached", f"`{shown}` is URDF, and stays as it is", span, None))
+                self.left.append(
+                    Meaning("attached", f"`{shown}` is URDF, and stays as it is", span, help=None)
+                )
                 continue
             inner = self._known.get(real)
             if inner is None:

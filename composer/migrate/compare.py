@@ -83,7 +83,7 @@ def compare(before: Compiled, after: Compiled) -> Outcome:
     pairs = _pairs(one, two, outcome)
     for array in sorted(one.arrays.keys() | two.arrays.keys()):
         if not follows(array):
-            _compare(array, one, two, pairs, outcome)
+            _compare(array, one, two, pairs=pairs, outcome=outcome)
     _compare_flags(one, two, outcome)
     return outcome
 
@@ -224,7 +224,7 @@ def _settle_surfaces(one: _Side, two: _Side, outcome: Outcome) -> None:
             if _same_surface(a, b):
                 b = a
                 outcome.recut.append(_called("mesh", mesh, one))
-            elif _stand_alike(a, b, mesh, one, two):
+            elif _stand_alike(a, b, mesh, one=one, two=two):
                 b = a
         kept[0].append(a)
         kept[1].append(b)
@@ -331,7 +331,13 @@ def _compare(array: str, one: _Side, two: _Side, pairs: Mapping[str, Array], out
     if x is None or y is None or (x.size != y.size and not (x.size and y.size)):
         here = y if x is None or not x.size else x
         if here is not None and here.size:
-            _alone(array, here, x is None or not x.size, one if y is None or not y.size else two, outcome)
+            _alone(
+                array,
+                here,
+                x is None or not x.size,
+                side=one if y is None or not y.size else two,
+                outcome=outcome,
+            )
         return
     kind = _PREFIXES.get(array.partition("_")[0], "")
     if x.shape != y.shape:
@@ -364,7 +370,7 @@ def _compare(array: str, one: _Side, two: _Side, pairs: Mapping[str, Array], out
     row = int(rows[0])
     element = _label(array, row, one) if wrong.ndim else "the model"
     before, after = (_shown(each[row] if each.ndim else each) for each in (x, y))
-    outcome.differences.append(Difference(array, element, before, after, len(rows)))
+    outcome.differences.append(Difference(array, element, before, after=after, count=len(rows)))
 
 
 def _scale(array: str, x: Array) -> Array | None:
@@ -421,7 +427,7 @@ def _other_flags(one: Mapping[str, bool], two: Mapping[str, bool]) -> Iterator[D
         before, after = (each.get(flag, FLAGS.get(flag, False)) for each in (one, two))
         if before != after:
             words = [("enabled" if each else "disabled") for each in (before, after)]
-            yield Difference(f"flags.{flag}", "the model", words[0], words[1], 1)
+            yield Difference(f"flags.{flag}", "the model", words[0], after=words[1], count=1)
 
 
 def _label(array: str, row: int, side: _Side) -> str:

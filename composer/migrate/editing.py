@@ -224,7 +224,9 @@ class Editing:
         """Something does not mean the same any more."""
         shown = () if self.change is None else self.change.arrays
         span = None if node is None else self.span(node, attribute)
-        self.meanings.append(Meaning(self.name, message, span, help, shown if arrays is None else arrays))
+        self.meanings.append(
+            Meaning(self.name, message, span, help=help, arrays=shown if arrays is None else arrays)
+        )
 
     def refuse(self, node: Node, message: str, help: str | None = None, attribute: str | None = None) -> None:
         """Something that cannot be said in the other version."""

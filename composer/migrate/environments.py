@@ -58,7 +58,7 @@ class Other:
         said = _run(self.python, [str(model), str(out)])
         if said.get("error") is not None:
             return Compiled(self.version, error=str(said["error"]))
-        return Compiled(self.version, out, said["names"], said["words"])
+        return Compiled(self.version, out, said["names"], words=said["words"])
 
 
 def this_python() -> Path:

@@ -58,12 +58,12 @@ def _is_of_class(node: Node) -> bool:
 
 def larger_of_two(editing: Editing) -> None:
     """Before 3.5 a contact had the larger margin of its two geoms, since then their sum."""
-    _combine(editing, 0.5, "the larger", "the sum")
+    _combine(editing, 0.5, "the larger", now="the sum")
 
 
 def sum_of_two(editing: Editing) -> None:
     """The same for a model that goes back."""
-    _combine(editing, 2.0, "the sum", "the larger")
+    _combine(editing, 2.0, "the sum", now="the larger")
 
 
 def _combine(editing: Editing, factor: float, was: str, now: str) -> None:

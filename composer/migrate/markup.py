@@ -68,7 +68,7 @@ class Markup:
                 element = open_.pop()
                 element.close, element.end = piece.start(), piece.end()
                 continue
-            element = _Written(tag, piece.start(), piece.start("inside"), piece.end())
+            element = _Written(tag, piece.start(), piece.start("inside"), open_end=piece.end())
             for each in _ATTRIBUTE.finditer(text, piece.start("inside"), piece.end("inside")):
                 value = each[3]
                 element.values[each[2]] = unescape(value[1:-1])
@@ -113,7 +113,7 @@ class Source:
                 edits.append((start, end, ""))
                 continue
             edits.extend(_changes(node, written, renamed.get(node, {})))
-            edits.extend(_additions(node, written, place, text))
+            edits.extend(_additions(node, written, place, text=text))
         if "\r\n" in text:
             edits = [(start, end, new.replace("\n", "\r\n")) for start, end, new in edits]
         return _applied(text, edits)

@@ -64,7 +64,7 @@ def migrate(
     """
     pieces = Pieces.of(unit, context)
     whole = [
-        Editing(each.unit, context.sink, before, after, values=pieces.measured(each, values or {}))
+        Editing(each.unit, context.sink, before, after=after, values=pieces.measured(each, values or {}))
         for each in pieces.every
     ]
     sources = [_sources(editing.unit, context) for editing in whole]
@@ -128,7 +128,7 @@ def _leave_out(editing: Editing) -> None:
         node, name = found.node, found.attribute
         if node in editing.refused:
             continue
-        if next(unread_in(node, editing.before, name, found.value), False):
+        if next(unread_in(node, editing.before, name, value=found.value), False):
             continue  # the version it was written for does not read it either
         if name is None and not (found.since and version_key(found.since) > version_key(editing.after)):
             editing.refuse(node, f"MuJoCo {editing.after} has no {found.called}: {found.when()}")
@@ -142,10 +142,12 @@ def _leave_out(editing: Editing) -> None:
             editing.unset(node, name)
         elif f"{place(node)}@{name}" in _OF_THE_ENGINE:
             words = editing.lacking(place(node), name, str(node.get(name)))
-            editing.warn(node, words, None, name, (f"flags.{name}",))
+            editing.warn(node, words, None, attribute=name, arrays=(f"flags.{name}",))
             editing.unset(node, name)
         else:
-            editing.refuse(node, f"MuJoCo {editing.after} has no {found.called}: {found.when()}", None, name)
+            editing.refuse(
+                node, f"MuJoCo {editing.after} has no {found.called}: {found.when()}", None, attribute=name
+            )
 
 
 _HARMLESS = {

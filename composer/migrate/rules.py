@@ -88,7 +88,7 @@ def inertia_of_all(editing: Editing) -> None:
                     node,
                     f'MuJoCo {editing.after} has no `inertia="{kind}"` for one mesh alone',
                     "write the inertia of the bodies with this mesh as `<inertial>`",
-                    "inertia",
+                    attribute="inertia",
                 )
         return
     if kinds == {"exact"}:
@@ -115,7 +115,7 @@ def shells_of_meshes(editing: Editing) -> None:
                 f"only some of the geoms with the mesh `{name}` have their mass on the surface,"
                 f" which MuJoCo {editing.after} says of the mesh",
                 'make a second `<mesh>` of that file with `inertia="shell"`, and use it here',
-                "shellinertia",
+                attribute="shellinertia",
             )
             continue
         editing.set(meshes[name], "inertia", "shell")
@@ -175,7 +175,7 @@ def quats_that_are_read(editing: Editing) -> None:
                 node,
                 f"MuJoCo {editing.after} does not read the `quat` of {called(node)}, whose class gives `{given[0]}`",
                 f"write it as `{given[0]}`, or take that from the class",
-                "quat",
+                attribute="quat",
             )
 
 
@@ -206,7 +206,7 @@ def limited_by_hand(editing: Editing) -> None:
                 node,
                 f"MuJoCo {editing.after} refuses {called(node)} where `autolimits` is off",
                 'take `autolimits="false"` away, and write what is not limited',
-                "actrange",
+                attribute="actrange",
             )
 
 
@@ -244,7 +244,9 @@ def lines_did_not_bend(editing: Editing) -> None:
 def lines_that_bend(editing: Editing) -> None:
     for flex, node in _flexes(editing):
         if dimension(flex) == 1 and _number(node, "young"):
-            editing.warn(node, f"{called(flex)} does not bend in MuJoCo {editing.after}", None, "young")
+            editing.warn(
+                node, f"{called(flex)} does not bend in MuJoCo {editing.after}", None, attribute="young"
+            )
 
 
 def _elastic(editing: Editing) -> Iterator[tuple[Node, Node, float, float, float, str]]:
@@ -330,7 +332,7 @@ def implicit_flexes(editing: Editing) -> None:
         'write `integrator="discrete"`, which is close to it'
         + (" with the solver CG" if solver == "CG" else "")
         + ', or `integrator="Euler"` with a small timestep',
-        "integrator",
+        attribute="integrator",
     )
 
 

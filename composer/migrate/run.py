@@ -74,17 +74,17 @@ def run(wish: Wish, context: Context, progress: Callable[[str], None]) -> Result
     others = _opened(wish.pythons, context)
     if context.sink.has_errors or after is None or others is None:
         return None
-    before = before or written_for(unit, after, others, context)
+    before = before or written_for(unit, after, others, context=context)
     if before is None:
         return None
     others.setdefault(installed(), Other(this_python(), installed()))
-    if wish.proves and not _installed(others, (before, after), context, progress):
+    if wish.proves and not _installed(others, (before, after), context, progress=progress):
         return None
     with ExitStack() as opened:
         prover = Prover(opened.enter_context(scratch("migrate")), others, progress)
         try:
             values = measured(prover.original(before, path)) if before != after else {}
-            migrated = migrate(unit, before, after, context, wish.adopt, values)
+            migrated = migrate(unit, before, after, context=context, adopt=wish.adopt, values=values)
             if migrated is None:
                 return None
             proof = prover.prove(migrated, path) if before != after else Proof()
@@ -92,7 +92,7 @@ def run(wish: Wish, context: Context, progress: Callable[[str], None]) -> Result
             context.sink.error("migrate-python", str(error), help=error.help)
             return None
         missing = tuple(each for each in (before, after) if each not in others)
-        result = Result(path, migrated, proof, missing)
+        result = Result(path, migrated, proof, missing=missing)
         _judge(result, context)
     return None if context.sink.has_errors else result
 

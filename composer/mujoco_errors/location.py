@@ -58,7 +58,9 @@ def _class_level(attribute: str, element: Node, model: Unit) -> Level | None:
     known = kind.attributes.get(attribute) if kind is not None else None
     if kind is None or known is None or element.get(attribute) is not None:
         return None
-    given = (level for level in levels(element, kind, known, model.classes) if level.taken or level.text)
+    given = (
+        level for level in levels(element, kind, known, classes=model.classes) if level.taken or level.text
+    )
     nearest = next(given, None)
     return nearest if nearest is not None and nearest.kind == "class" else None
 

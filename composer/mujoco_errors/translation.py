@@ -78,7 +78,7 @@ def unknown_attribute(
 
     `file` is the model in which it is written, and `version` a MuJoCo that reads it, if these are known.
     """
-    found = of_other_version(element, name, file, version)
+    found = of_other_version(element, name, file, version=version)
     if found is None:
         kind = kind_of(element)
         known = list(kind.attributes) if kind is not None else []
@@ -88,7 +88,7 @@ def unknown_attribute(
 
 def unknown_element(element: Node, file: str | None = None, version: str | None = None) -> Translation:
     """Return the translation for an element that MJCF does not have in that place."""
-    if (other := of_other_version(element, None, file, version)) is not None:
+    if (other := of_other_version(element, None, file, version=version)) is not None:
         return Translation(other)
     parent = element.getparent()
     kind = kind_of(parent) if parent is not None else None

@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 
 def bits(seed: int, samples: Iterable[int], field: str, element: str, component: int) -> Bits:
     """Return `stream.bits` for each sample."""
-    before, after = stream.identity(seed, field, element, component)
+    before, after = stream.identity(seed, field, element, component=component)
     size = stream.BITS // 8
     found = b"".join([sha256(b"%b%d%b" % (before, each, after)).digest()[:size] for each in samples])
     return np.frombuffer(found, ">u8").astype(np.uint64)
@@ -43,12 +43,12 @@ def below(bits: Bits, count: int) -> NDArray[np.int64]:
 
 
 def exp(x: Floats) -> Floats:
-    return _rounded(x, (x > -_FARTHEST) & (x < _FARTHEST), _exp, exact.exp)
+    return _rounded(x, (x > -_FARTHEST) & (x < _FARTHEST), _exp, one=exact.exp)
 
 
 def log(x: Floats) -> Floats:
     """Return `exact.log` of each number."""
-    return _rounded(x, (x > _LEAST) & (x < 0.5), _log, exact.log)
+    return _rounded(x, (x > _LEAST) & (x < 0.5), _log, one=exact.log)
 
 
 def quantile(p: Floats) -> Floats:

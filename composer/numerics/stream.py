@@ -18,7 +18,7 @@ def bits(seed: int, sample: int, field: str, element: str, component: int) -> in
     >>> hex(bits(7, 1, "friction", "cube/box", 0))
     '0x488ac89d436f6e7e'
     """
-    before, after = identity(seed, field, element, component)
+    before, after = identity(seed, field, element, component=component)
     return int.from_bytes(hashlib.sha256(b"%b%d%b" % (before, sample, after)).digest()[: BITS // 8], "big")
 
 

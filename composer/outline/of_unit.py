@@ -38,16 +38,21 @@ class _Outliner:
     def world(self) -> Body:
         worlds = list(self.unit.root.iterchildren("worldbody"))
         joints, places, children = self.contents(worlds, Pose(), 1)
-        return Body(WORLD, None, joints, places, children)
+        return Body(WORLD, None, joints, places=places, children=children)
 
     def body(self, node: Node, outside: Pose, copies: int) -> Body:
         """Return a body; `outside` is the pose of its parent in the world."""
         name = node.get("name")
         pose = outside @ self.pose(node)
         joints, places, children = self.contents([node], pose, copies)
-        own = (Place("body", str(name), Pose(), pose),) if name else ()
+        own = (Place("body", str(name), Pose(), world=pose),) if name else ()
         return Body(
-            None if not name else str(name), self.part_of(node), joints, (*own, *places), children, copies
+            None if not name else str(name),
+            self.part_of(node),
+            joints,
+            places=(*own, *places),
+            children=children,
+            copies=copies,
         )
 
     def contents(
@@ -63,7 +68,7 @@ class _Outliner:
                 children.append(self.body(node, world @ inside, times))
             elif node.tag in ("site", "frame") and node.get("name"):
                 pose = inside @ self.pose(node)
-                places.append(Place(str(node.tag), str(node.get("name")), pose, world @ pose))
+                places.append(Place(str(node.tag), str(node.get("name")), pose, world=world @ pose))
         return tuple(joints), tuple(places), tuple(children)
 
     def members(self, holders: list[Node], pose: Pose, copies: int) -> Iterator[tuple[Node, Pose, int]]:
@@ -84,8 +89,8 @@ class _Outliner:
     def range(self, node: Node, type: str) -> tuple[float, float] | None:
         """Return the limits in effect: `limited` decides, and if it is not set, whether a range is written."""
         kind, classes = kind_of(node), self.unit.classes
-        text = text_in_effect(node, kind, "range", classes)
-        limited = text_in_effect(node, kind, "limited", classes) or "auto"
+        text = text_in_effect(node, kind, "range", classes=classes)
+        limited = text_in_effect(node, kind, "limited", classes=classes) or "auto"
         if limited == "false" or (limited == "auto" and self.unit.settings.autolimits == "false"):
             return None
         numbers_of = numbers.read(str(text or ""))

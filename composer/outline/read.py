@@ -53,7 +53,7 @@ def outline(text: str, context: Context, given: Given | None = None, sample: int
         context.sink.add(error.diagnostic)
         return None
     if source.format == "recipe":
-        return _of_recipe(source.path, text, context, given, sample)
+        return _of_recipe(source.path, text, context, given=given, sample=sample)
     for name, node in (given or {}).items():
         context.sink.error(
             "unknown-name", f"`{text}` is not a recipe and has no parameter `{name}`", node.span
@@ -72,7 +72,7 @@ def _of_recipe(path: Path, text: str, context: Context, given: Given | None, sam
         return None
     part_of = _part_of(composed.model, composer.parts, plan.separator)
     parts = tuple(_part(each, context) for each in composed.members)
-    return Outline(plan.name, text, world_of(composed.model, part_of), parts)
+    return Outline(plan.name, text, world_of(composed.model, part_of), parts=parts)
 
 
 def _part_of(model: Unit, parts: dict[Node, str], separator: str) -> PartOf:
@@ -119,7 +119,7 @@ def _of_bundle(path: Path, text: str, context: Context) -> Outline | None:
             )
     parts = () if manifest is None else _listed(manifest)
     world = world_of(unit, lambda node: _by_prefix(node, manifest))
-    return Outline(unit.model or unit.label, text, world, parts)
+    return Outline(unit.model or unit.label, text, world, parts=parts)
 
 
 def _listed(manifest: Manifest) -> tuple[Part, ...]:

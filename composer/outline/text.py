@@ -76,7 +76,7 @@ def _below(body: Body, depth: int | None, paint: Paint, edge: str = "") -> Itera
                 )
                 yield paint("dim", f"{inner}└ {summary}")
         else:
-            yield from _below(child, None if depth is None else depth - 1, paint, inner)
+            yield from _below(child, None if depth is None else depth - 1, paint, edge=inner)
 
 
 def _line(body: Body, parent: Body, paint: Paint) -> str:

@@ -41,7 +41,7 @@ def draw(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
     try:
         if out.suffix == ".mp4":
             encoder()
-        stage = Stage(mujoco, model, key, look)
+        stage = Stage(mujoco, model, key, look=look)
     except NoEncoder as error:
         return {"no encoder": str(error)}
     except NoOpenGL as error:
@@ -54,7 +54,7 @@ def draw(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
             out.write_bytes(png(stage.picture(view)))
         else:
             rate = _RATES[out.suffix]
-            frames = list(_frames(stage, view, rate, asked["turntable"], asked["play"]))
+            frames = list(_frames(stage, view, rate, turntable=asked["turntable"], play=asked["play"]))
             _WRITERS[out.suffix](out, frames, rate)
     except _StoppedError as error:
         return {"stopped": str(error)}
@@ -73,7 +73,7 @@ def _frames(stage: Stage, view: Any, rate: int, turntable: bool, play: float | N
     started = stage.data.time
     for number in range(count):
         if play is not None:
-            stopped = advance(stage.mujoco, stage.model, stage.data, number / rate, started)
+            stopped = advance(stage.mujoco, stage.model, stage.data, end=number / rate, begun=started)
             if stopped is not None:
                 raise _StoppedError(stopped)
         yield stage.picture(view)
@@ -83,7 +83,7 @@ def _frames(stage: Stage, view: Any, rate: int, turntable: bool, play: float | N
 
 def _labelled(stage: Stage, picture: Any, words: str) -> Any:
     """Return a picture with a line of text below it."""
-    strip = stage.text(words, picture.shape[1], _STRIP, _INK, _PAPER)
+    strip = stage.text(words, picture.shape[1], _STRIP, ink=_INK, paper=_PAPER)
     return np.concatenate([picture[:, :, :3], strip])
 
 

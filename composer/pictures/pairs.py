@@ -27,7 +27,7 @@ def pictures(mujoco: Any, a: Any, b: Any, folder: str) -> dict[str, Any]:
     key = next(iter(_common(a, b, "key")), None)
     look = Look()
     try:
-        stages = [Stage(mujoco, model, key, look) for model in (a, b)]
+        stages = [Stage(mujoco, model, key, look=look) for model in (a, b)]
     except NoOpenGL as error:
         return {"no OpenGL": str(error)}
     free = camera(mujoco, [(stage.model, stage.data) for stage in stages], look.aspect)

@@ -73,12 +73,12 @@ def _allowances(plan: Plan, shown: Shown) -> Iterator[Allowance]:
         everywhere = inner is plan
         files = frozenset() if everywhere else frozenset([inner.file, *_files(inner, shown)])
         for code, span in _codes(find(inner.document, (ALLOW,))):
-            yield Allowance(code, span, everywhere, files)
+            yield Allowance(code, span, everywhere, files=files)
         for edit in inner.edits:
             yield from _of_item(inner, edit.edit.at)
-        yield from _of_model(inner, ("base",), inner.base.model, shown)
+        yield from _of_model(inner, ("base",), inner.base.model, shown=shown)
         for part in inner.parts:
-            yield from _of_model(inner, part.at, part.model, shown)
+            yield from _of_model(inner, part.at, part.model, shown=shown)
 
 
 def _of_model(plan: Plan, at: Path, model: Source | Plan | None, shown: Shown) -> Iterator[Allowance]:
@@ -103,7 +103,7 @@ def _of_item(plan: Plan, at: Path, files: frozenset[str] = frozenset()) -> Itera
             for line in range(span.line, (span.end_line or span.line) + 1)
         )
         for code, span in codes:
-            yield Allowance(code, span, False, files, lines)
+            yield Allowance(code, span, False, files=files, lines=lines)
 
 
 def _files(plan: Plan, shown: Shown) -> Iterator[str]:

@@ -63,7 +63,7 @@ def validated(path: Path, given: Given, context: Context) -> ValidRecipe | None:
         if found is None:
             return None
         lost = found.lost | (concrete.lost if concrete else frozenset())
-        return ValidRecipe(found.recipe, found.document, concrete, lost)
+        return ValidRecipe(found.recipe, found.document, concrete, lost=lost)
 
     return _once(("validated", path, _values(given)), context, work)
 

@@ -57,11 +57,11 @@ def _lines(plan: Plan, foreseen: Foreseen, indent: str = "") -> Iterator[str]:
         yield f"{inner}start from an empty model"
     else:
         yield f"{inner}start from {_model(plan.base.model)}{_body(plan.base.subtree)}"
-        yield from _own(plan, plan.base, ("base",), foreseen, inner + "  ")
+        yield from _own(plan, plan.base, ("base",), foreseen=foreseen, indent=inner + "  ")
         if isinstance(plan.base.model, Plan):
             yield from _lines(plan.base.model, foreseen, inner + "  ")
     early: list[Step] = []
-    yield from _part_lines(plan, foreseen, inner, early)
+    yield from _part_lines(plan, foreseen, inner, early=early)
     for field in plan.randomize.of_parameters if plan.randomize else ():
         yield inner + field.words
     for step in plan.steps:
@@ -88,7 +88,7 @@ def _part_lines(plan: Plan, foreseen: Foreseen, indent: str, early: list[Step]) 
                 yield indent + maker.words
         model = f"{_model(part.model)}{_body(part.attachment.subtree)}"
         yield f"{indent}attach {_called(part, last[part.at])}: {model}, {_place(part)}"
-        yield from _own(plan, part.attachment, part.at, foreseen, indent + "  ")
+        yield from _own(plan, part.attachment, part.at, foreseen=foreseen, indent=indent + "  ")
         if isinstance(part.model, Plan):
             yield from _lines(part.model, foreseen, indent + "  ")
 

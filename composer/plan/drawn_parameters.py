@@ -36,7 +36,7 @@ def drawn_parameters(
             )
             continue
         taken[name] = field
-        source = _Source(field, concrete, document, sink)
+        source = _Source(field, concrete, document, sink=sink)
         if not source.can_be_drawn():
             continue
         for number in (sample,) if sample else range(1, randomize.samples + 1):
@@ -46,7 +46,13 @@ def drawn_parameters(
             if sample:
                 values[name] = node_of(value, locate(document, field.drawn_at))
                 drawn.append(
-                    Drawn(field.name, None, name, field.operation, source.draw(randomize.seed, sample))
+                    Drawn(
+                        field.name,
+                        None,
+                        name,
+                        operation=field.operation,
+                        value=source.draw(randomize.seed, sample),
+                    )
                 )
     return values, tuple(drawn)
 
@@ -70,7 +76,7 @@ class _Source:
             known = list(self.concrete.scope)
             message = f"the recipe has no parameter `{self.name}` to draw"
             self.sink.add(
-                unknown_name("parameter", self.name, known, span, message=message, written="param: {}")
+                unknown_name("parameter", self.name, known, span=span, message=message, written="param: {}")
             )
             return False
         numbers = self.nominal if isinstance(self.nominal, tuple) else (self.nominal,)
@@ -106,10 +112,10 @@ class _Source:
         distribution, field = self.field.distribution, self.field
         if isinstance(self.nominal, tuple) and not distribution.is_whole:
             return tuple(
-                distribution.draw(bits(seed, sample, field.stream, "", n), n)
+                distribution.draw(bits(seed, sample, field.stream, element="", component=n), n)
                 for n in range(len(self.nominal))
             )
-        chosen = distribution.draw(bits(seed, sample, field.stream, "", 0), 0)
+        chosen = distribution.draw(bits(seed, sample, field.stream, element="", component=0), 0)
         return tuple(chosen) if isinstance(chosen, list) else chosen
 
     def value(self, seed: int, sample: int) -> Value | None:

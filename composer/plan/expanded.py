@@ -27,7 +27,7 @@ def expanded_text(plan: Plan) -> str:
 
 def _lines(node: Mapping, indent: str) -> Iterator[tuple[str, Span]]:
     for name, (key, value) in node.entries.items():
-        yield from _entry(f"{indent}{_text(name)}:", value, indent + "  ", key.span)
+        yield from _entry(f"{indent}{_text(name)}:", value, indent + "  ", span=key.span)
 
 
 def _entry(start: str, value: Node, indent: str, span: Span) -> Iterator[tuple[str, Span]]:

@@ -43,7 +43,7 @@ def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -
     before = context.sink.error_count
     path = lock_path(context.folder / recipe)
     fetching.recipe = context.shown(context.folder / recipe)
-    fetching.lock = read_lock(path, context.shown(path), context.sink, disputes)
+    fetching.lock = read_lock(path, context.shown(path), context.sink, disputes=disputes)
     if context.sink.error_count > before:
         return None
     if fetching.lock is None and fetching.locked:
@@ -55,7 +55,7 @@ def use_lock(recipe: Path, context: Context, disputes: Disputed | None = None) -
         local = (each.files for each in fetching.lock.sources.values() if kind_of(each).is_local)
         sources.current().note(os.path.join(path.parent, name) for files in local for name in files)
     if fetching.lock is not None and fetching.locked:
-        _report_versions(fetching.lock, context.shown(path), fetching.recipe, context)
+        _report_versions(fetching.lock, context.shown(path), fetching.recipe, context=context)
     return fetching
 
 
@@ -124,7 +124,7 @@ def check_lock(plan: Plan, context: Context) -> None:
         return
     shown = context.shown(lock_file)
     if fetching.locked and is_one_choice(read_recipe(plan.path, replace(context, sink=Sink()))):
-        _report_unused(fetching.lock.sources.keys() - uses.keys(), shown, plan, context)
+        _report_unused(fetching.lock.sources.keys() - uses.keys(), shown, plan, context=context)
     for id, use in whole.items():
         now, before = _locked(use, fetching), fetching.lock.sources.get(id)
         if now is None:
@@ -295,7 +295,13 @@ class _Gathering:
             if isinstance(place.model, Plan):
                 self._recipe(place.model, place)
             elif place.model is not None:
-                self._put(place.model.path, self._files_of(place.model), place.model, place.part, place.span)
+                self._put(
+                    place.model.path,
+                    self._files_of(place.model),
+                    place.model,
+                    label=place.part,
+                    span=place.span,
+                )
         return self.uses
 
     def _recipe(self, plan: Plan, place: Place) -> None:
@@ -305,14 +311,16 @@ class _Gathering:
         any change that matters changes a source. Nested recipes and fetched ones are locked.
         """
         if place.part and not plan.at:
-            self._put(plan.path, [plan.path], plan.source, place.part, place.span)
+            self._put(plan.path, [plan.path], plan.source, label=place.part, span=place.span)
         label = f"{place.part}{plan.separator}{EXTENDS}" if place.part else EXTENDS
         for source, span in plan.extended:
             if place.part or source.origin is not None:
-                self._put(source.path, [source.path, *source.licences], source, label, place.span or span)
+                self._put(
+                    source.path, [source.path, *source.licences], source, label=label, span=place.span or span
+                )
         for file in files_of_recipe(plan, self.context):
             main = plan.path if self.fetching.around(file) is None else file
-            self._put(main, [file], None, place.part or plan.path.name, place.span)
+            self._put(main, [file], None, label=place.part or plan.path.name, span=place.span)
 
     def _put(
         self, main: Path, files: list[Path], source: Source | None, label: str, span: Span | None
@@ -321,7 +329,7 @@ class _Gathering:
         root = self.folder if origin is None else origin.root
         id = _local_id(_relative(main, root)) if origin is None else origin.id
         if files:
-            use = self.uses.setdefault(id, _Use(root, origin, source, span))
+            use = self.uses.setdefault(id, _Use(root, origin, source, span=span))
             use.used_by.setdefault(label)
             licences = {os.path.realpath(each) for each in source.licences} if source is not None else set()
             for file in files:

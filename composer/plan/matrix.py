@@ -40,9 +40,9 @@ def read_matrix(recipe: Path, context: Context, given: Map[str, Node] | None = N
     named = find(document, ("name",))
     name = named.text if isinstance(named, Scalar) else as_text(path.stem)
     own = settled_name(name, scope_of(document, given or {})) if is_template(name) else name
-    matrix = Matrix(document, own, cells(document, name, context.sink, given))
+    matrix = Matrix(document, own, cells(document, name, context.sink, given=given))
     if _draws_parameters(document):
-        _check_draws(matrix, path, given or {}, context)
+        _check_draws(matrix, path, given or {}, context=context)
     return matrix
 
 
@@ -104,7 +104,7 @@ def _check_draws(matrix: Matrix, path: Path, given: Map[str, Node], context: Con
         alike = repr((randomize, known))
         if alike not in found:
             own = Sink()
-            drawn_parameters(randomize, 0, concrete, document, own)
+            drawn_parameters(randomize, 0, concrete, document=document, sink=own)
             found[alike] = own.diagnostics
         for each in found[alike]:
             context.sink.add_of_cell(cell.label, each)

@@ -39,14 +39,14 @@ def in_order(parts: Mapping[str, Attachment], document: Located, sink: Sink) -> 
     A part with `before` or `after` is placed directly before or after the other part, and after parts that were
     moved there earlier in the file. Contradictions are reported, and these parts keep their place.
     """
-    asked = {key: dict(_asked(key, parts, document, sink)) for key in parts}
+    asked = {key: dict(_asked(key, parts, document, sink=sink)) for key in parts}
     order = [key for key in parts if not asked[key]]
     waiting = [key for key in parts if asked[key]]
     behind: dict[str, list[str]] = {key: [] for key in parts}
     while waiting:
         ready = next((key for key in waiting if all(other in order for other in asked[key].values())), None)
         if ready is None:
-            _ring(waiting, asked, document, sink)
+            _ring(waiting, asked, document, sink=sink)
             return list(parts)
         waiting.remove(ready)
         before, after = asked[ready].get("before"), asked[ready].get("after")
@@ -57,7 +57,7 @@ def in_order(parts: Mapping[str, Attachment], document: Located, sink: Sink) -> 
             at = order.index(last) + 1
             behind[after].append(ready)
             if before is not None and order.index(before) < at:
-                _contradiction(ready, before, after, document, sink)
+                _contradiction(ready, before, after, document=document, sink=sink)
         else:
             assert before is not None
             at = order.index(before)
@@ -79,7 +79,14 @@ def _asked(
             purpose, written = f" for `{key}` to stand {word}", f"{word}: {{}}"
             sink.add(
                 unknown_name(
-                    "part", other, known, span, purpose=purpose, written=written, help=first, about=(key,)
+                    "part",
+                    other,
+                    known,
+                    span=span,
+                    purpose=purpose,
+                    written=written,
+                    help=first,
+                    about=(key,),
                 )
             )
 
@@ -169,7 +176,7 @@ def _of_checks(plan: Plan, parts: list[str], sink: Sink) -> None:
                 "part",
                 check.part,
                 parts,
-                locate(plan.document, (*check.at, "unchanged", "part")),
+                span=locate(plan.document, (*check.at, "unchanged", "part")),
                 message=f"check `{check.name}` is about `{check.part}`, which is not a part of this recipe",
                 help=f"write `part: {near[0]}`" if near else None,
                 fix=renaming(check.part, parts),
@@ -192,4 +199,4 @@ def _of_keys(plan: Plan, parts: list[str], sink: Sink) -> None:
                 )
             elif part not in parts:
                 span = locate(plan.document, (*step.key.at, FROM, part), key=True)
-                sink.add(unknown_name("part", part, parts, span, purpose=" to take a key from"))
+                sink.add(unknown_name("part", part, parts, span=span, purpose=" to take a key from"))

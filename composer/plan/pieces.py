@@ -26,13 +26,13 @@ def check_pieces(document: Mapping, given: Map[str, Node], sink: Sink) -> None:
     over the recipe.
     """
     if has_conditions(document):
-        _judge(document, given, None, sink)
+        _judge(document, given, None, sink=sink)
     axes = read_axes(document, Sink())
     chosen = choose(axes, given, Sink())
     for axis, values in axes.items():
         for value, (key, piece) in values.entries.items():
             if value != chosen.get(axis):
-                _judge(document, {**given, axis: node_of(value, key.span)}, set(spans(piece)), sink)
+                _judge(document, {**given, axis: node_of(value, key.span)}, set(spans(piece)), sink=sink)
 
 
 def _judge(document: Mapping, given: Map[str, Node], places: Set[Span] | None, sink: Sink) -> None:

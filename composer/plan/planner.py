@@ -142,7 +142,7 @@ class _Planner:
             for field in randomize.of_parameters:
                 self._no_table(field, document)
         elif randomize is not None and randomize.of_parameters and concrete is not None:
-            values, drawn = drawn_parameters(randomize, sample, concrete, document, self.sink)
+            values, drawn = drawn_parameters(randomize, sample, concrete, document=document, sink=self.sink)
             if values:
                 read = self._read(path, {**given, **values})
                 if read is None:
@@ -150,7 +150,11 @@ class _Planner:
                 recipe, document, concrete = read
                 randomize = recipe.randomize
         found = _Found(
-            path, recipe, document, concrete, self._angle_context(path, recipe, document, concrete)
+            path,
+            recipe,
+            document,
+            concrete=concrete,
+            angle_context=self._angle_context(path, recipe, document, concrete=concrete),
         )
         return self._assembled(
             found, (*outer, (key, span)), name or recipe.name or as_text(path.stem),
@@ -177,7 +181,7 @@ class _Planner:
         parts = without_rings(tuple(self._parts(found, inside)), recipe.separator, self.sink)
         if base is None:
             return None
-        steps = tuple(steps_of(StepInput(recipe, document, randomize, sample)))
+        steps = tuple(steps_of(StepInput(recipe, document, randomize, sample=sample)))
         plan = Plan(
             name=name,
             description=recipe.description,
@@ -259,7 +263,7 @@ class _Planner:
         files = self.context.recipes[path].said
         if concrete is None or len(files) < 2:
             return AngleContext(document, whole)
-        angle_context = angle_context_of(concrete, document, whole, files, self.sink)
+        angle_context = angle_context_of(concrete, document, whole, files=files, sink=self.sink)
         check_bare_angles(angle_context, self.sink)
         return angle_context
 
@@ -268,11 +272,11 @@ class _Planner:
         if recipe.base is None:
             return LoadBase(None, "merge", None)
         span = locate(document, ("base", "model"))
-        model = self._model(recipe.base, ("base",), found, inside)
+        model = self._model(recipe.base, ("base",), found, inside=inside)
         if model is None:
             return None
         base = recipe.base
-        return LoadBase(model, base.keyframes, span, base.subtree, base.drop, base.edit)
+        return LoadBase(model, base.keyframes, span, subtree=base.subtree, drop=base.drop, edit=base.edit)
 
     def _parts(self, found: _Found, inside: Outer) -> Iterator[AttachPart]:
         recipe, document = found.recipe, found.document
@@ -296,12 +300,12 @@ class _Planner:
                 )
                 continue
             taken.update(dict.fromkeys(prefixes, span))
-            model = self._model(attachment, at, found, inside)
+            model = self._model(attachment, at, found, inside=inside)
             if model is None:
                 self.sink.suppress_about(own for own, _ in numbered)
             else:
                 for prefix, copy in prefixes.items():
-                    yield AttachPart(prefix, model, attachment, at, span, copy)
+                    yield AttachPart(prefix, model, attachment, at=at, span=span, copy=copy)
 
     def _resolved(self, reference: str, folder: Path) -> Source:
         """Return the source of a reference, which is looked for once. Raises SourceError."""
@@ -326,7 +330,7 @@ class _Planner:
         written = find(document, (*at, "model"))
         if not isinstance(asked.model, str):
             assert isinstance(written, Mapping)
-            return self._in_place(at, written, around, inside)
+            return self._in_place(at, written, around, inside=inside)
         span = locate(document, (*at, "model"))
         folder = folder_of(span, self.context)
         try:
@@ -336,7 +340,7 @@ class _Planner:
             return None
         given = find(document, (*at, "with"))
         if asked.packages and source.format != "urdf":
-            self._only_for("packages", "URDF", f"`{asked.model}`", document, at)
+            self._only_for("packages", "URDF", f"`{asked.model}`", document=document, at=at)
         if source.format == "recipe":
             values = (
                 {name: value for name, (_, value) in given.entries.items()}
@@ -345,36 +349,43 @@ class _Planner:
             )
             plan = self.plan(source.path, inside, span, given=values, source=source)
             if plan is not None and plan.separator != outer.separator:
-                self._separators(f"`{asked.model}`", plan, outer, span)
+                self._separators(f"`{asked.model}`", plan, outer, span=span)
             return plan
         if source.format != "urdf":
             for key, what in (("with", "recipes and xacro templates"), ("urdf", "URDF")):
                 if find(document, (*at, key)) is not None:
-                    self._only_for(key, what, f"`{asked.model}`", document, at)
+                    self._only_for(key, what, f"`{asked.model}`", document=document, at=at)
             return source
         packages = tuple(self._packages(asked.packages, document, at))
         door = source.door.wider(tuple(folder for _, folder in packages)) if packages else source.door
         arguments = tuple(self._arguments(asked.given, document, at))
         keys = asked.urdf
-        choices = UrdfChoices(arguments, keys.visuals, keys.fixed, keys.actuators, keys.inertia)
+        choices = UrdfChoices(
+            arguments, keys.visuals, keys.fixed, actuators=keys.actuators, inertia=keys.inertia
+        )
         return replace(source, packages=packages, door=door, urdf=choices)
 
     def _in_place(self, at: KeyPath, model: Mapping, around: _Found, inside: Outer) -> Plan | None:
         """Return the plan of a recipe that is written in place of a model reference."""
         for key, what in (("with", "recipes in files"), ("packages", "URDF"), ("urdf", "URDF")):
             if find(around.document, (*at, key)) is not None:
-                self._only_for(key, what, "a model in place", around.document, at)
+                self._only_for(key, what, "a model in place", document=around.document, at=at)
         read = validate_what_remains(with_inherited(model, around.document), self.sink)
         if read is None:
             return None
         recipe = read.recipe
         if recipe.separator != around.recipe.separator:
-            self._separators("the model in place", recipe, around.recipe, model.span)
+            self._separators("the model in place", recipe, around.recipe, span=model.span)
         own = {"angle", "eulerseq"} & model.entries.keys()
         others = {} if own else around.angle_context.others
         angle_context = AngleContext(read.document, AngleSettings(recipe.angle, recipe.eulerseq), others)
         found = _Found(
-            around.path, recipe, read.document, around.concrete, angle_context, (*around.at, *at, "model")
+            around.path,
+            recipe,
+            read.document,
+            concrete=around.concrete,
+            angle_context=angle_context,
+            at=(*around.at, *at, "model"),
         )
         return self._assembled(found, inside, recipe.name or str(at[-1]), at=found.at)
 

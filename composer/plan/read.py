@@ -44,8 +44,10 @@ def read_recipe(path: Path, context: Context) -> Node | None:
         own = replace(context, sink=Sink())
         before, extended = fetching.trust, list[tuple[Source, Span]]()
         said: dict[str, Mapping] = {}
-        node = _read(path, own, (), extended, said)
-        known = ReadRecipe(node, tuple(own.sink.diagnostics), tuple(extended), said, fetching.trust)
+        node = _read(path, own, (), extended=extended, said=said)
+        known = ReadRecipe(
+            node, tuple(own.sink.diagnostics), tuple(extended), said=said, trust=fetching.trust
+        )
         fetching.trust = before
         context.recipes[path] = known
     if path == fetching.outer:  # nested recipes cannot set trust
@@ -73,18 +75,18 @@ def _read(
         return None
     if not isinstance(node, Mapping):
         return node
-    _take_trust(node, path, context, chain[0] if chain else path)
+    _take_trust(node, path, context, top=chain[0] if chain else path)
     settings = {name: node.entries[name] for name in SETTINGS if name in node.entries}
     said[context.shown(path)] = Mapping(settings, node.span)
     if EXTENDS not in node.entries:
         return node
     _, named = node.entries[EXTENDS]
     upper = Mapping({name: entry for name, entry in node.entries.items() if name != EXTENDS}, node.span)
-    source = _extended(named, path, context, (*chain, path))
+    source = _extended(named, path, context, chain=(*chain, path))
     if source is None:
         return None
     extended.append((source, named.span))
-    lower = _read(source.path, context, (*chain, path), extended, said)
+    lower = _read(source.path, context, (*chain, path), extended=extended, said=said)
     if not isinstance(lower, Mapping):
         if lower is not None:
             context.sink.error("wrong-type", "what is extended is not a recipe", named.span)
@@ -163,7 +165,7 @@ def _text(path: Path, context: Context) -> bytes | None:
         refuse_size(shown, context.sink)
         return None
     except OSError as error:
-        _unreadable(path, shown, error, context)
+        _unreadable(path, shown, error, context=context)
         return None
     if text.lstrip().startswith(b"<"):
         context.sink.error(

@@ -31,8 +31,8 @@ def read_trust(node: Mapping, folder: Path, sink: Sink) -> Trust:
         return Trust()
     for name, (key, _) in written.entries.items():
         if name not in KEYS:
-            sink.add(unknown_key(name, KEYS, key.span, f"`{TRUST}` has no key `{name}`"))
-    files = [_folder(text, span, folder, sink) for text, span in _texts(written, FILES, sink)]
+            sink.add(unknown_key(name, KEYS, key.span, message=f"`{TRUST}` has no key `{name}`"))
+    files = [_folder(text, span, folder, sink=sink) for text, span in _texts(written, FILES, sink)]
     references = tuple(
         text for text, span in _texts(written, REFERENCES, sink) if _is_narrow(text, span, sink)
     )

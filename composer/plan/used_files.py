@@ -84,7 +84,7 @@ def _of_urdf(source: Source) -> Iterator[Path]:
     given = dict(source.packages)
     if is_template(source.path, text.encode()):
         yield from files_named(
-            source.path, text.encode(), source.door, ros_package.all_folders(source.path, given)
+            source.path, text.encode(), source.door, packages=ros_package.all_folders(source.path, given)
         )
         return
     packages = ros_package.folders(ros_package.packages_in(text), source.path, given)

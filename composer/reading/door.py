@@ -136,7 +136,7 @@ class Door:
             folder = os.path.dirname(real)
             shown = folder if self.start is None else _relative(folder, self.start)
             help = help.replace("{folder}", shown).replace("{absolute}", folder)
-        return Refused(path, OUTSIDE.format(self.whose), help, real)
+        return Refused(path, OUTSIDE.format(self.whose), help, real=real)
 
     def _is_seen(self, path: str, mode: int) -> bool:
         try:

@@ -59,7 +59,7 @@ def own_door(
         (*folders, *also),
         f"`{folders[0]}`, which is all that this model may read",
         None if recipe is None else _HELP,
-        recipe,
+        start=recipe,
     )
 
 

@@ -79,10 +79,12 @@ def _addition(reader: Reader, value: Any, at: Path) -> Addition | None:
         help = "write `to: world`, or the name of a body"
         reader.faults.append(replace(fault, key=False, help=help))
     kinds = addable(target[0] if target else "body")
-    element = _element(reader, value, at, kinds, "the world" if target and target[0] == WORLD else "`add`")
+    element = _element(
+        reader, value, at, kinds=kinds, place="the world" if target and target[0] == WORLD else "`add`"
+    )
     if target is None or element is None:
         return None
-    return Addition(target[0], target[1], element, path_of(value))
+    return Addition(target[0], target[1], element, at=path_of(value))
 
 
 def _element(
@@ -92,7 +94,7 @@ def _element(
     found = [name for name in value if name in kinds or name == FRAGMENT]
     for name in value:
         if name != TO and name not in found:
-            reader.faults.append(_unknown(name, (*at, name), kinds, place))
+            reader.faults.append(_unknown(name, (*at, name), kinds, place=place))
     if not found:
         if set(value) <= {TO}:
             help = "write the element as `TAG: {…}`, for instance `site: {name: tcp, pos: [0, 0, 0.1]}`"
@@ -111,7 +113,7 @@ def _element(
             )
         )
     if first == FRAGMENT:
-        return reader.fragment(kinds, place, value, at, own=(TO, *others))
+        return reader.fragment(kinds, place, value, at=at, own=(TO, *others))
     item = value[first]
     if isinstance(item, list):
         help = f"write an entry of its own for each `{first}`"

@@ -131,8 +131,8 @@ class Attachment(UsedModel):
             in_place = fault_of_inline_recipe(value, owner, cls.model_fields)
             if in_place is not None:
                 raise validation_error([in_place], value)
-            report_exclusive(PLACES, list(value), owner, (), faults)
-            report_exclusive(ORIENTATIONS, list(value), owner, (), faults)
+            report_exclusive(PLACES, list(value), owner, at=(), faults=faults)
+            report_exclusive(ORIENTATIONS, list(value), owner, at=(), faults=faults)
             if value.get("prefix") == "" and value.get("replicate"):
                 faults.append(_nameless_copies(owner))
         attachment: Attachment = validated_with(handler, value, faults)
@@ -174,22 +174,26 @@ def prefix_fault(prefix: str, context: Settings, at: tuple[str, ...] = (), key: 
     separator = context.separator
     if prefix == RESERVED:
         message = f"`{RESERVED}` means the model to start from and is not a prefix"
-        return Fault("reserved-prefix", message, at, key, help="choose another name for the part")
+        return Fault("reserved-prefix", message, at, key=key, help="choose another name for the part")
     if not prefix:
         message = "a prefix is empty"
         return Fault(
-            "bad-name", message, at, key, help='to attach without a prefix, write `prefix: ""` in the part'
+            "bad-name",
+            message,
+            at,
+            key=key,
+            help='to attach without a prefix, write `prefix: ""` in the part',
         )
     if any(character.isspace() for character in prefix):
         joined = "_".join(prefix.split())
         return Fault(
-            "bad-name", f"the prefix `{prefix}` has a space in it", at, key, help=f"write `{joined}`"
+            "bad-name", f"the prefix `{prefix}` has a space in it", at, key=key, help=f"write `{joined}`"
         )
     if is_unprintable(prefix):
         return unprintable("a prefix", at, key=key)
     if separator in prefix and separator in PATH_LIKE:
         help = "mjcompose adds the separator; a part that is attached to another part has a prefix of its own"
         return Fault(
-            "bad-name", f"the prefix `{prefix}` has the separator `{separator}` in it", at, key, help=help
+            "bad-name", f"the prefix `{prefix}` has the separator `{separator}` in it", at, key=key, help=help
         )
     return None

@@ -24,7 +24,7 @@ class ByTag(Elements):
 
     def content(self, reader: Reader, value: Any) -> tuple[Element, ...]:
         read = [
-            self.element(reader, kind, name, item, (*at, name))
+            self.element(reader, kind, name, value=item, at=(*at, name))
             for kind, items, at in self.tags(reader, value)
             for name, item in reader.names(items, at, f"`{kind.tag}` in `{self.tag}`")
         ]
@@ -38,7 +38,7 @@ class ByTag(Elements):
 
     def element(self, reader: Reader, kind: ElementType, name: str, value: Any, at: Path) -> Element | None:
         owner = f"{kind.tag} `{name}`"
-        keyed = reader.keyed([kind], name, value, at, owner)
+        keyed = reader.keyed([kind], name, value, at=at, owner=owner)
         return reader.element(kind, value, at, owner, keyed=keyed, own=() if keyed else (NAME,))
 
 
@@ -54,7 +54,7 @@ class Lists(Elements):
                 help = f"write `{kind.tag}: [{{…}}]`" if isinstance(items, dict) else None
                 reader.faults.append(Fault("wrong-type", message, at, help=help))
                 continue
-            elements += reader.children(kind, items, at, f"`{self.tag}`")
+            elements += reader.children(kind, items, at, owner=f"`{self.tag}`")
         return tuple(elements)
 
     def schema(self) -> Schema:

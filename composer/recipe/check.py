@@ -103,7 +103,7 @@ def _read(name: str, value: Any, faults: list[Fault]) -> Iterator[Check]:
             message = f"`{first}` in {owner} is not a kind of check: `{name}` is the name of this check"
             faults.append(Fault("unknown-key", message, (name, first), key=True, help=_named(name)))
         return
-    _check_severity(value, owner, (name,), faults)
+    _check_severity(value, owner, (name,), faults=faults)
     for word, given in value.items():
         kind = KINDS.get(word)
         if word == SEVERITY:
@@ -116,7 +116,7 @@ def _read(name: str, value: Any, faults: list[Fault]) -> Iterator[Check]:
             help = f"write for instance `{word}: {_alone(given, kind) or kind.example}`"
             faults.append(Fault("wrong-type", message, (name, word), help=help))
         else:
-            keys, before = Keys(name, word, given, faults), len(faults)
+            keys, before = Keys(name, word, given, faults=faults), len(faults)
             check = kind.make(keys, kind.form.read(keys), path_of(value))
             if check is not None and len(faults) == before:
                 yield check

@@ -53,16 +53,16 @@ class Contacts(Lists):
         if COLLIDE in rest:
             items = rest.pop(COLLIDE)
             for at, item in _items(items, (COLLIDE,)):
-                found += _between(reader, COLLIDE, item, at, top)
+                found += _between(reader, COLLIDE, item, at=at, top=top)
         excludes = rest.get(EXCLUDE)
         if excludes in (TOUCHING, AUTO) or (isinstance(excludes, Mapping) and "body1" not in excludes):
-            found += _exclude(reader, rest.pop(EXCLUDE), (EXCLUDE,), top)
+            found += _exclude(reader, rest.pop(EXCLUDE), (EXCLUDE,), top=top)
         elif isinstance(excludes, str):
             reader.faults.append(_no_word(rest.pop(EXCLUDE), (EXCLUDE,)))
         elif isinstance(excludes, list):
             own = [(index, item) for index, item in enumerate(excludes) if not _is_element(item)]
             for index, item in own:
-                found += _exclude(reader, item, (EXCLUDE, index), top)
+                found += _exclude(reader, item, (EXCLUDE, index), top=top)
             if own:
                 kind = self.kind.children[EXCLUDE]
                 rest.pop(EXCLUDE)
@@ -129,13 +129,13 @@ def _exclude(reader: Reader, value: Any, at: Path, top: Path) -> list[Collisions
     if value == TOUCHING:
         return [Collisions(EXCLUDE, (), (*top, *at))]
     if value == AUTO:
-        return [Collisions(EXCLUDE, (), (*top, *at), SAMPLES)]
+        return [Collisions(EXCLUDE, (), (*top, *at), samples=SAMPLES)]
     if isinstance(value, str):
         reader.faults.append(_no_word(value, at))
         return []
     if isinstance(value, Mapping) and AUTO in value:
-        return _auto(reader, value, at, top)
-    return _between(reader, EXCLUDE, value, at, top)
+        return _auto(reader, value, at, top=top)
+    return _between(reader, EXCLUDE, value, at=at, top=top)
 
 
 def _auto(reader: Reader, value: Mapping[str, Any], at: Path, top: Path) -> list[Collisions]:
@@ -156,7 +156,7 @@ def _auto(reader: Reader, value: Mapping[str, Any], at: Path, top: Path) -> list
         path = (*at, AUTO, key)
         if key not in ("samples", "seed"):
             reader.faults.append(
-                unknown_key(f"`{key}` is not a key of `{AUTO}`", key, ("samples", "seed"), path)
+                unknown_key(f"`{key}` is not a key of `{AUTO}`", key, ("samples", "seed"), at=path)
             )
         elif isinstance(number, bool) or not isinstance(number, int):
             message = f"`{key}` expects a whole number, got {kind_of(number)}"
@@ -166,7 +166,9 @@ def _auto(reader: Reader, value: Mapping[str, Any], at: Path, top: Path) -> list
             reader.faults.append(Fault("out-of-range", message, path))
     if len(reader.faults) > before:
         return []
-    return [Collisions(EXCLUDE, (), (*top, *at), given.get("samples", SAMPLES), given.get("seed", 0))]
+    return [
+        Collisions(EXCLUDE, (), (*top, *at), samples=given.get("samples", SAMPLES), seed=given.get("seed", 0))
+    ]
 
 
 def _no_word(word: str, at: Path) -> Fault:
@@ -205,7 +207,7 @@ def _between(
         message = f"`{BETWEEN}` of `{what}` expects two sides, got {got}"
         reader.faults.append(Fault(code, message, (*at, BETWEEN), help=example))
         return []
-    read = [_side(reader, side, what, (*at, BETWEEN, index)) for index, side in enumerate(sides)]
+    read = [_side(reader, side, what, at=(*at, BETWEEN, index)) for index, side in enumerate(sides)]
     return [] if len(reader.faults) > before else [Collisions(what, tuple(read), (*top, *at))]
 
 

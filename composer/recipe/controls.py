@@ -53,15 +53,15 @@ def read_controls(
     joints: dict[str, Any] = {}
     for name, item in value.items():
         if name == HOLD and isinstance(item, str | bool):
-            way = _way(reader, item, (*at, name), owner)
+            way = _way(reader, item, (*at, name), owner=owner)
         elif name == JOINT and isinstance(item, dict):
-            joints = _numbers(reader, item, (*at, name), owner, (JOINT,), held)
+            joints = _numbers(reader, item, (*at, name), owner=owner, path=(JOINT,), held=held)
         elif name == JOINT and isinstance(item, str) and item[:1].isalpha():
             message = f"`{JOINT}` in `{CTRL}` of {owner} is a mapping by joint, got `{item}`"
             help = f"write `{JOINT}: {{{item}: 30deg}}`, or `{JOINT}: {{{item}: {HOLD}}}`"
             reader.faults.append(Fault("wrong-type", message, (*at, name), help=help))
         else:
-            left.update(_numbers(reader, {name: item}, at, owner, (), held))
+            left.update(_numbers(reader, {name: item}, at, owner=owner, path=(), held=held))
     return Controls(way, tuple(held)), left, joints
 
 

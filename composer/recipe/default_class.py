@@ -56,7 +56,7 @@ class Defaults(Section):
         for tag, item in value.items():
             at = (name, tag)
             if tag == PARENT:
-                parent = self._parent(reader, name, item, at)
+                parent = self._parent(reader, name, item, at=at)
             elif tag == self.tag:
                 help = "write the class beside this one, with `parent`"
                 message = f"a class cannot stand in {owner}"

@@ -98,10 +98,13 @@ class FieldDistribution:
         The random bits are those of `component`, and the parameters those of `of`.
         """
         if len(samples) < _MANY:
-            return [self.draw(bits(seed, each, stream, element, component), of) for each in samples]
+            return [
+                self.draw(bits(seed, each, stream, element=element, component=component), of)
+                for each in samples
+            ]
         from composer.numerics import many  # numpy
 
-        found = many.bits(seed, samples, stream, element, component)
+        found = many.bits(seed, samples, stream, element=element, component=component)
         if self.kind == CHOICE:
             return [self.values[each] for each in many.below(found, len(self.values)).tolist()]
         numbers = self.of(of).draw_all(found)
@@ -153,7 +156,7 @@ class DistributionReader:
         if len(self.faults) > before:
             return None
         angles = [each for items in numbers.values() for each in items if isinstance(each, Angle)]
-        unit = self._unit(numbers, angles, kind, at)
+        unit = self._unit(numbers, angles, kind, at=at)
         if len(self.faults) > before:
             return None
         plain = {name: tuple(_in(each, unit) for each in items) for name, items in numbers.items()}

@@ -97,12 +97,12 @@ def read_field(name: str, value: Any, bare_angles: bool, faults: list[Fault]) ->
     faults += _unknown(name, value)
     meant = {near for key in value if key not in KEYS for near in closest(key, KEYS)}
     faults += _subject(name, value, meant)
-    operation, kind, inner, at = _written(name, value, meant, faults)
+    operation, kind, inner, at = _written(name, value, meant, faults=faults)
     reader = DistributionReader(owner, operation, faults)
     distribution = None if kind is None else reader.read(kind, inner[kind], (*at, kind))
     selector = None
     if "select" in value:
-        selector = read_selector(value["select"], (name, "select"), f"`select` of {owner}", faults)
+        selector = read_selector(value["select"], (name, "select"), f"`select` of {owner}", faults=faults)
     per = value.get("per", PER[0])
     if per not in PER:
         near = closest(str(per), PER)
@@ -114,7 +114,7 @@ def read_field(name: str, value: Any, bare_angles: bool, faults: list[Fault]) ->
     if group is not None and (not isinstance(group, str) or not group):
         message = f"`group` of {owner} is the name of a group, got {kind_of(group)}"
         faults.append(Fault("wrong-type", message, (name, "group"), help="write for instance `group: wear`"))
-    expect, optional = read_count(value, (name,), faults, owner)
+    expect, optional = read_count(value, (name,), faults, owner=owner)
     for key in ("attr", "param"):
         if key in value and (not isinstance(value[key], str) or not value[key]):
             what = "an attribute of MJCF" if key == "attr" else "the name of a parameter"
@@ -124,11 +124,20 @@ def read_field(name: str, value: Any, bare_angles: bool, faults: list[Fault]) ->
     if len(faults) > before or distribution is None:
         return None
     field = DrawField(
-        name, distribution, operation, selector, value.get("attr", ""), value.get("param"), per, expect, optional,
-        path_of(value), group,
-    )  # fmt: skip
+        name,
+        distribution,
+        operation,
+        select=selector,
+        attr=value.get("attr", ""),
+        param=value.get("param"),
+        per=per,
+        expect=expect,
+        optional=optional,
+        at=path_of(value),
+        group=group,
+    )
     if selector is not None:
-        _check_attribute(field, selector, (*at, distribution.kind), bare_angles, faults)
+        _check_attribute(field, selector, (*at, distribution.kind), bare_angles=bare_angles, faults=faults)
     return field if len(faults) == before else None
 
 
@@ -136,7 +145,7 @@ def _unknown(name: str, value: dict[str, Any]) -> Iterator[Fault]:
     for key in value:
         if key not in KEYS:
             message = f"field `{name}` of `randomize` has no key `{key}`"
-            fault = unknown_key(message, key, KEYS, (name, key))
+            fault = unknown_key(message, key, KEYS, at=(name, key))
             elsewhere = advice_on_narrowing(key)
             yield replace(fault, help=elsewhere, fix=None) if elsewhere else fault
 
@@ -215,13 +224,13 @@ def _check_attribute(
     distribution = field.distribution
     for value in distribution.values if distribution.kind == CHOICE else (_like(field),):
         if isinstance(value, list) and field.operation == "set" and index is None:
-            checker.attributes("set", {field.attr: value}, selector, at)
+            checker.attributes("set", {field.attr: value}, selector, at=at)
         elif distribution.is_whole or field.operation != "set" or index is not None or is_mass:
-            checker.attributes(field.operation, {field.attr: value}, selector, at)
+            checker.attributes(field.operation, {field.attr: value}, selector, at=at)
         elif fitting and not any(each.is_number for each in fitting):
-            checker.attributes("set", {field.attr: value}, selector, at)
+            checker.attributes("set", {field.attr: value}, selector, at=at)
         else:  # a number for each component of however many there are
-            checker.attributes("offset", {field.attr: value}, selector, at)
+            checker.attributes("offset", {field.attr: value}, selector, at=at)
         if found:
             break
     if found:
@@ -239,7 +248,7 @@ def _check_attribute(
             Fault("wrong-type", message, at, help="write `integers: [FIRST, LAST]` or `choice: […]`")
         )
     if field.operation != "offset":
-        _check_range(field, name, index, at, faults)
+        _check_range(field, name, index, at=at, faults=faults)
 
 
 def _like(field: DrawField) -> Any:

@@ -52,7 +52,7 @@ class Drops(Form):
     def read(self, value: Any, faults: list[Fault], settings: Settings) -> tuple[Drop, ...]:
         found: list[Drop | None] = []
         if isinstance(value, list):
-            found = [_drop(item, index, (index,), faults) for index, item in enumerate(value)]
+            found = [_drop(item, index, (index,), faults=faults) for index, item in enumerate(value)]
         else:
             help = f"write `drop: [{value}]`" if isinstance(value, str) else "write `drop: [light, contact]`"
             faults.append(Fault("wrong-type", f"`drop` expects a list, got {kind_of(value)}", help=help))
@@ -61,11 +61,11 @@ class Drops(Form):
 
 def _drop(value: Any, index: int, at: Path, faults: list[Fault]) -> Drop | None:
     if not isinstance(value, str):
-        selector = read_selector(value, at, "an entry of `drop`", faults, COUNT)
+        selector = read_selector(value, at, "an entry of `drop`", faults=faults, beside=COUNT)
         if selector is None:
             return None
-        expect, optional = read_count(value, at, faults, "an entry of `drop`")
-        return Drop(None, selector, index, expect, optional)
+        expect, optional = read_count(value, at, faults, owner="an entry of `drop`")
+        return Drop(None, selector, index, expect=expect, optional=optional)
     if value in GRAMMAR.root.children:
         if value not in _KEPT:
             return Drop(value, None, index)

@@ -65,7 +65,7 @@ class Edits(Form):
             found = [
                 edit
                 for index, item in enumerate(value)
-                if (edit := _edit(item, (index,), checker, faults)) is not None
+                if (edit := _edit(item, (index,), checker, faults=faults)) is not None
             ]
         else:
             help = "put `- ` in front of `select`" if isinstance(value, dict) and "select" in value else None
@@ -89,7 +89,7 @@ def _edit(value: Any, at: Path, checker: Checker, faults: list[Fault]) -> Edit |
             Fault("missing-key", "an entry of `edit` lacks `select`", at, help=help, lacks="select")
         )
         return None
-    selector = read_selector(value["select"], (*at, "select"), "`select`", faults)
+    selector = read_selector(value["select"], (*at, "select"), "`select`", faults=faults)
     verbs = [name for name in VERBS if name in value]
     if not verbs and len(faults) == before:
         known = ", ".join(f"`{name}`" for name in VERBS)
@@ -114,7 +114,7 @@ def _edit(value: Any, at: Path, checker: Checker, faults: list[Fault]) -> Edit |
         read_codes(value[ALLOW], (*at, ALLOW), faults)
     if selector is None or len(faults) > before:
         return None
-    return Edit(selector, read, expect, optional, path_of(value))
+    return Edit(selector, read, expect, optional=optional, at=path_of(value))
 
 
 def _unknown(value: dict[str, Any], at: Path) -> Iterator[Fault]:
@@ -122,6 +122,6 @@ def _unknown(value: dict[str, Any], at: Path) -> Iterator[Fault]:
         if name in KEYS:
             continue
         message = f"`{name}` is not a key of an entry of `edit`"
-        fault = unknown_key(message, name, _KNOWN, (*at, name))
+        fault = unknown_key(message, name, _KNOWN, at=(*at, name))
         elsewhere = advice_on_narrowing(name)
         yield replace(fault, help=elsewhere, fix=None) if elsewhere else fault

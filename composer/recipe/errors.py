@@ -41,10 +41,10 @@ def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
     for each in errors:
         loc = real_path(data, each["loc"])
         if each["type"] == "fault":
-            yield _moved(each["ctx"]["fault"], loc, each["loc"], data)
+            yield _moved(each["ctx"]["fault"], loc, each["loc"], data=data)
         elif each["type"] == "extra_forbidden":
             if loc[0] not in stray[1:]:  # the keys of a part at the top are one mistake
-                yield _extra(loc, typos[id(each)], data, parts)
+                yield _extra(loc, typos[id(each)], data, parts=parts)
         elif each["type"] != "missing":
             yield _other(each, loc)
         elif id(each) not in meant:

@@ -26,7 +26,16 @@ def fault_at(
     names = tuple(sorted(diagnostic.subjects))
     fix = fix if help else diagnostic.fix
     help = help or diagnostic.help
-    return Fault(diagnostic.code, diagnostic.message, at, key, diagnostic.notes, help, names=names, fix=fix)
+    return Fault(
+        diagnostic.code,
+        diagnostic.message,
+        at,
+        key=key,
+        notes=diagnostic.notes,
+        help=help,
+        names=names,
+        fix=fix,
+    )
 
 
 def unknown_key(message: str, name: str, known: Iterable[str], at: Path, *, noun: str = "key") -> Fault:

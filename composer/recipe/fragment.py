@@ -30,7 +30,7 @@ def check_fragment(
     `kinds` are the allowed elements, and `place` says in messages where. With `bare_angles`, angles need no unit.
     With `named`, the name comes from elsewhere and is not required.
     """
-    check = _Check(kinds, place, at, bare_angles, faults, named)
+    check = _Check(kinds, place, at, bare_angles=bare_angles, faults=faults, named=named)
     before = len(faults)
     check.run(text)
     return (check.root[0], check.root[1]) if check.root and len(faults) == before else None
@@ -131,15 +131,15 @@ class _Check:
                 self.fault(code, f"`{name}` of {owner} {answer.message}", help=answer.advice)
             elif attribute.angle is not None and not self.bare_angles:
                 numbers = tuple(number for item in items(value) if (number := parse_real(item)) is not None)
-                bare = bare_angle(attribute, numbers, attributes.get("type"), self.at, owner)
+                bare = bare_angle(attribute, numbers, attributes.get("type"), at=self.at, owner=owner)
                 if bare is not None:
                     self.fault(
                         "bare-angle", bare.message, help="write `angle: degree` at the top of the recipe"
                     )
         faults: list[Fault] = []
         present = {**attributes, "name": ""} if named else attributes
-        report_missing(kind, present, owner, (), faults)
-        report_clashing(kind.constraints, list(present), owner, (), faults)
+        report_missing(kind, present, owner, at=(), faults=faults)
+        report_clashing(kind.constraints, list(present), owner, at=(), faults=faults)
         for fault in faults:
             self.fault(fault.code, fault.message, help=fault.help)
 

@@ -78,7 +78,7 @@ def with_inherited(model: Located, around: Located) -> Located:
     """Return the recipe that is written in place, with what it inherits from the one around it."""
     inherited = {name: entry for name, entry in around.entries.items() if name in INHERITED}
     known = {name: entry for name, entry in model.entries.items() if name not in OF_A_FILE}
-    version = Key("recipe", model.span), Scalar(1, model.span, "1", True)
+    version = Key("recipe", model.span), Scalar(1, model.span, "1", plain=True)
     return Located({"recipe": version, **inherited, **known}, model.span)
 
 

@@ -90,7 +90,7 @@ def _keyframe(reader: Reader, name: str, value: Any) -> Keyframe | None:
         return None
     for key in value:
         if key not in KEYS:
-            fault = unknown_key(f"`{key}` is not a key of a keyframe", key, KEYS, (*at, key))
+            fault = unknown_key(f"`{key}` is not a key of a keyframe", key, KEYS, at=(*at, key))
             if key == HOLD:
                 help = f"write `{CTRL}: {HOLD}`, or `{CTRL}: {{{HOLD}: forces}}`"
                 fault = replace(fault, help=help, fix=None)
@@ -98,24 +98,26 @@ def _keyframe(reader: Reader, name: str, value: Any) -> Keyframe | None:
     given = dict(value)
     controls = Controls()
     if CTRL in given:
-        read = read_controls(reader, given.pop(CTRL), (*at, CTRL), owner)
+        read = read_controls(reader, given.pop(CTRL), (*at, CTRL), owner=owner)
         if read is not None:
             controls, by_actuator, by_joint = read
-            joints = _entries(reader, CTRL, by_joint, (*at, CTRL, JOINT), owner, "joint")
+            joints = _entries(reader, CTRL, by_joint, at=(*at, CTRL, JOINT), owner=owner, named="joint")
             controls = replace(controls, joints=joints)
             given[CTRL] = by_actuator
     values = {
-        vector: _entries(reader, vector, given[vector], (*at, vector), owner, VECTORS[vector])
+        vector: _entries(reader, vector, given[vector], at=(*at, vector), owner=owner, named=VECTORS[vector])
         for vector in VECTORS
         if vector in given
     }
-    sources = _sources(reader, value[FROM], (*at, FROM), owner) if FROM in value else {}
-    time = _time(reader, value[TIME], (*at, TIME), owner) if TIME in value else None
-    return Keyframe(name, time, sources, values, path_of(value), controls)
+    sources = _sources(reader, value[FROM], (*at, FROM), owner=owner) if FROM in value else {}
+    time = _time(reader, value[TIME], (*at, TIME), owner=owner) if TIME in value else None
+    return Keyframe(name, time, sources, values=values, at=path_of(value), controls=controls)
 
 
 def _time(reader: Reader, value: Any, at: Path, owner: str) -> float | None:
-    read = read_value(GRAMMAR.element("keyframe/key").attributes[TIME], value, at, owner, reader.faults)
+    read = read_value(
+        GRAMMAR.element("keyframe/key").attributes[TIME], value, at, owner=owner, faults=reader.faults
+    )
     if isinstance(read, Angle):
         message = f"`{TIME}` of {owner} is in seconds, and {shown(str(read))} is an angle"
         reader.faults.append(Fault("wrong-type", message, at))
@@ -158,7 +160,7 @@ def _entries(reader: Reader, vector: str, value: Any, at: Path, owner: str, name
             help = f"give the pose in `qpos`, and write `{CTRL}: {HOLD}` beside it"
             reader.faults.append(Fault("wrong-type", message, path, help=help))
             continue
-        read = read_value(attribute, item, path, subject, reader.faults)
+        read = read_value(attribute, item, path, owner=subject, faults=reader.faults)
         if read is None:
             continue
         entry = read if isinstance(read, tuple) else (read,)

@@ -99,7 +99,7 @@ def _motor(name: str, value: Any, faults: list[Fault]) -> Motor | None:
     known = (*TEXTS, *NUMBERS)
     for key in value:
         if key not in known:
-            faults.append(unknown_key(f"motor `{name}` has no key `{key}`", key, known, (name, key)))
+            faults.append(unknown_key(f"motor `{name}` has no key `{key}`", key, known, at=(name, key)))
     for key in _NEEDED:
         if key not in value:
             faults.append(

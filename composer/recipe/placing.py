@@ -53,11 +53,11 @@ class Offset(Form):
 
     def read(self, value: Any, faults: list[Fault], settings: Settings) -> Value | None:
         attribute = GRAMMAR.element("frame").attributes[self.name]
-        read = read_value(attribute, value, (), OWNER, faults)
+        read = read_value(attribute, value, (), owner=OWNER, faults=faults)
         if isinstance(read, tuple) and attribute.angle is None:
             read = tuple(item.radians if isinstance(item, Angle) else item for item in read)
         elif read is not None and not settings.bare_angles:
-            bare = bare_angle(attribute, read, None, (), OWNER)
+            bare = bare_angle(attribute, read, None, at=(), owner=OWNER)
             faults += [bare] if bare is not None else []
         if not faults and isinstance(read, tuple):
             fault = _no_pose(self.name, read)
@@ -252,7 +252,7 @@ def _sense(value: Mapping[str, Any], faults: list[Fault]) -> Sense:
         if key not in known:
             note, fix = exists_note("key", known, str(key)), renaming(str(key), known)
             help, message = did_you_mean(str(key), known), f"`sense` has no `{key}`"
-            faults.append(Fault("unknown-key", message, (key,), True, notes=(note,), help=help, fix=fix))
+            faults.append(Fault("unknown-key", message, (key,), key=True, notes=(note,), help=help, fix=fix))
         elif key in QUANTITIES and not isinstance(item, bool):
             wanted = "`true` or `false`"
         elif key == "cutoff" and (isinstance(item, bool) or not isinstance(item, int | float)):

@@ -15,7 +15,7 @@ def report_missing(
     """Report all required attributes that are missing."""
     missing = [each for each in kind.attributes.values() if each.required and each.name not in present]
     if len(missing) == 1:
-        faults.append(missing_key(owner, missing[0].name, at, missing[0].doc))
+        faults.append(missing_key(owner, missing[0].name, at, doc=missing[0].doc))
     elif missing:
         names = " and ".join(f"`{each.name}`" for each in missing)
         notes = tuple(Note(f"`{each.name}` is: {each.doc}") for each in missing if _says(each.name, each.doc))
@@ -30,7 +30,7 @@ def missing_key(owner: str, name: str, at: Path, doc: str = "") -> Fault:
     notes = (Note(f"`{name}` is: {doc}"),) if _says(name, doc) else ()
     message = f"{owner} lacks `{name}`"
     help = f"write `{name}: …`"
-    return Fault("missing-key", message, at, True, notes, help, lacks=name, names=(name,))
+    return Fault("missing-key", message, at, key=True, notes=notes, help=help, lacks=name, names=(name,))
 
 
 def report_clashing(
@@ -39,7 +39,7 @@ def report_clashing(
     """Report attributes that exclude or need each other."""
     for rule in rules:
         if rule.kind == "exclusive":
-            fault = _exclusive(rule, present, owner, at)
+            fault = _exclusive(rule, present, owner, at=at)
         elif rule.kind == "oneof":
             complete = any(all(name in present for name in bundle) for bundle in rule.bundles)
             needed = " or ".join(" with ".join(f"`{name}`" for name in bundle) for bundle in rule.bundles)
@@ -52,13 +52,15 @@ def report_clashing(
         elif rule.kind == "together":
             names = [name for bundle in rule.bundles for name in bundle]
             fault = _incomplete(
-                [n for n in names if n in present], [n for n in names if n not in present], owner, at
+                [n for n in names if n in present], [n for n in names if n not in present], owner, at=at
             )
         else:
             asking, asked = rule.bundles
             asking_all = all(name in present for name in asking)
             fault = (
-                _incomplete(asking, [n for n in asked if n not in present], owner, at) if asking_all else None
+                _incomplete(asking, [n for n in asked if n not in present], owner, at=at)
+                if asking_all
+                else None
             )
         if fault is not None:
             faults.append(fault)
@@ -68,7 +70,9 @@ def report_exclusive(
     names: Iterable[str], present: Collection[str], owner: str, at: Path, faults: list[Fault]
 ) -> None:
     """Report if more than one of the names is given."""
-    report_clashing([Constraint("exclusive", tuple((name,) for name in names))], present, owner, at, faults)
+    report_clashing(
+        [Constraint("exclusive", tuple((name,) for name in names))], present, owner, at=at, faults=faults
+    )
 
 
 def _exclusive(rule: Constraint, present: Collection[str], owner: str, at: Path) -> Fault | None:

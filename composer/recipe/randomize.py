@@ -63,7 +63,9 @@ class Fields(Form):
     def read(self, value: Any, faults: list[Fault], settings: Settings) -> tuple[DrawField, ...]:
         found: list[DrawField | None] = []
         if isinstance(value, dict) and value:
-            found = [read_field(name, item, settings.bare_angles, faults) for name, item in value.items()]
+            found = [
+                read_field(name, item, settings.bare_angles, faults=faults) for name, item in value.items()
+            ]
         else:
             got = "an empty one" if value == {} else kind_of(value)
             message = f"`fields` is a mapping from names to what is drawn, got {got}"

@@ -57,11 +57,13 @@ class Reader:
         joint without `type`.
         """
         if not isinstance(value, dict):
-            self.faults.append(_no_mapping(owner, value, at, element_instead(kind, value)))
+            self.faults.append(_no_mapping(owner, value, at, help=element_instead(kind, value)))
             return None
         keyed = keyed or {}
         if FRAGMENT in value:
-            return self.fragment({kind.tag: kind}, f"the place of {owner}", value, at, keyed, own)
+            return self.fragment(
+                {kind.tag: kind}, f"the place of {owner}", value, at=at, keyed=keyed, own=own
+            )
         attributes: dict[str, Value] = dict(keyed)
         meant: list[str] = []
         below = list(children)
@@ -70,24 +72,24 @@ class Reader:
             if name in own:
                 continue
             if name in keyed:
-                self.faults.append(_keyed(owner, name, keyed[name], path))
+                self.faults.append(_keyed(owner, name, keyed[name], at=path))
             elif name in kind.attributes:
-                read = read_value(kind.attributes[name], item, path, owner, self.faults)
+                read = read_value(kind.attributes[name], item, path, owner=owner, faults=self.faults)
                 if read is not None:
                     attributes[name] = read
             elif name == CONFIG and name in kind.children:
-                below += self.config(item, path, path_of(value), owner)
+                below += self.config(item, path, path_of(value), owner=owner)
             elif name in kind.children:
-                below += self.children(kind.children[name], item, path, owner)
+                below += self.children(kind.children[name], item, path, owner=owner)
             else:
-                fault = self.unknown(kind, name, item, path, owner, own, {*keyed, *value})
-                meant += _meant(kind, name, item, value)
+                fault = self.unknown(kind, name, item, at=path, owner=owner, own=own, taken={*keyed, *value})
+                meant += _meant(kind, name, item, there=value)
                 self.faults.append(fault)
         # A value with a fault is not missing, and neither is a value with a misspelled key.
         present = [*keyed, *value, *meant]
-        report_missing(kind, present, owner, at, self.faults)
-        report_clashing(kind.constraints, present, owner, at, self.faults)
-        self.angles(kind, attributes, at, owner, joint)
+        report_missing(kind, present, owner, at=at, faults=self.faults)
+        report_clashing(kind.constraints, present, owner, at=at, faults=self.faults)
+        self.angles(kind, attributes, at, owner=owner, joint=joint)
         return Element(kind.tag, attributes, tuple(below), at=path_of(value))
 
     def keyed(
@@ -113,7 +115,10 @@ class Reader:
                 self.faults.append(
                     Fault("wrong-length", f"{owner} can have {few} `{kind.tag}`, got {len(value)}", at)
                 )
-            read = [self.element(kind, item, (*at, i), label(kind.tag, item)) for i, item in enumerate(value)]
+            read = [
+                self.element(kind, item, (*at, i), owner=label(kind.tag, item))
+                for i, item in enumerate(value)
+            ]
             return [each for each in read if each is not None]
         if isinstance(value, dict) and _is_named(kind, value):
             name = next(iter(value))
@@ -127,7 +132,7 @@ class Reader:
                 )
             )
             return ()
-        element = self.element(kind, value, at, label(kind.tag, value))
+        element = self.element(kind, value, at, owner=label(kind.tag, value))
         return () if element is None else (element,)
 
     def config(self, value: Any, at: Path, above: Path, owner: str) -> Iterable[Element]:
@@ -175,7 +180,13 @@ class Reader:
             self.faults.append(Fault("wrong-type", message, path))
             return None
         found = check_fragment(
-            text, kinds, place, path, self.settings.bare_angles, self.faults, named="name" in keyed
+            text,
+            kinds,
+            place,
+            at=path,
+            bare_angles=self.settings.bare_angles,
+            faults=self.faults,
+            named="name" in keyed,
         )
         if found is None:
             return None
@@ -202,7 +213,7 @@ class Reader:
             attribute = kind.attributes.get(name)
             if attribute is not None and attribute.angle is not None:
                 type = written if isinstance(written, str) else None
-                fault = bare_angle(attribute, value, type, (*at, name), owner)
+                fault = bare_angle(attribute, value, type, at=(*at, name), owner=owner)
                 if fault is not None:
                     self.faults.append(fault)
 

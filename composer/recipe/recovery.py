@@ -83,7 +83,7 @@ def existing_steps(node: Node, path: Path) -> Path:
 
 def _in_some_unit(node: Mapping) -> Mapping:
     """Return the recipe with a unit of angles, so that no missing unit is reported."""
-    key, unit = Key("angle", node.span), Scalar("radian", node.span, "radian", True)
+    key, unit = Key("angle", node.span), Scalar("radian", node.span, "radian", plain=True)
     return Mapping({**node.entries, key.name: (key, unit)}, node.span)
 
 

@@ -79,11 +79,11 @@ def _axis(reader: Reader, value: Any, at: Path) -> Axis | None:
             unknown = unknown_attribute(name, owner, ATTRIBUTES)
             reader.faults.append(fault_at(unknown, path, key=True, help=help, fix=fix))
             continue
-        found = read_value(kind.attributes[name], item, path, owner, reader.faults)
+        found = read_value(kind.attributes[name], item, path, owner=owner, faults=reader.faults)
         if found is not None:
             read[name] = found
             if not reader.settings.bare_angles:
-                bare = bare_angle(kind.attributes[name], found, None, path, owner)
+                bare = bare_angle(kind.attributes[name], found, None, at=path, owner=owner)
                 reader.faults += [bare] if bare is not None else []
     if COUNT not in value:
         reader.faults.append(missing_key(owner, COUNT, at))

@@ -29,7 +29,7 @@ def read_path(reader: Reader, kind: ElementType, value: Any, at: Path, owner: st
         return ()
     if not value:
         reader.faults.append(Fault("wrong-length", f"`{PATH}` of {owner} has no steps", at))
-    steps = [_step(reader, kind, item, (*at, index), owner) for index, item in enumerate(value)]
+    steps = [_step(reader, kind, item, at=(*at, index), owner=owner) for index, item in enumerate(value)]
     return tuple(step for step in steps if step is not None)
 
 
@@ -40,7 +40,7 @@ def _step(reader: Reader, kind: ElementType, value: Any, at: Path, owner: str) -
         reader.faults.append(Fault("wrong-type", message, at, help=f"write for instance `{_example(kind)}`"))
         return None
     if FRAGMENT in value:
-        return reader.fragment(kind.children, place, value, at)
+        return reader.fragment(kind.children, place, value, at=at)
     if "geom" in value and "site" in value:
         message = f"a step in {place} has both `geom` and `site`, of which only one may stand"
         help = "write `sidesite` for a site at the side of the geom, or a step of its own for the site"
@@ -64,7 +64,7 @@ def _step(reader: Reader, kind: ElementType, value: Any, at: Path, owner: str) -
     label = f"the `{tag}` step of {owner}"
     if tag not in value or MARKS[tag] == tag:
         return reader.element(step, value, at, label)
-    return _short(reader, step, tag, value, at, label)
+    return _short(reader, step, tag, value=value, at=at, owner=label)
 
 
 def _short(
@@ -73,8 +73,10 @@ def _short(
     """Return a step such as `{pulley: 2}`, in which a tag has the value of its only attribute, or None."""
     for name in value:
         if name != tag:
-            reader.faults.append(reader.unknown(step, name, value[name], (*at, name), owner, (), value))
-    read = read_value(step.attributes[MARKS[tag]], value[tag], (*at, tag), owner, reader.faults)
+            reader.faults.append(
+                reader.unknown(step, name, value[name], at=(*at, name), owner=owner, own=(), taken=value)
+            )
+    read = read_value(step.attributes[MARKS[tag]], value[tag], (*at, tag), owner=owner, faults=reader.faults)
     return None if read is None else Element(tag, {MARKS[tag]: read}, at=path_of(value))
 
 

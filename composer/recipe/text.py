@@ -31,7 +31,7 @@ def is_unprintable(text: str) -> bool:
 def unprintable(subject: str, at: Path, *, key: bool = False, name: bool = True) -> Fault:
     """Return the fault of a text with such a character."""
     return Fault(
-        "bad-name" if name else "wrong-type", f"{subject} has a character that XML cannot hold", at, key
+        "bad-name" if name else "wrong-type", f"{subject} has a character that XML cannot hold", at, key=key
     )
 
 

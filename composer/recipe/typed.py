@@ -44,10 +44,12 @@ class Typed(Elements):
             message = f"{owner} expects a mapping with its `{TYPE}`, got {kind_of(value)}"
             reader.faults.append(Fault("wrong-type", message, (name,)))
             return None
-        keyed = reader.keyed(self.kind.children.values(), name, value, (name,), owner)
+        keyed = reader.keyed(self.kind.children.values(), name, value, at=(name,), owner=owner)
         own = () if keyed else (NAME,)
         if FRAGMENT in value:
-            return reader.fragment(self.kind.children, f"`{self.tag}`", value, (name,), keyed, own)
+            return reader.fragment(
+                self.kind.children, f"`{self.tag}`", value, at=(name,), keyed=keyed, own=own
+            )
         tag = value.get(TYPE)
         if TYPE not in value:
             reader.faults.append(self._without_type(name, value))
@@ -64,7 +66,7 @@ class Typed(Elements):
         owner = f"{tag} {owner}"
         if self.tag != "tendon":
             return reader.element(kind, value, (name,), owner, keyed=keyed, own=(TYPE, *own))
-        return self._tendon(reader, kind, name, value, owner, keyed)
+        return self._tendon(reader, kind, name, value=value, owner=owner, keyed=keyed)
 
     def _tendon(
         self,
@@ -77,7 +79,7 @@ class Typed(Elements):
     ) -> Element | None:
         steps: tuple[Element, ...] = ()
         if PATH in value:
-            steps = read_path(reader, kind, value[PATH], (name, PATH), owner)
+            steps = read_path(reader, kind, value[PATH], at=(name, PATH), owner=owner)
         elif not any(tag in value for tag in kind.children):
             reader.faults.append(missing_key(owner, PATH, (name,)))
         for tag in kind.children:
@@ -150,7 +152,9 @@ def _definition_of_variant(path: str) -> Schema:
             "description": "what it goes over, in order: "
             + ", ".join(f"`{{{tag}: …}}`" for tag in kind.children),
         }
-        return element(kind, (NAME,), {**properties, PATH: steps}, (PATH,), fragment=False, children=False)
+        return element(
+            kind, (NAME,), {**properties, PATH: steps}, required=(PATH,), fragment=False, children=False
+        )
     return element(kind, (NAME,), properties, fragment=False)
 
 

@@ -159,7 +159,7 @@ def _report(faults: Iterable[Fault], node: Mapping, sink: Sink) -> None:
             text = find(node, fault.at)
             if isinstance(text, Scalar) and text.block is not None:
                 line, column = line + text.block[0] - 1, column + text.block[1] - 1
-                span = Span(span.file, line, column, line, column + width)
+                span = Span(span.file, line, column, end_line=line, end_column=column + width)
             else:
                 message = f"line {line} of the fragment: {message}"
         sink.error(fault.code, message, span, notes=notes, help=fault.help, fix=fault.fix)

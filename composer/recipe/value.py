@@ -28,13 +28,13 @@ def read_value(attribute: Attribute, value: Any, at: Path, owner: str, faults: l
         faults.append(Fault("wrong-type", f"{subject} expects {expected(attribute)}, got a mapping", at))
         return None
     if isinstance(value, list):
-        return _read_list(attribute, value, at, subject, faults)
+        return _read_list(attribute, value, at, subject=subject, faults=faults)
     read = _angle(attribute, value)
     answer = check_python(attribute, read.value if isinstance(read, Angle) else read)
     if answer is not None:
-        faults.append(_fault(attribute, value, answer, _code(attribute, read), at, subject))
+        faults.append(_fault(attribute, value, answer, code=_code(attribute, read), at=at, subject=subject))
         return None
-    return read if _printable(attribute, read, at, subject, faults) else None
+    return read if _printable(attribute, read, at, subject=subject, faults=faults) else None
 
 
 def _read_list(
@@ -48,16 +48,16 @@ def _read_list(
         for index, item in enumerate(items):
             number = item.value if isinstance(item, Angle) else item
             if check_number(attribute, number) is not None:
-                faults.append(_item_fault(attribute, item, (*at, index), subject))
+                faults.append(_item_fault(attribute, item, (*at, index), subject=subject))
         if len(faults) > before:
             return None
     answer = check_python(attribute, [item.value if isinstance(item, Angle) else item for item in items])
     if answer is not None:
         code = "wrong-length" if several else _list_code(attribute, items)
-        faults.append(_fault(attribute, value, answer, code, at, subject))
+        faults.append(_fault(attribute, value, answer, code=code, at=at, subject=subject))
         return None
     for index, item in enumerate(items):
-        if not _printable(attribute, item, (*at, index), subject, faults):
+        if not _printable(attribute, item, (*at, index), subject=subject, faults=faults):
             return None
     return tuple(items)
 

@@ -59,9 +59,9 @@ class _Job:
         number, cell = task
         own = replace(self.operand, context=replace(self.operand.context, sink=Sink()))
         with interruptible():
-            side = load_cell(own, _KEPT, session, self.given, cell, library=library)
+            side = load_cell(own, _KEPT, session, given=self.given, cell=cell, library=library)
             asked = {**self.wish.as_data(), "out": str(self.tile(number)), "tile": str(cell.name)}
-            is_drawn = side is not None and drawn(_KEPT, asked, own.context, session)
+            is_drawn = side is not None and drawn(_KEPT, asked, own.context, session=session)
         return is_drawn, tuple(own.context.sink.sorted()), () if side is None else side.inputs
 
     def tile(self, number: int) -> Path:
@@ -90,7 +90,9 @@ def render_sheet(
     workers = min(len(cells), jobs or min(cores(), max(1, len(cells) // _CELLS_A_PROCESS))) - 1
     with ExitStack() as held:
         folder = held.enter_context(scratch("pictures"))
-        job = _Job(replace(operand, context=handed_over(context)), wish, given, folder, in_force())
+        job = _Job(
+            replace(operand, context=handed_over(context)), wish, given, folder=folder, limits=in_force()
+        )
         pool = held.enter_context(Pool[tuple[int, Cell], Drawn](workers, _MODULES))
         results = pool.results(job.opened, enumerate(cells), partial(job.draw, session, {}))
         for number, (cell, result) in enumerate(zip(cells, results, strict=True)):
@@ -104,13 +106,13 @@ def render_sheet(
             if any(each.code in _ENDS for each in found):
                 break
         pool.end()
-        return len(tiles) if tiles and _put(tiles, out, operand, session, read) else 0
+        return len(tiles) if tiles and _put(tiles, out, operand, session=session, read=read) else 0
 
 
 def _put(tiles: list[str], out: Path, operand: Operand, session: engine.Session, read: set[Path]) -> bool:
     try:
         with staged_file(operand.context.folder / out, "-o", inputs=read) as stage:
-            engine.call(session, sheet, (), {"tiles": tiles, "out": str(stage)})
+            engine.call(session, sheet, (), argument={"tiles": tiles, "out": str(stage)})
     except OutputError as error:
         operand.context.sink.add(error.diagnostic)
         return False

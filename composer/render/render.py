@@ -42,7 +42,7 @@ def render(
         with staged_file(context.folder / out, option, inputs=read) as stage:
             made = stage.with_name(stage.name + suffix)
             try:
-                if not drawn(kept, {**wish.as_data(), "out": str(made)}, context, session):
+                if not drawn(kept, {**wish.as_data(), "out": str(made)}, context, session=session):
                     raise _NotDrawn
                 made.replace(stage)
             finally:
@@ -57,7 +57,7 @@ def render(
 
 def drawn(kept: str, asked: dict[str, Any], context: Context, session: Session) -> bool:
     """Draw a kept model in the child; return False after an error, which is reported."""
-    answer = engine.call(session, draw, [kept], asked)
+    answer = engine.call(session, draw, [kept], argument=asked)
     if not answer.ok:
         context.sink.error("no-rendering", f"no picture could be made: {answer.error or answer.crash}")
         return False

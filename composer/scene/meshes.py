@@ -34,7 +34,7 @@ def _mesh(model: Any, number: int, blobs: Blobs) -> str:
     mapping = [] if flat is None else [flat, of_flat]
     return blobs.put(
         "mesh 1", [corners, normals, faces, of_normals, *mapping],
-        lambda: _encoded(corners, normals, faces, of_normals, flat, of_flat),
+        lambda: _encoded(corners, normals, faces, of_normals=of_normals, flat=flat, of_flat=of_flat),
     )  # fmt: skip
 
 

@@ -24,10 +24,10 @@ def _skin(model: Any, number: int, blobs: Blobs) -> dict[str, Any]:
     first, count = int(model.skin_boneadr[number]), int(model.skin_bonenum[number])
     bones = range(first, first + count)
     moved = [
-        rows(model.skin_bonevertid, model.skin_bonevertadr, model.skin_bonevertnum, bone) for bone in bones
+        rows(model.skin_bonevertid, model.skin_bonevertadr, model.skin_bonevertnum, at=bone) for bone in bones
     ]
     weights = [
-        rows(model.skin_bonevertweight, model.skin_bonevertadr, model.skin_bonevertnum, bone)
+        rows(model.skin_bonevertweight, model.skin_bonevertadr, model.skin_bonevertnum, at=bone)
         for bone in bones
     ]
     flat = (
@@ -55,7 +55,7 @@ def flexes(model: Any, data: Any, blobs: Blobs) -> list[dict[str, Any]]:
     one-dimensional flex has only `edges`. `nodes` are the bodies of a flex that MuJoCo interpolates; it is drawn at
     rest.
     """
-    return [_flex(model, data, number, blobs) for number in range(model.nflex)]
+    return [_flex(model, data, number, blobs=blobs) for number in range(model.nflex)]
 
 
 def _flex(model: Any, data: Any, number: int, blobs: Blobs) -> dict[str, Any]:

@@ -36,7 +36,7 @@ def _parse(text: str) -> Reference:
         raise malformed(text, _FORM, "does not say the file inside the archive")
     if "@sha256:" in location and not re.fullmatch("[0-9a-f]{64}", sha256):
         raise malformed(text, _FORM, "has a sha256 that is not 64 digits of 0-9 and a-f")
-    return Reference(text, KIND, f"{scheme}://{host}/{archive}", path, sha256)
+    return Reference(text, KIND, f"{scheme}://{host}/{archive}", path=path, revision=sha256)
 
 
 def _host(reference: Reference) -> str | None:

@@ -146,4 +146,4 @@ def blobs_in(store: Path) -> Iterator[Blob]:
         with contextlib.suppress(OSError), os.scandir(store / kind) as entries:
             for entry in entries:
                 status = entry.stat()
-                yield Blob(kind, entry.name, Path(entry.path), status.st_size, status.st_mtime)
+                yield Blob(kind, entry.name, Path(entry.path), size=status.st_size, used=status.st_mtime)

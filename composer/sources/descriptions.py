@@ -32,7 +32,7 @@ def _parse(text: str) -> Reference:
     name = bare(text, _FORM)
     if not name.isidentifier():
         raise malformed(text, _FORM, "does not name a description")
-    return Reference(text, KIND, name, "")
+    return Reference(text, KIND, name, path="")
 
 
 def _resolve(reference: Reference, lookup: Lookup) -> Source:

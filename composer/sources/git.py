@@ -43,7 +43,9 @@ def _parse(text: str) -> Reference:
         raise malformed(text, form, "does not say the revision")
     if not path:
         raise malformed(text, form, "does not say the file inside the repository")
-    return Reference(text, KIND, f"{scheme.removeprefix('git+')}://{host}/{repository}", path, revision)
+    return Reference(
+        text, KIND, f"{scheme.removeprefix('git+')}://{host}/{repository}", path=path, revision=revision
+    )
 
 
 def _host(reference: Reference) -> str | None:

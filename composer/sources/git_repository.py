@@ -37,7 +37,9 @@ def resolve(reference: Reference, lookup: Lookup) -> Source:
     id, known = reference.id, lookup.fetching.origins
     if id not in known:
         store = Store.of(lookup.environment)
-        known[id] = _Repository(reference, id, store, lookup.environment, lookup.fetching).origin()
+        known[id] = _Repository(
+            reference, id, store, environment=lookup.environment, fetching=lookup.fetching
+        ).origin()
     return source_in(known[id], reference)
 
 
@@ -128,7 +130,7 @@ class _Repository:
                 return entry
             about: dict[str, str] = {}
             return self.store.add(
-                "git", commit, self.id, lambda target: self._fill(target, commit, pinned, about), about
+                "git", commit, self.id, lambda target: self._fill(target, commit, pinned, about=about), about
             )
 
     def _fill(self, target: Path, commit: str, pinned: bool, about: dict[str, str]) -> None:
@@ -190,7 +192,7 @@ class _Repository:
 
     def _write(self, repository: Path, commit: str, target: Path) -> dict[str, str]:
         try:
-            return write_tree(self._git, repository, commit, target)
+            return write_tree(self._git, repository, commit, target=target)
         except GitFailure as failure:
             raise self._unreachable(failure) from None
 

@@ -45,7 +45,7 @@ def write_tree(git: Git, repository: Path, commit: str, target: Path) -> dict[st
         links = [blob for blob in blobs if blob.mode == _LINK and blob.size < _PATH_MAX]
         written = dict(files)
         with _contents(git, repository) as contents:
-            _follow(links, contents, files, written, left_out)
+            _follow(links, contents, files, written=written, left_out=left_out)
             _check(written.values(), packed)
             for name, blob in written.items():
                 path = target / name
@@ -135,7 +135,7 @@ def _listed(git: Git, repository: Path, commit: str) -> Iterator[_Blob]:
 def _blob(line: bytes) -> _Blob:
     facts, name = line.split(b"\t", 1)
     mode, _, hash, size = facts.decode().split()
-    return _Blob(mode, name.decode("utf-8", "surrogateescape"), hash, 0 if size == "-" else int(size))
+    return _Blob(mode, name.decode("utf-8", "surrogateescape"), hash, size=0 if size == "-" else int(size))
 
 
 @contextmanager

@@ -57,14 +57,14 @@ def read_lock(path: Path, shown: str, sink: Sink, disputes: Disputed | None = No
         why = (error.strerror or str(error)).lower()
         sink.error("lock-invalid", f"the lock `{shown}` cannot be read: {why}")
         return None
-    return from_text(text, shown, sink, disputes)
+    return from_text(text, shown, sink, disputes=disputes)
 
 
 def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | None = None) -> Lock | None:
     """Parse a lock; the first fault goes to `sink` with its place. No I/O."""
     plain = text.decode("utf-8", "replace") if isinstance(text, bytes) else text
     if (mark := _MERGE.search(plain)) is not None:
-        return _in_a_merge(plain, mark.start(), shown, sink, disputes)
+        return _in_a_merge(plain, mark.start(), shown, sink=sink, disputes=disputes)
     own = Sink()
     node = load(text, shown, own)
     if own.errors:
@@ -90,16 +90,16 @@ def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | No
         lock = Lock.model_validate(to_python(node))
     except ValidationError as error:
         fault = error.errors()[0]
-        _report(fault["type"], tuple(fault["loc"]), node, shown, sink)
+        _report(fault["type"], tuple(fault["loc"]), node, shown=shown, sink=sink)
         return None
     unknown = [id for id, locked in lock.sources.items() if kind_called(locked.kind) is None]
     if unknown:
-        _report("", ("sources", unknown[0], "kind"), node, shown, sink)
+        _report("", ("sources", unknown[0], "kind"), node, shown=shown, sink=sink)
         return None
     if (
         version is None or not isinstance(number, Scalar) or type(number.value) is not int
     ):  # in Python, `True == 1`
-        _report("missing" if version is None else "", ("lock",), node, shown, sink)
+        _report("missing" if version is None else "", ("lock",), node, shown=shown, sink=sink)
         return None
     return lock
 
@@ -116,7 +116,7 @@ def _in_a_merge(text: str, start: int, shown: str, sink: Sink, disputes: Dispute
     if disputes is not None:
         help = "take one side of the merge, and run `mjcompose lock`"
     message = f"`{shown}` has the marks of a merge in it"
-    sink.error("lock-invalid", message, Span(shown, line, 1, line, 8), help=help)
+    sink.error("lock-invalid", message, Span(shown, line, 1, end_line=line, end_column=8), help=help)
     return None
 
 

@@ -31,7 +31,7 @@ def _parse(text: str) -> Reference:
     robot, slash, entry = bare(text, _FORM).partition("/")
     if not robot or (slash and not entry):
         raise malformed(text, _FORM, "does not say " + ("the entry" if robot else "the robot"))
-    return Reference(text, KIND, robot, entry)
+    return Reference(text, KIND, robot, path=entry)
 
 
 def _resolve(reference: Reference, lookup: Lookup) -> Source:
@@ -52,7 +52,7 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
         ) from None
     robot = _robot(library, reference)
     entry = _entry(robot, reference)
-    folder = _folder(library, robot, reference, environment, fetching)
+    folder = _folder(library, robot, reference, environment=environment, fetching=fetching)
     path = folder / entry.file
     if not os.path.isfile(path):
         raise SourceError(

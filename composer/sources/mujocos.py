@@ -60,7 +60,7 @@ def mujocos_in(store: Path) -> Iterator[KeptMujoco]:
             used = (folder / READY).stat().st_mtime
             written = read_regular(folder / READY, is_source=False).decode("ascii", "replace").strip()
             yield KeptMujoco(
-                folder.name, folder, int(written) if written.isdecimal() else _measured(folder), used
+                folder.name, folder, int(written) if written.isdecimal() else _measured(folder), used=used
             )
 
 

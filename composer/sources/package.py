@@ -38,7 +38,7 @@ def _parse(text: str) -> Reference:
     # Hyphens pass: a later error names the package for a distribution name as in `pip install`.
     if not all(part.replace("-", "_").isidentifier() for part in name.split(".")):
         raise malformed(text, _FORM, f"names `{name}`, which cannot be a Python package")
-    return Reference(text, KIND, name, path)
+    return Reference(text, KIND, name, path=path)
 
 
 def _resolve(reference: Reference, lookup: Lookup) -> Source:

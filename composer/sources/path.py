@@ -19,7 +19,7 @@ from composer.sources.source_kind import SourceKind, never, no_host
 
 
 def _parse(text: str) -> Reference:
-    return Reference(text, KIND, "", text)
+    return Reference(text, KIND, "", path=text)
 
 
 def _resolve(reference: Reference, lookup: Lookup) -> Source:

@@ -33,9 +33,9 @@ def resolve(
     asking = fetching.around(relative_to)
     is_confined = asking is not None and asking.is_fetched
     if asking is not None and is_confined:
-        check_reach(parsed, kind, asking, fetching.trust, fetching.offline)
+        check_reach(parsed, kind, asking, trust=fetching.trust, offline=fetching.offline)
         is_confined = not fetching.trust.allows(reference)
-    source = kind.resolve(parsed, Lookup(relative_to, environment, fetching, is_confined))
+    source = kind.resolve(parsed, Lookup(relative_to, environment, fetching, is_confined=is_confined))
     if source.origin is not None:
         fetching.origins[source.origin.id] = source.origin
         fetching.first.setdefault(source.origin.id, source)

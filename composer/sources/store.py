@@ -344,11 +344,11 @@ class Store:
                 kind,
                 folder.name,
                 folder,
-                record["origin"],
-                record["size"],
-                record["files"],
-                record["about"],
-                used,
+                origin=record["origin"],
+                size=record["size"],
+                files=record["files"],
+                about=record["about"],
+                used=used,
             )
         except (OSError, ValueError, KeyError, TypeError):
             return None

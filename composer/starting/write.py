@@ -25,7 +25,7 @@ def write_project(
             (stage / path).write_bytes(content)
         finish(stage)
         made = sorted(path.relative_to(stage).as_posix() for path in stage.rglob("*") if os.path.isfile(path))
-        kept = [path for path in made if _is_kept(folder / path, stage / path, folder, path in needed)]
+        kept = [path for path in made if _is_kept(folder / path, stage / path, folder, needed=path in needed)]
         written = [path for path in made if path not in kept]
         move(stage, real(folder), written)
         return written, kept

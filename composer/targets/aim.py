@@ -54,7 +54,7 @@ def aimed(
         out.mkdir()
         write_files(bundle, source)
         asked = {"name": target, "model": str(source / bundle.model), "out": str(out)}
-        answer = engine.call(session, export, (), asked)
+        answer = engine.call(session, export, (), argument=asked)
         wrong = answer.error if not answer.ok else answer.value["error"]
         if wrong is not None:
             said = engine.without_folder(engine.without_folder(wrong, out), source)
@@ -74,10 +74,10 @@ def aimed(
             cause = Cause(f"{loss.feature} {loss.why}", loss.shown)
             span = places.span(loss) or at
             context.sink.error(CANNOT, f"{loss.shown}: {loss.why}", span, help=loss.help, cause=cause)
-    _warn(target, [loss for loss in losses if not loss.refused], places, at, context)
+    _warn(target, [loss for loss in losses if not loss.refused], places, at=at, context=context)
     if found["differences"] or any(loss.refused for loss in losses):
         return None
-    return _bundle(bundle, target, found, made, losses)
+    return _bundle(bundle, target, found, made=made, losses=losses)
 
 
 def _warn(target: str, losses: Sequence[Loss], places: _Places, at: Span, context: Context) -> None:

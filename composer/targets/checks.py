@@ -78,7 +78,7 @@ def loads(work: Work, asked: dict[str, Any]) -> Found:
     """Return a finding for each program that cannot read the model, or reads it as another one."""
     found: list[Fault] = []
     values: dict[str, Any] = {}
-    asked_all = engine.call(work.session, asked_of, [work.whole], _POSES)
+    asked_all = engine.call(work.session, asked_of, [work.whole], argument=_POSES)
     if not asked_all.ok:
         return [
             Fault(_FAILED, f"MuJoCo does not move the model: {asked_all.error or asked_all.crash}")
@@ -90,7 +90,7 @@ def loads(work: Work, asked: dict[str, Any]) -> Found:
             found.append(_missing(name, reader, at))
             continue
         with scratch("target") as folder:
-            read = _facts(work, name, reader, python, folder, asked_all.value)
+            read = _facts(work, name, reader, python=python, folder=folder, asked=asked_all.value)
         if isinstance(read, str):
             found.append(Fault(_FAILED, f"`{name}` does not read the model: {read}", (IN, at)))
             continue
@@ -99,11 +99,11 @@ def loads(work: Work, asked: dict[str, Any]) -> Found:
             "facts": facts, "asked": asked_all.value, "single": reader.single,
             "losses": [asdict(each) for each in losses],
         }  # fmt: skip
-        answer = engine.call(work.session, judged, [work.whole], question)
+        answer = engine.call(work.session, judged, [work.whole], argument=question)
         wrong = list(answer.value) if answer.ok else [str(answer.error or answer.crash)]
         values[name] = str(facts["version"])
         if wrong:
-            found.append(_another(name, str(facts["version"]), wrong, at))
+            found.append(_another(name, str(facts["version"]), wrong, at=at))
         if sentences := _sentences(name, [each for each in losses if not each.otherwise]):
             notes = (Note("\n".join(sentences[1:])),) if sentences[1:] else ()
             found.append(Fault(LOSS, sentences[0], (IN, at), notes=notes))
@@ -139,7 +139,7 @@ def _facts(
     refused = next((each for each in written.losses if each.refused), None)
     if refused is not None:
         return f"{refused.shown}: {refused.why}"
-    facts = read_back(reader, python, placed(written.folder, written.model), asked)
+    facts = read_back(reader, python, placed(written.folder, written.model), questions=asked)
     return facts if isinstance(facts, str) else (facts, written.losses)
 
 
@@ -173,7 +173,7 @@ def _written(work: Work, target: str, folder: Path) -> _Written | str:
     out.mkdir()
     write_files(work.bundle, source)
     asked = {"name": target, "model": str(source / work.bundle.model), "out": str(out)}
-    answer = engine.call(work.session, export, (), asked)
+    answer = engine.call(work.session, export, (), argument=asked)
     wrong = answer.error or answer.crash if not answer.ok else answer.value["error"]
     if wrong is not None:
         return engine.without_folder(engine.without_folder(wrong, out), source)

@@ -49,7 +49,9 @@ class Draft:
         """Record that the target cannot express an element, or `what` it has."""
         kind, number = self._rows.get(node, ("", -1))
         tag, name = str(node.tag), str(node.get("name") or "")
-        self.losses.append(Loss(feature, kind, number, tag, name, why, what, outcome, help))
+        self.losses.append(
+            Loss(feature, kind, number, tag=tag, name=name, why=why, what=what, outcome=outcome, help=help)
+        )
 
     def remove(self, node: Node) -> None:
         """Remove an element, and its section if it becomes empty."""

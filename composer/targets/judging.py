@@ -78,7 +78,7 @@ def judged(mujoco: Any, model: Any, question: Facts) -> list[str]:
     """
     losses = [Loss(**each) for each in question["losses"]]
     found = differences(
-        mujoco, model, question["facts"], question["asked"], losses, single=question["single"]
+        mujoco, model, question["facts"], asked=question["asked"], losses=losses, single=question["single"]
     )
     return [each.message for each in found]
 
@@ -173,24 +173,26 @@ def differences(
     `single` allows for a consumer that computes in single precision.
     """
     unmoved = [
-        Loss(name, "joint", number, "joint", "")
+        Loss(name, "joint", number, tag="joint", name="")
         for name in facts.get("without", ())
         for number in range(model.njnt)
     ]
-    truth = facts_of(mujoco, model, asked, [*losses, *unmoved])
+    truth = facts_of(mujoco, model, asked, losses=[*losses, *unmoved])
     lost = {(loss.feature, loss.name) for loss in losses}
     composite = bool(facts.get("composite"))
-    yield from _masses(mujoco, model, facts, 2e-6 if single else 1e-9)
+    yield from _masses(mujoco, model, facts, tolerance=2e-6 if single else 1e-9)
     for kind in ("joint", "actuator"):
         for name, mine in truth[f"{kind}s"].items():
             read = facts[f"{kind}s"].get(name)
             if read is None and (kind == "joint" or (facts["actuators"] and ("actuators", name) not in lost)):
-                yield Difference(f"{kind}s", kind, name, f"the {kind} `{name}` is missing")
+                yield Difference(f"{kind}s", kind, name, message=f"the {kind} `{name}` is missing")
             if read is not None:
-                yield from _attributes(kind, name, mine, read, lost, 1e-5 if single else 1e-9)
+                yield from _attributes(
+                    kind, name, mine, read=read, lost=lost, tolerance=1e-5 if single else 1e-9
+                )
     if "shapes" in facts:
-        yield from _shapes(model, truth["shapes"], facts["shapes"], losses)
-    yield from _poses(truth["poses"], facts["poses"], composite, 1e-4 if single else 1e-9)
+        yield from _shapes(model, truth["shapes"], facts["shapes"], losses=losses)
+    yield from _poses(truth["poses"], facts["poses"], composite, tolerance=1e-4 if single else 1e-9)
     if "motion" in facts and "motion" in truth:
         yield from _motions(truth["motion"], facts["motion"], asked["home"]["joints"])
 
@@ -209,7 +211,7 @@ def _attributes(
         if not _close(value, mine[attribute], tolerance):
             words = _WORDS.get(attribute, attribute)
             message = f"the {words} of the {kind} `{name}` is {_shown(value)}, not {_shown(mine[attribute])}"
-            yield Difference(feature, kind, name, message)
+            yield Difference(feature, kind, name, message=message)
 
 
 def _close(read: Any, mine: Any, tolerance: float) -> bool:
@@ -235,12 +237,12 @@ def _shapes(
         if left.get(kind, 0) != read.get(kind, 0):
             of = "" if kind == "all" else f" of the type `{kind}`"
             message = f"there are {read.get(kind, 0)} geoms{of}, not {left.get(kind, 0)}"
-            yield Difference("shapes", "geom", kind, message)
+            yield Difference("shapes", "geom", kind, message=message)
 
 
 def _masses(mujoco: Any, model: Any, facts: Facts, tolerance: float) -> Iterator[Difference]:
     def differs(message: str) -> Difference:
-        return Difference("inertia", "body", name, message)
+        return Difference("inertia", "body", name, message=message)
 
     for body in range(1, model.nbody):
         name = model.body(body).name
@@ -253,7 +255,7 @@ def _masses(mujoco: Any, model: Any, facts: Facts, tolerance: float) -> Iterator
         parts = [body]
         if facts.get("composite"):
             parts = [each for each in range(model.nbody) if model.body_weldid[each] == body]
-        mass, com, inertia = _composite(mujoco, model, body, parts)
+        mass, com, inertia = _composite(mujoco, model, body, parts=parts)
         read = facts["bodies"][name]
         if abs(read["mass"] - mass) > tolerance * max(1.0, mass):
             yield differs(f"the mass of `{name}` is {read['mass']:.9g}, not {mass:.9g}")
@@ -301,10 +303,10 @@ def _poses(
                 if off > worst:
                     worst, where = off, name
             elif not composite:
-                yield Difference("poses", "body", name, f"the body `{name}` has no pose")
+                yield Difference("poses", "body", name, message=f"the body `{name}` has no pose")
                 return
     if worst > tolerance:
-        yield Difference("poses", "body", where, f"the pose of `{where}` is up to {worst:.3g} off")
+        yield Difference("poses", "body", where, message=f"the pose of `{where}` is up to {worst:.3g} off")
 
 
 def _motions(mine: dict[str, float], read: dict[str, float], start: Facts) -> Iterator[Difference]:
@@ -315,7 +317,7 @@ def _motions(mine: dict[str, float], read: dict[str, float], start: Facts) -> It
     if off and not off[name] <= _MOVED * max(way, 0.01):
         ends = f"{_shown(read[name])}, not at {_shown(mine[name])}"
         message = f"after {SECONDS:g} s of motion the joint `{name}` is at {ends}"
-        yield Difference("motion", "joint", name, message)
+        yield Difference("motion", "joint", name, message=message)
 
 
 def _shown(value: Any) -> str:

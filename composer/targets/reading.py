@@ -44,16 +44,20 @@ class Reader:
 READERS: Mapping[str, Reader] = {
     each.target: each
     for each in (
-        Reader("drake", "drake", "pydrake", ("drake",)),
-        Reader("pinocchio", "pinocchio", "pinocchio", ("pin",)),
-        Reader("pybullet", "pybullet", "pybullet", ("numpy", "pybullet"), single=True),
+        Reader("drake", "drake", "pydrake", packages=("drake",)),
+        Reader("pinocchio", "pinocchio", "pinocchio", packages=("pin",)),
+        Reader("pybullet", "pybullet", "pybullet", packages=("numpy", "pybullet"), single=True),
         Reader(
-            "newton", "newton", "newton", ("newton", "trimesh", "scipy", "mujoco", "mujoco-warp"), single=True
+            "newton",
+            "newton",
+            "newton",
+            packages=("newton", "trimesh", "scipy", "mujoco", "mujoco-warp"),
+            single=True,
         ),
-        Reader("genesis", "genesis", "genesis", ("torch", "genesis-world")),
-        Reader("mjx", "mjx", "mujoco.mjx", ("mujoco-mjx",)),
-        Reader("warp", "warp", "mujoco_warp", ("mujoco-warp",), single=True),
-        Reader("urdf", "pinocchio", "pinocchio", ("pin",)),
+        Reader("genesis", "genesis", "genesis", packages=("torch", "genesis-world")),
+        Reader("mjx", "mjx", "mujoco.mjx", packages=("mujoco-mjx",)),
+        Reader("warp", "warp", "mujoco_warp", packages=("mujoco-warp",), single=True),
+        Reader("urdf", "pinocchio", "pinocchio", packages=("pin",)),
     )
 }
 """By the name of the target that it reads."""

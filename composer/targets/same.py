@@ -48,7 +48,7 @@ def differences(model: Any, again: Any) -> Iterator[str]:
             continue
         rows = _rows(model, name)
         if not _close(before, after, rows):
-            yield f"`{name}`{_where(model, name, before, after)}"
+            yield f"`{name}`{_where(model, name, before, after=after)}"
     if model.ngeom == again.ngeom and model.nmesh == again.nmesh:
         for kind in ("geom", "site"):
             yield from _surfaces(kind, model, again)

@@ -35,7 +35,7 @@ def all_admitted(unit: Unit, sink: Sink, shown: Callable[[Path], str] | None = N
     """
     before = sink.error_count
     check_meshes(unit, 0, sink)
-    for use in _named(unit, sink, shown or str, set()):
+    for use in _named(unit, sink, shown or str, seen=set()):
         try:
             unit.door.admit(use.path)
         except Refused as refused:
@@ -50,14 +50,14 @@ def _named(unit: Unit, sink: Sink, shown: Callable[[Path], str], seen: set[str])
     for element, attribute, name in file_attributes(unit.root):
         written = written_path(unit.settings, element, name)
         if written not in unit.contents:
-            yield _Use(unit, element, attribute, join(directory, written))
+            yield _Use(unit, element, attribute, path=join(directory, written))
     for element in unit.root.iterfind("asset/model"):
         name = str(element.get("file") or "")
         path = join(directory, name)
         if not name or name in unit.contents or path in seen:
             continue
         seen.add(path)
-        use = _Use(unit, element, "file", path)
+        use = _Use(unit, element, "file", path=path)
         yield use
         if unit.door.exists(path):
             aside = Sink()
@@ -67,7 +67,7 @@ def _named(unit: Unit, sink: Sink, shown: Callable[[Path], str], seen: set[str])
                     sink.add(each)  # an include; other errors are reported when the model is linked
             if inner is not None:
                 check_meshes(inner, 0, sink)
-                yield from _named(inner, sink, shown, seen)
+                yield from _named(inner, sink, shown, seen=seen)
 
 
 def includes_admitted(urdf: Unit, sink: Sink, shown: Callable[[Path], str] | None = None) -> bool:

@@ -69,10 +69,10 @@ def referrers(model: M, namespace: str, name: str) -> Iterator[Reference[M]]:
     """
     for here, _, kind, used in uses_of(model, namespace, name):
         for node, attribute in here.names.users(kind, used):
-            yield Reference(here, node, attribute, kind, used)
+            yield Reference(here, node, attribute, namespace=kind, name=used)
     rod = model.find_node("flex", twisted_by(name)) if namespace == "joint" and twisted_by(name) else None
     if rod is not None and is_rod(rod):
-        yield Reference(model, rod, "name", namespace, name)
+        yield Reference(model, rod, "name", namespace=namespace, name=name)
 
 
 def uses_of(model: M, namespace: str, name: str) -> Iterator[tuple[M, str, str, str]]:

@@ -72,14 +72,14 @@ def chain(element: Node, classes: Classes) -> list[DefaultClass]:
 
 def levels(element: Node, kind: ElementType, attribute: Attribute, classes: Classes) -> list[Level]:
     """Return every level that an attribute may come from, the element first and MuJoCo's default last."""
-    found = [Level("element", None, element, written(element, attribute.name))]
+    found = [Level("element", None, element, text=written(element, attribute.name))]
     if kind.takes_class and attribute.in_default:
         for step in chain(element, classes):
             writer = _writer(step, element, attribute)
             found.append(
-                Level("class", step.name, writer, None if writer is None else writer.get(attribute.name))
+                Level("class", step.name, writer, text=None if writer is None else writer.get(attribute.name))
             )
-    found.append(Level("mujoco", None, None, default_text(attribute)))
+    found.append(Level("mujoco", None, None, text=default_text(attribute)))
     return list(_taken(found, attribute))
 
 
@@ -97,7 +97,7 @@ def text_in_effect(element: Node, kind: ElementType, name: str, classes: Classes
     words = (written(element, name) or "").split()
     if words and not _may_go_on(attribute, len(words)):
         return " ".join(words)
-    return value(levels(element, kind, attribute, classes))
+    return value(levels(element, kind, attribute, classes=classes))
 
 
 def given(element: Node, kind: ElementType, classes: Classes) -> Iterator[tuple[Attribute, Level]]:
@@ -118,7 +118,7 @@ def given(element: Node, kind: ElementType, classes: Classes) -> Iterator[tuple[
                         continue
                     orientation = True
                 seen.add(name)
-                yield attribute, Level("class", step.name, writer, str(writer.get(name)))
+                yield attribute, Level("class", step.name, writer, text=str(writer.get(name)))
         turned |= orientation
 
 
@@ -143,7 +143,7 @@ def _taken(steps: list[Level], attribute: Attribute) -> Iterator[Level]:
             yield step
             continue
         count = max(len(step.text.split()), 1)
-        yield Level(step.kind, step.name, step.writer, step.text, range(at, max(at, count)))
+        yield Level(step.kind, step.name, step.writer, text=step.text, taken=range(at, max(at, count)))
         at = max(at, count)
 
 

@@ -90,7 +90,7 @@ def check_size(
         said = f"{said}; {limits.expansion} are allowed"
         _report(unit, largest, said, "expansion", total, sink, note)
         return
-    if _is_heavy(unit, model, made, sink):
+    if _is_heavy(unit, model, made, sink=sink):
         return
     if check_reserved(unit, elements + total, sink):
         check_meshes(unit, model.points, sink, opens_files=opens_files)
@@ -180,13 +180,13 @@ def _made(
         count, inside = below.pop(node, (0, NOTHING))
         tag, above = node.tag, node.getparent()
         if node in made:
-            weight = _expanded(node, inside, attached, in_file)
+            weight = _expanded(node, inside, attached, in_file=in_file)
             made[node] = weight._replace(elements=weight.elements - 1 - count)
         elif tag == "body":
             weight = inside.in_body()
         elif tag in _JOINTS and (above is None or _holds_joints(above)):
             dofs = joint_dofs(node, by_default)
-            weight = Weight(1, 0, dofs, 0, dofs)
+            weight = Weight(1, 0, dofs, matrix=0, loose=dofs)
         else:
             weight = inside._replace(elements=inside.elements + 1)
         if above is None or node is root:
@@ -211,7 +211,7 @@ def _expanded(
     if node.tag == "composite":
         count = _product(str(node.get("count") or _COMPOSITE_COUNT), 3)
         # A cable, the last one that there was (MuJoCo 3.17): each body hangs on the one before by a ball joint.
-        chain = Weight(count, count, 3 * count, 9 * count * count // 2)
+        chain = Weight(count, count, 3 * count, matrix=9 * count * count // 2)
         return one.plus(inside.times(count)).plus(chain)
     if node.tag == "flexcomp":
         points = _points(node, in_file)
@@ -228,7 +228,7 @@ def _soft(flexcomp: Node, points: int) -> Weight:
     if dof in _NODES:
         cells = [_count(word) for word in str(flexcomp.get("cellcount") or "1 1 1").split()[:3]]
         bodies = math.prod(_NODES[dof] * each + 1 for each in cells)
-    return Weight(0, bodies, dofs * bodies, bodies * dofs * (dofs + 1) // 2)
+    return Weight(0, bodies, dofs * bodies, matrix=bodies * dofs * (dofs + 1) // 2)
 
 
 def _points(flexcomp: Node, in_file: Callable[[Node], int]) -> int:

@@ -41,7 +41,7 @@ def unread(root: Node, version: str | None = None) -> Iterator[tuple[Node, str |
     if next(root.iter(*BLIND), None) is None:
         return
     for worldbody in root.iterchildren("worldbody"):
-        yield from _below(worldbody, GRAMMAR.section("worldbody"), False, version)
+        yield from _below(worldbody, GRAMMAR.section("worldbody"), False, version=version)
 
 
 def _exists(what: ElementType | Attribute, version: str | None) -> bool:
@@ -82,13 +82,20 @@ def ignored(element: Node, name: str | None, unit: Unit) -> Diagnostic:
         parent = element.getparent()
         place = "" if parent is None else f" in `<{parent.tag}>`"
         message = f"MuJoCo ignores `<{element.tag}>`{place}, which means nothing"
-        return Diagnostic("unknown-element", message, span, Severity.WARNING, help="remove it")
+        return Diagnostic("unknown-element", message, span, severity=Severity.WARNING, help="remove it")
     kind = GRAMMAR.within("worldbody").get(str(element.tag))
     known = [] if kind is None else list(kind.attributes)
     message = f"MuJoCo ignores `{name}` of `<{element.tag}>`, which means nothing"
     near = None if kind is not None and name in kind.ignored else did_you_mean(name, known)
     notes = (exists_note("attribute", known, name),) if near else ()
-    return Diagnostic("unknown-attribute", message, span, Severity.WARNING, notes, near or f"remove `{name}`")
+    return Diagnostic(
+        "unknown-attribute",
+        message,
+        span,
+        severity=Severity.WARNING,
+        notes=notes,
+        help=near or f"remove `{name}`",
+    )
 
 
 def note_unread(unit: Unit) -> None:

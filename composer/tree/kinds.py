@@ -116,8 +116,8 @@ def query(tag: str, section: str | None) -> Query:
         tag,
         paths,
         tuple(sorted({path.rpartition("/")[2] for path in paths})),
-        frozenset(each for each, known in reached.items() if known & paths),
-        tuple(sorted(name for name in namespaces if name)),
+        sections=frozenset(each for each, known in reached.items() if known & paths),
+        namespaces=tuple(sorted(name for name in namespaces if name)),
     )
 
 

@@ -66,7 +66,7 @@ class Origins:
         """
         if attribute is not None and (found := self.set_at(element, attribute)) is not None:
             return found
-        return self.span_by(self.owner(element, default_file), element, attribute, key)
+        return self.span_by(self.owner(element, default_file), element, attribute, key=key)
 
     def set_at(self, element: Node, attribute: str) -> Span | None:
         """Return where a program, a recipe or the linker has set an attribute; None for an attribute from its file."""
@@ -82,7 +82,9 @@ class Origins:
         if not isinstance(owner, str):
             return owner(attribute)
         written = {str(name): str(value) for name, value in element.items()}
-        return self.in_file(owner, line_of(element), str(element.tag), written, attribute, key)
+        return self.in_file(
+            owner, line_of(element), str(element.tag), written=written, attribute=attribute, key=key
+        )
 
     def in_file(
         self,
@@ -100,11 +102,11 @@ class Origins:
         found = None
         if text is not None:
             if attribute is not None:
-                found = text.attribute(tag, line, written, attribute, key=key)
+                found = text.attribute(tag, line, written, name=attribute, key=key)
             found = found or text.element(tag, line, written)
         if found is None:
             return Span(file, line, 1)
-        return Span(file, found.line, found.column, found.line, found.end_column)
+        return Span(file, found.line, found.column, end_line=found.line, end_column=found.end_column)
 
     def adopt(self, other: Origins) -> None:
         """Add the data of elements that have moved here from another tree."""

@@ -73,7 +73,7 @@ def read_file(path: Path, sink: Sink, door: Door, *, file: str, span: Span | Non
         refused.report(sink, span)
         return None
     except OSError as error:
-        message, help = _unreadable(f"the model `{file}`", Path(file), path, error)
+        message, help = _unreadable(f"the model `{file}`", Path(file), path, error=error)
         sink.error(_code(error, "file-unreadable"), message, span, help=help)
         return None
 
@@ -98,7 +98,7 @@ def parse_text(
         return None
     header = take_header_in(root)
     door = door or own_door(directory / "model.xml")
-    unit = Unit(root, file, directory, label, contents or {}, header=header, door=door)
+    unit = Unit(root, file, directory, label=label, contents=contents or {}, header=header, door=door)
     unit.origins.texts[file] = FileText(contents=data)
     unit.origins.size = len(data)
     if root.tag != "mujoco":
@@ -185,7 +185,7 @@ class _Includes:
 
     def expand(self, tree: Node, file: str, folder: Path, depth: int = 0) -> None:
         for element in list(tree.iter("include")):
-            self._replace(element, file, folder, depth + 1)
+            self._replace(element, file, folder, depth=depth + 1)
 
     def _replace(self, element: Node, file: str, folder: Path, depth: int) -> None:
         origins = self.unit.origins
@@ -225,7 +225,7 @@ class _Includes:
             refused.report(self.sink, origins.span(element, file, "file"))
             return
         except OSError as error:
-            message, help = _unreadable(f"the included file `{name}`", Path(name), path, error)
+            message, help = _unreadable(f"the included file `{name}`", Path(name), path, error=error)
             refuse(message, help, code=CODE if isinstance(error, TooLarge) else "xml-include")
             return
         included = parse_xml(data, shown, self.sink)
@@ -236,7 +236,7 @@ class _Includes:
             refuse(f"`{name}` has the root `<{included.tag}>`, not `<mujocoinclude>` or `<mujoco>`")
             return
         take_header_in(included)
-        self.expand(included, shown, path.parent, depth)
+        self.expand(included, shown, path.parent, depth=depth)
         beside = path.parent
         for each in included.iter("*"):
             self.folders.setdefault(each, beside)
@@ -316,7 +316,7 @@ def parse_xml(data: bytes | str, file: str, sink: Sink) -> Node | None:
     if doctype.refused(data, file, sink) or not check_text(data, file, sink):
         return None
     root = _parsed(data, file, sink)
-    if root is None or not check_attributes(root, data, file, sink):
+    if root is None or not check_attributes(root, data, file, sink=sink):
         return None
     if _CDATA in data:
         take_cdata_in(root, data)
@@ -337,7 +337,9 @@ def _parsed(data: bytes, file: str, sink: Sink) -> Node | None:
     except (etree.XMLSyntaxError, UnicodeDecodeError):
         line, column = fault.position
         text = data.decode("utf-8", "replace")
-        xml_fault.report(fault.msg or "it cannot be read", file, max(line, 1), max(column, 1), text, sink)
+        xml_fault.report(
+            fault.msg or "it cannot be read", file, max(line, 1), column=max(column, 1), text=text, sink=sink
+        )
         return None
 
 

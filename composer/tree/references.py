@@ -50,7 +50,7 @@ def unresolved(
         word(namespace),
         name,
         model.known_names(namespace),
-        span,
+        span=span,
         purpose=purpose,
         message=message,
         written=written,

@@ -62,7 +62,7 @@ class Renaming(Generic[M]):
                     continue
                 for node, attribute in model.names.users(namespace, old):
                     if is_list(node, attribute, section_of(node)):
-                        yield Reference(model, node, attribute, namespace, old), new
+                        yield Reference(model, node, attribute, namespace=namespace, name=old), new
 
     def carry_out(self) -> None:
         """Write the new names into all references."""

@@ -148,7 +148,7 @@ class SourceText:
             values[attribute[1]] = (attribute.start(2) + 1, attribute.end(2) - 1)
             at = attribute.end()
         end = _TAG_END.match(self._bare, at)
-        return None if end is None else _StartTag(start, end.end() - 1, names, values)
+        return None if end is None else _StartTag(start, end.end() - 1, names, values=values)
 
     def _likeness(self, candidate: _StartTag, attributes: Mapping[str, str]) -> int:
         alike = 0

@@ -57,7 +57,7 @@ def locate_in_urdf(unit: Unit, robot: Node, written: Origins) -> list[tuple[Node
     unit.origins.texts.update(written.texts)
     pairs = list(_Sources(robot).of(unit.root))
     for element, source in pairs:
-        locate_as(unit, element, source, written)
+        locate_as(unit, element, source, written=written)
     return pairs
 
 

@@ -32,7 +32,7 @@ class Weight(NamedTuple):
     def plus(self, other: Weight) -> Weight:
         return Weight(
             self.elements + other.elements, self.bodies + other.bodies, self.dofs + other.dofs,
-            self.matrix + other.matrix, self.loose + other.loose, self.points + other.points,
+            matrix=self.matrix + other.matrix, loose=self.loose + other.loose, points=self.points + other.points,
         )  # fmt: skip
 
     def times(self, count: int) -> Weight:
@@ -42,7 +42,9 @@ class Weight(NamedTuple):
         """A body with this in it."""
         own, carried = self.loose, self.dofs - self.loose
         matrix = self.matrix + own * (own + 1) // 2 + own * carried
-        return Weight(self.elements + 1, self.bodies + 1, self.dofs, matrix, 0, self.points)
+        return Weight(
+            self.elements + 1, self.bodies + 1, self.dofs, matrix=matrix, loose=0, points=self.points
+        )
 
 
 NOTHING = Weight()

@@ -29,7 +29,7 @@ def report(said: str, file: str, line: int, column: int, text: str, sink: Sink) 
         at, tag = int(opened["line"]), opened["tag"]
         begin = lines[at - 1].rfind(f"<{tag}") if 0 < at <= len(lines) else -1
         if begin >= 0:
-            span = Span(file, at, begin + 1, at, begin + 2 + len(tag))
+            span = Span(file, at, begin + 1, end_line=at, end_column=begin + 2 + len(tag))
             notes = (Note(f"`<{tag}>` begins here", span),)
     sink.error(
         "xml-syntax", f"`{file}` is not XML: {message}", Span(file, line, column), notes=notes, help=help

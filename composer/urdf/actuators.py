@@ -42,7 +42,7 @@ def add_actuators(robot: Unit, unit: Unit, choice: Actuators, sink: Sink) -> dic
     drives: dict[str, Drive] = {}
     for drive in (*_of_ros2_control(robot.root), *_of_transmissions(robot.root), *_of_all(joints, choice)):
         if drive.joint not in joints:
-            _unknown(drive, list(joints), robot, sink)
+            _unknown(drive, list(joints), robot, sink=sink)
             continue
         if joints[drive.joint].find("mimic") is not None:
             read.setdefault(_outer(drive.source), "nothing: an equality moves the joint")
@@ -57,7 +57,7 @@ def add_actuators(robot: Unit, unit: Unit, choice: Actuators, sink: Sink) -> dic
         section = unit.section("actuator") if section is None else section
         element = _element(drive, joints[name])
         section.append(element)
-        locate_as(unit, element, drive.source, robot.origins)
+        locate_as(unit, element, drive.source, written=robot.origins)
     return read
 
 
@@ -100,12 +100,14 @@ def _element(drive: Drive, joint: Node) -> Node:
     kp, kd, kv = (_first(drive.numbers, names) for names in (_KP, _KD, _KV))
     if "effort" not in drive.interfaces and "position" in drive.interfaces and kp:
         given = {"kp": kp, **({"kv": kd} if kd else {})}
-        return _servo("position", drive, given, _range(drive.interfaces["position"]) or _joint_range(joint))
+        return _servo(
+            "position", drive, given, span=_range(drive.interfaces["position"]) or _joint_range(joint)
+        )
     if "effort" not in drive.interfaces and "velocity" in drive.interfaces and kv:
         span = _range(drive.interfaces["velocity"]) or ((-velocity, velocity) if velocity else None)
-        return _servo("velocity", drive, {"kv": kv}, span)
+        return _servo("velocity", drive, {"kv": kv}, span=span)
     span = _range(drive.interfaces.get("effort")) or ((-effort, effort) if effort else None)
-    return _servo("motor", drive, {}, span)
+    return _servo("motor", drive, {}, span=span)
 
 
 def _servo(tag: str, drive: Drive, given: dict[str, float], span: tuple[float, float] | None) -> Node:

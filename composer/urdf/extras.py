@@ -63,9 +63,9 @@ class Extras:
             for one, other in zip(given, _FRICTION, strict=True)
         ]
         for geom in self._geoms(link):
-            self._set(geom, "friction", " ".join(values), contact)
+            self._set(geom, "friction", " ".join(values), source=contact)
             if len([each for each in given[1:] if _number(each)]):
-                self._set(geom, "condim", "6" if _number(given[2]) else "4", contact)
+                self._set(geom, "condim", "6" if _number(given[2]) else "4", source=contact)
         return True
 
     def _friction(self, link: Node, setting: Node) -> str | None:
@@ -73,7 +73,7 @@ class Extras:
             return None
         geoms = list(self._geoms(link))
         for geom in geoms:
-            self._set(geom, "friction", _said(setting), setting)
+            self._set(geom, "friction", _said(setting), source=setting)
         return "friction" if geoms else None
 
     def _gravity(self, link: Node, setting: Node) -> str | None:
@@ -82,7 +82,7 @@ class Extras:
             return "nothing: gravity acts on every body"
         bodies = [each for each in self.made.get(link, ()) if each.tag == "body"]
         for body in bodies:
-            self._set(body, "gravcomp", "1", setting)
+            self._set(body, "gravcomp", "1", source=setting)
         return "gravcomp" if bodies else None
 
     def _spring(self, joint: Node, setting: Node) -> str | None:
@@ -91,7 +91,7 @@ class Extras:
         made = [each for each in self.made.get(joint, ()) if each.tag == "joint"]
         name = {"springStiffness": "stiffness", "springReference": "springref"}[str(setting.tag)]
         for each in made:
-            self._set(each, name, _said(setting), setting)
+            self._set(each, name, _said(setting), source=setting)
         return name if made else None
 
     def _mimics(self, joints: dict[str, Node]) -> None:
@@ -107,7 +107,7 @@ class Extras:
                 self.unit.section("equality"), "joint", joint1=name, joint2=str(mimic.get("joint")),
                 polycoef=f"{offset} {factor} 0 0 0",
             )  # fmt: skip
-            locate_as(self.unit, made, mimic, self.robot.origins)
+            locate_as(self.unit, made, mimic, written=self.robot.origins)
 
     def _set(self, element: Node, name: str, value: str, source: Node) -> None:
         element.set(name, value)

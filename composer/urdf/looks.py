@@ -41,11 +41,19 @@ def add_looks(robot: Robot, unit: Unit, pairs: list[tuple[Node, Node]], sink: Si
             read[texture] = "material and texture"
             path = look.texture
             assert isinstance(path, Path)
-            _give(unit, element, source, robot, path.stem, path, kept)
+            _give(unit, element, source, robot=robot, name=path.stem, picture=path, kept=kept)
         elif material is None or material.get("name") == "":
             found = robot.looks.get(files.get(str(element.get("mesh")), ""))
             if found is not None and isinstance(found.texture, bytes):
-                _give(unit, element, source, robot, str(element.get("mesh")), found.texture, kept)
+                _give(
+                    unit,
+                    element,
+                    source,
+                    robot=robot,
+                    name=str(element.get("mesh")),
+                    picture=found.texture,
+                    kept=kept,
+                )
     return read
 
 
@@ -94,7 +102,7 @@ def _give(
             etree.SubElement(asset, "texture", name=material, type="2d", file=file),
             etree.SubElement(asset, "material", name=material, texture=material),
         ):
-            locate_as(unit, made, source, robot.unit.origins)
+            locate_as(unit, made, source, written=robot.unit.origins)
     geom.set("material", material)
     if "rgba" in geom.attrib:
         del geom.attrib["rgba"]

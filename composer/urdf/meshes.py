@@ -87,7 +87,7 @@ class Meshes:
     def _ask(self, function: Any, files: list[str]) -> list[Any]:
         door = self.robot.unit.door
         argument = {"roots": list(door.roots), "sees_all": door.sees_all, "files": files}
-        answer = call(self.session, function, (), argument)
+        answer = call(self.session, function, (), argument=argument)
         if answer.ok:
             return list(answer.value)
         self.sink.error(

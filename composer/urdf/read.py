@@ -88,7 +88,7 @@ class UrdfReader:
             robot.set("fusestatic", "false" if choices.fixed == "keep" else "true")
         robot.simplified()
         assert self.session is not None
-        meshes = Meshes(robot, self.session, self.sink, self.shown)
+        meshes = Meshes(robot, self.session, self.sink, shown=self.shown)
         meshes.prepare()
         if self.sink.error_count > before:
             return None
@@ -101,7 +101,7 @@ class UrdfReader:
             and _is_of_inertia(converted)
         ):
             # Only now: what MuJoCo accepts is left as it is.
-            converted = self._converted(robot, meshes.shells, stack, inertia.mend(robot, self.sink))
+            converted = self._converted(robot, meshes.shells, stack, massless=inertia.mend(robot, self.sink))
         if converted is None:
             return None
         self._report_warnings(converted, robot)
@@ -133,14 +133,16 @@ class UrdfReader:
             root = parse_xml(data, shown, sink)
             if root is None:
                 return None
-            unit = Unit(root, shown, source.path.parent, source.path.stem, door=source.door)
+            unit = Unit(root, shown, source.path.parent, label=source.path.stem, door=source.door)
             unit.origins.texts[shown] = FileText(source.path, data)
             return Robot(
                 unit, source.path, known_packages(data.decode("utf-8", "replace"), source.path, given)
             )
         packages = ros_package.all_folders(source.path, given)
         arguments = dict(source.urdf.arguments)
-        expanded = Template(source.path, source.door, packages, arguments, self.shown).expanded()
+        expanded = Template(
+            source.path, source.door, packages, arguments=arguments, shown=self.shown
+        ).expanded()
         for each in expanded.found:
             notes = (*each.notes, *self._asked()) if each.severity is Severity.ERROR else each.notes
             sink.add(replace(each, notes=notes))
@@ -150,7 +152,7 @@ class UrdfReader:
             return None
         root = parsed(expanded.text)
         label = source.path.name.partition(".")[0]
-        unit = Unit(root, shown, source.path.parent, label, door=source.door)
+        unit = Unit(root, shown, source.path.parent, label=label, door=source.door)
         for path in (source.path, *expanded.files):
             unit.origins.texts[self.shown(path)] = FileText(path)
         owned(root, expanded.owners, unit.origins)
@@ -169,7 +171,7 @@ class UrdfReader:
             )  # fmt: skip
         except Refused as refused:
             span = self._span(mesh_of(robot.root, refused.path), "filename")
-            refused.report(self.sink, span, self._asked(), self.shown)
+            refused.report(self.sink, span, self._asked(), shown=self.shown)
             return None
 
     def _written(self, robot: Robot, stack: ExitStack) -> dict[str, Path]:
@@ -209,8 +211,8 @@ class UrdfReader:
         if self.source.urdf.visuals == "keep":
             self._hide_collisions(pairs)
         known = Extras(written, unit, made).add()
-        known |= add_looks(robot, unit, pairs, self.sink)
-        known |= add_actuators(written, unit, self.source.urdf.actuators, self.sink)
+        known |= add_looks(robot, unit, pairs, sink=self.sink)
+        known |= add_actuators(written, unit, self.source.urdf.actuators, sink=self.sink)
         self.reading.ordinary(robot.root, robot.keeps_visuals, known)
         self.reading.note(written, self.sink)
         unit.table = self.reading.table(written)
@@ -309,7 +311,7 @@ class UrdfReader:
             for name in map(str, section.keys()):
                 if name not in known:
                     span, otherwise = self._span(section, name, key=True), f"take `{name}` out"
-                    found = unknown_attribute(name, f"`<{tag}>`", known, span, otherwise=otherwise)
+                    found = unknown_attribute(name, f"`<{tag}>`", known, span=span, otherwise=otherwise)
                     self.sink.add(replace(found, severity=Severity.WARNING))
 
     def _refused(self, robot: Robot, converted: Converted) -> None:

@@ -99,7 +99,7 @@ class Reading:
                 if tag == "link" and child.find("inertial") is None and child.find("collision") is not None:
                     self.read("link without inertial", child, "the mass of its shapes at 1000 kg/m³")
                 for inner in child.iterchildren("*"):
-                    self._inner(tag, inner, keeps_visuals, known)
+                    self._inner(tag, inner, keeps_visuals, known=known)
             elif child in known:
                 self.read(tag, child, known[child])
                 for each in child.iter(_REDUCTION):
@@ -153,9 +153,9 @@ class Reading:
                 row.what,
                 row.count,
                 row.became,
-                row.why,
-                unit.origins.span(row.first, unit.file),
-                row.is_minor,
+                why=row.why,
+                span=unit.origins.span(row.first, unit.file),
+                is_minor=row.is_minor,
             )
             for row in self.rows.values()
         )

@@ -113,14 +113,16 @@ class Template:
             return self._failed(value["error"], files)
         places = [self._span(each, files) for each in value["places"]]
         warnings = [
-            Diagnostic("xacro", f"xacro warns: {text}", Span(self._name(Path(file)), 1, 1), Severity.WARNING)
+            Diagnostic(
+                "xacro", f"xacro warns: {text}", Span(self._name(Path(file)), 1, 1), severity=Severity.WARNING
+            )
             for text, file in value["warnings"]
         ]
         if value["unused"]:
             return Expanded(
                 None, files=tuple(files), found=(self._unused(value["unused"][0], value["arguments"]),)
             )
-        return Expanded(value["text"].encode(), tuple(places), tuple(files), tuple(warnings))
+        return Expanded(value["text"].encode(), tuple(places), tuple(files), found=tuple(warnings))
 
     def _name(self, path: Path) -> str:
         assert callable(self.shown)
@@ -130,7 +132,9 @@ class Template:
         number, line, column, tag = place
         assert isinstance(number, int) and isinstance(line, int) and isinstance(column, int)
         length = len(str(tag)) + 1 if tag else 1
-        return Span(self._name(files[number]), line, column + 1, line, column + 1 + length)
+        return Span(
+            self._name(files[number]), line, column + 1, end_line=line, end_column=column + 1 + length
+        )
 
     def _unused(self, name: str, arguments: list[str]) -> Diagnostic:
         message = f"the template has no argument `{name}`"
@@ -227,7 +231,13 @@ def _attribute_from(text: SourceText, owner: Span, attribute: str) -> Span | Non
     start, end = found.span(1 if found.group(1) is not None else 2)
     before = found.string[:start]
     line, column = before.count("\n"), start - (before.rfind("\n") + 1)
-    return Span(owner.file, owner.line + line, column + 1, owner.line + line, column + 1 + (end - start))
+    return Span(
+        owner.file,
+        owner.line + line,
+        column + 1,
+        end_line=owner.line + line,
+        end_column=column + 1 + (end - start),
+    )
 
 
 _WRITTEN = re.compile(rb"""(?:filename\s*=\s*["']|load_yaml\(\s*["'])([^"'<>]*)["']""")
@@ -244,7 +254,7 @@ def files_named(path: Path, data: bytes, door: Door, packages: Mapping[str, Path
     while waiting:
         file, content = waiting.pop()
         for each in dict.fromkeys(_WRITTEN.findall(content)):
-            for found in _named(each.decode("utf-8", "replace"), file, packages, door, looks):
+            for found in _named(each.decode("utf-8", "replace"), file, packages, door=door, looks=looks):
                 if found in seen or not door.sees(found) or not os.path.isfile(found):
                     continue
                 seen.add(found)

@@ -74,9 +74,9 @@ class Checks:
         for recipe, check in checks_in(self.plan):
             own = replace(self.context, sink=Sink())
             if isinstance(check, Unchanged):
-                values = self._unchanged(check, recipe, judge, own, drawn=drawn)
+                values = self._unchanged(check, recipe, judge, context=own, drawn=drawn)
             elif KINDS[check.word].of_target:
-                values = _ask_elsewhere(check, recipe, self.elsewhere, own)
+                values = _ask_elsewhere(check, recipe, self.elsewhere, context=own)
             else:
                 kept, values = self._ask(check, recipe, own)
             reported = tuple(_as_severe(each, check, recipe) for each in own.sink.diagnostics)
@@ -113,7 +113,7 @@ class Checks:
             context.sink.error("check-failed", message, _place(check, recipe), help=help)
             return True, {}
         question = {"kind": check.word, "asked": asked, "scope": recipe.scope()}
-        answer = engine.call(self.session, ask, [WHOLE], question)
+        answer = engine.call(self.session, ask, [WHOLE], argument=question)
         if not answer.ok:
             code = CRASHES.get(answer.crash or "", "mujoco-crash")
             notes = [Note("no check behind it was run")] if answer.crash else []
@@ -121,7 +121,7 @@ class Checks:
             context.sink.error(code, message, _place(check, recipe), notes=notes)
             return not answer.crash, {}
         for finding in map(from_json, answer.value["findings"]):
-            _report_finding(finding, check, recipe, context)
+            _report_finding(finding, check, recipe, context=context)
         return True, answer.value["values"]
 
     def _unchanged(
@@ -144,7 +144,7 @@ class Checks:
         for member in found:
             compared = judge.compare(member, excused)
             if not compared.ok:
-                _report(compared, recipe, check, context)
+                _report(compared, recipe, check, context=context)
         return {"parts": len(found)}
 
 
@@ -169,7 +169,7 @@ def _ask_elsewhere(
 ) -> dict[str, Any]:
     findings, values = elsewhere[check.word](asdict(check))  # type: ignore[call-overload]
     for finding in findings:
-        _report_finding(finding, check, recipe, context)
+        _report_finding(finding, check, recipe, context=context)
     return values
 
 

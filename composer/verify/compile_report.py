@@ -64,14 +64,14 @@ def judge(
             context.sink.error(verified.code, message, at, help=crash_help(verified.code))
         else:
             element = _element(fault, bundle, model)
-            report(translate(message, element), element, model, context, at=at)
+            report(translate(message, element), element, model, context=context, at=at)
         return None
     version = verified.compiled.mujoco_version
     if version is None or version_key(version) <= version_key(
         GRAMMAR.versions[-1]
     ):  # a newer one may have more attributes
         for element, name in unread(model.root, version):
-            _report_unread(element, name, model, context)
+            _report_unread(element, name, model, context=context)
     for flex in unmoved_flexes(model.root, version):
         context.sink.warning(
             "not-supported",
@@ -97,7 +97,9 @@ def _report_unread(element: Node, name: str | None, model: Unit, context: Contex
         return
     file = model.origins.span(element, model.file).file
     found = unknown_element(element, file) if name is None else unknown_attribute(element, name, file)
-    report(found, element, model, context, Cause(f"{element.tag} {name or ''}", _called(element)))
+    report(
+        found, element, model, context=context, cause=Cause(f"{element.tag} {name or ''}", _called(element))
+    )
 
 
 def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:

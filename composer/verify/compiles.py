@@ -97,13 +97,13 @@ def verify(
         raise unwritable("a temporary folder", error) from error
     warnings = tuple(parse(text) for text in compiled.warnings)
     if compiled.crash is not None:
-        return Verified(compiled, Fault(compiled.error or compiled.crash), compiled.crash, warnings)
+        return Verified(compiled, Fault(compiled.error or compiled.crash), compiled.crash, warnings=warnings)
     if compiled.error is not None:
-        return Verified(compiled, parse(compiled.error), None, warnings)
+        return Verified(compiled, parse(compiled.error), None, warnings=warnings)
     if compiled.forward is not None:
         fault = Fault(f"the model compiles, but its first forward step fails: {compiled.forward}")
-        return Verified(compiled, fault, None, warnings)
-    return Verified(compiled, None, None, warnings)
+        return Verified(compiled, fault, None, warnings=warnings)
+    return Verified(compiled, None, None, warnings=warnings)
 
 
 @contextmanager

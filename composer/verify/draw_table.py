@@ -44,7 +44,7 @@ class DrawTable:
         """Look up the address of every number, and return whether each has one."""
         before = self.context.sink.error_count
         numeric = [each for each in self.tabled if self._is_numeric(each)]
-        answer = engine.call(self.session, resolve, [WHOLE], [_question(each) for each in numeric])
+        answer = engine.call(self.session, resolve, [WHOLE], argument=[_question(each) for each in numeric])
         if not answer.ok:
             self.crashed(answer)
             return False

@@ -69,7 +69,7 @@ def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink:
         "mark": MARK,
         "held": [{"key": at, "forces": written.forces} for at, written in held],
     }
-    answer = engine.call(session, key_rows, [WHOLE], question)
+    answer = engine.call(session, key_rows, [WHOLE], argument=question)
     if not answer.ok or "unlike" in answer.value:
         why = answer.value["unlike"] if answer.ok else answer.error or answer.crash
         sink.error(
@@ -88,9 +88,15 @@ def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink:
         if meant is not None:
             row = answer.value["keys"][at]
             wrong = _wrong(
-                final, answer.value, meant, row, _settled(key, model, notes), controls.get(at), notes
+                final,
+                answer.value,
+                meant,
+                row=row,
+                settled=_settled(key, model, notes),
+                controls=controls.get(at),
+                notes=notes,
             )
-            _report(key, list(wrong), model, sink)
+            _report(key, list(wrong), model, sink=sink)
 
 
 def _held(key: Node, model: Unit, notes: KeyNotes) -> Written | None:
@@ -211,7 +217,7 @@ def _wrong(
                     fitting[0] if fitting else Value(answer["reference"][vector][start:stop], within, None)
                 )
             if not _same(vector, found, value.numbers):
-                yield _Difference(vector, body if name.startswith(MARK) else name or body, found, value)
+                yield _Difference(vector, body if name.startswith(MARK) else name or body, found, meant=value)
 
 
 def _same(vector: str, one: Sequence[float], other: Sequence[float]) -> bool:

@@ -54,8 +54,8 @@ def check_key_ranges(plan: Plan, model: Unit, index: Index, sink: Sink) -> None:
         for vector, kind in _KINDS.items():
             row = [float(each) for each in str(element.get(vector) or "").split()]
             for name in _written_names(step.key, vector, index):
-                for bound in _bounds(index, vector, name, row):
-                    _check(plan, model, step.key, (vector, name), kind, bound, sink)
+                for bound in _bounds(index, vector, name, row=row):
+                    _check(plan, model, step.key, entry=(vector, name), kind=kind, bound=bound, sink=sink)
 
 
 def check_stiffness(model: Unit, index: Index, at: Span, sink: Sink) -> None:
@@ -142,7 +142,7 @@ def _check(
     holder, unit = _element(model.root, kind, name), bound.unit or ""
     if vector == "act" and holder is not None and _integrates(holder, model):
         unit = unit.removesuffix("/s")
-    in_degrees = unit.startswith("rad") and _in_degrees(plan, key, (*key.at, *entry), entry)
+    in_degrees = unit.startswith("rad") and _in_degrees(plan, key, (*key.at, *entry), entry=entry)
 
     def said(number: float) -> str:
         shown = f"{math.degrees(number) if in_degrees else number:.6g}"
@@ -189,7 +189,7 @@ def _in_degrees(plan: Plan, key: Keyframe, at: Path, entry: tuple[str, str]) -> 
 
 def _integrates(actuator: Node, model: Unit) -> bool:
     """Return whether the actuator integrates its control into its activation."""
-    dynamics = text_in_effect(actuator, kind_of(actuator), "dyntype", model.classes)
+    dynamics = text_in_effect(actuator, kind_of(actuator), "dyntype", classes=model.classes)
     return actuator.tag == "intvelocity" or dynamics == "integrator"
 
 

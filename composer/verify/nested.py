@@ -63,5 +63,5 @@ def checks_in(plan: Plan) -> Iterator[tuple[Nested, Check]]:
     for place in plan.walk():
         if isinstance(inner := place.model, Plan):
             part = f"{place.part}{inner.separator}" if place.part else ""
-            recipe = Nested(inner, part, place.prefix, place.others, place.keys)
+            recipe = Nested(inner, part, place.prefix, others=place.others, keys=place.keys)
             yield from ((recipe, check) for check in inner.checks)

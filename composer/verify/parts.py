@@ -81,7 +81,7 @@ class Judge:
 
     def _ask(self, alone: str, composed: str, question: Question) -> tuple[Difference, ...] | Incomparable:
         """Return the differences of two models that the session keeps, or why they cannot be compared."""
-        answer = engine.call(self.session, ask, [alone, composed], question.to_json())
+        answer = engine.call(self.session, ask, [alone, composed], argument=question.to_json())
         if not answer.ok:
             return Incomparable(answer.error or answer.crash or "it cannot be compared")
         if answer.value is None:
@@ -94,7 +94,7 @@ class Judge:
         from composer.verify.subtree_reference import keep_subtree  # few recipes need it
 
         whole = f"{name} in the whole"
-        taken = keep_subtree(member, self.session, name, whole)
+        taken = keep_subtree(member, self.session, name, whole=whole)
         if taken.fault is not None:
             return taken.fault
         keys = Keys.NONE if member.keys is None else Keys.MERGE

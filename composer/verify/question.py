@@ -113,9 +113,9 @@ def differences_of(value: list[dict[str, Any]]) -> list[Difference]:
             each["kind"],
             each["name"],
             each["field"],
-            _frozen(each["expected"]),
-            _frozen(each["actual"]),
-            each.get("why", ""),
+            expected=_frozen(each["expected"]),
+            actual=_frozen(each["actual"]),
+            why=each.get("why", ""),
         )
         for each in value
     ]

@@ -45,7 +45,7 @@ def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any
         targets = [{"array": array, "index": [number, n], "sign": sign} for array, n, sign in gains]
         return {"id": number, "targets": [targets]}
     array = array_of(family, attribute)
-    rows = rows_of(model, family, array, number)
+    rows = rows_of(model, family, array, index=number)
     if family == "actuator":  # if an actuator has several controls, the draw is for the first
         rows = range(rows.start, rows.start + 1)
     found = getattr(model, array, None)

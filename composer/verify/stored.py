@@ -55,19 +55,19 @@ def verify_stored(
         return None
     manifest = manifest_of(bundle.files.get(MANIFEST), shown, context.sink)
     if manifest is not None:
-        check_files(bundle, manifest, shown, context.sink)
+        check_files(bundle, manifest, shown, sink=context.sink)
     if manifest is not None and manifest.target is not None and manifest.index is None:
-        return Stored(bundle, manifest, None, ())  # it was written for another program
-    compiled = _compiled(bundle, shown, context, session)
+        return Stored(bundle, manifest, None, parts=())  # it was written for another program
+    compiled = _compiled(bundle, shown, context, session=session)
     if manifest is None or compiled is None:
-        return Stored(bundle, manifest, compiled, ())
+        return Stored(bundle, manifest, compiled, parts=())
     if manifest.index is not None and compiled.index is not None:
-        check_index(manifest.index, index_of(compiled.index), shown, context.sink)
+        check_index(manifest.index, index_of(compiled.index), shown, sink=context.sink)
     inputs = Inputs(manifest, recipe, context)
     renamed = {part.part: part.renamed for part in manifest.parts}
     parts = tuple(_parts(manifest, inputs, Judge(session, manifest.merged, renamed)))
     for compared in parts:
-        _report(compared, manifest, inputs, context)
+        _report(compared, manifest, inputs, context=context)
     if manifest.union is not None:
         context.sink.warning(
             "part-not-compared",
@@ -81,7 +81,7 @@ def verify_stored(
             f"the manifest of `{shown}` does not say where its parts are attached: none was compared with its source",
             help="build it again with this version",
         )
-    return Stored(bundle, manifest, compiled, parts)
+    return Stored(bundle, manifest, compiled, parts=parts)
 
 
 def _compiled(bundle: Bundle, shown: str, context: Context, session: Session) -> Compiled | None:

@@ -48,7 +48,7 @@ def keep_subtree(member: PartRecord, session: engine.Session, taken: str, whole:
     for number, each in enumerate(nameless):
         each.set("name", f"{_NAMELESS}{number}")
     with folder_of(unit) as folder:
-        fault = _keep(session, folder, path, write(unit.root) if nameless else None, whole)
+        fault = _keep(session, folder, path, text=write(unit.root) if nameless else None, name=whole)
     if fault is not None:
         return KeptSubtree(fault=fault)
     above = (*(str(each.get("name")) for each in around), None)
@@ -57,7 +57,7 @@ def keep_subtree(member: PartRecord, session: engine.Session, taken: str, whole:
     if take_subtree(unit, member.subtree, sink, keyframes=keyframes, measure=measure) is None:
         return KeptSubtree(fault=_said(sink))
     with folder_of(unit) as folder:
-        return KeptSubtree(above, _keep(session, folder, path, write(unit.root), taken))
+        return KeptSubtree(above, _keep(session, folder, path, text=write(unit.root), name=taken))
 
 
 def _keep(session: engine.Session, folder: Path, path: Path, text: bytes | None, name: str) -> str | None:

@@ -33,7 +33,7 @@ def with_worlds(table: DrawTable, bundle: Bundle, build: Build) -> Bundle:
         paths = {"draws": str(folder / "draws.npy"), "out": str(folder / "worlds.npz")}
         np.save(paths["draws"], np.array(list(table.values.values()), float).T)
         question: dict[str, object] = {**paths, "columns": list(table.columns.values())}
-        answer = engine.call(table.session, worlds.compute, [WHOLE], question)
+        answer = engine.call(table.session, worlds.compute, [WHOLE], argument=question)
         if not answer.ok:
             table.crashed(answer)
             return bundle
@@ -42,7 +42,7 @@ def with_worlds(table: DrawTable, bundle: Bundle, build: Build) -> Bundle:
             if not build(sample):
                 return bundle
             question = {**paths, "world": sample - 1}
-            answer = engine.call(table.session, worlds.compare, [WHOLE, SAMPLE], question)
+            answer = engine.call(table.session, worlds.compare, [WHOLE, SAMPLE], argument=question)
             if not answer.ok:
                 table.crashed(answer)
                 return bundle

@@ -28,7 +28,7 @@ def compute(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[str]:
     found, computed = Recorder(model), Computed(mujoco, model, mujoco.MjData(model))
     following = list(_following(model, columns))
     for first in range(0, len(draws), _BLOCK):
-        drawn = list(_drawn(model, columns, following, draws[first : first + _BLOCK], found))
+        drawn = list(_drawn(model, columns, following, rows=draws[first : first + _BLOCK], found=found))
         for world in range(len(draws[first : first + _BLOCK])):
             for memory, places, values in drawn:
                 memory[places] = values[world]
@@ -158,8 +158,8 @@ def _following(model: Model, columns: list[dict[str, Any]]) -> Iterator[tuple[Pl
         for body, component in sorted(drawn):
             targets = [
                 *_of_free_joint(model, body, at + component),
-                *_of_mocap(model, body, array, component),
-                *_of_inertial_frame(model, body, array, component),
+                *_of_mocap(model, body, array, component=component),
+                *_of_inertial_frame(model, body, array, component=component),
             ]
             if targets:
                 yield (array, body * width + component), targets

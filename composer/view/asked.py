@@ -30,7 +30,7 @@ class Asked:
         """Return the selection with a choice from a menu of the page."""
         if name == CELL:
             return replace(self, pick=None if value == _NONE else value, sample=None)
-        given = {**self.given, name: Scalar(value, Span(f"--variant {name}", 1, 1), value, False)}
+        given = {**self.given, name: Scalar(value, Span(f"--variant {name}", 1, 1), value, plain=False)}
         return replace(self, given=given)
 
 
@@ -53,11 +53,11 @@ def choices(operand: Operand, asked: Asked) -> list[dict[str, Any]]:
         for axis, (_, values) in variants.entries.items():
             if isinstance(values, Mapping):
                 menus.append(
-                    _menu(axis, f"variant {axis}", list(values.entries), _now(asked.given.get(axis)))
+                    _menu(axis, f"variant {axis}", list(values.entries), value=_now(asked.given.get(axis)))
                 )
     if cells:
         known = [_NONE, *cells[:_MOST_CELLS]]
-        menus.append(_menu(CELL, "cell or sample", known, asked.pick or _NONE))
+        menus.append(_menu(CELL, "cell or sample", known, value=asked.pick or _NONE))
     return menus
 
 

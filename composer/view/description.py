@@ -59,7 +59,9 @@ def described(
     bytes. `names` are the file names shared with another model on the page. `more` is added to the JSON.
     """
     with scratch("scene") as folder:
-        answer = engine.call(session, describe, [side.kept], {"folder": str(folder), "known": sorted(known)})
+        answer = engine.call(
+            session, describe, [side.kept], argument={"folder": str(folder), "known": sorted(known)}
+        )
         if not answer.ok:
             said = answer.error or answer.crash
             message = f"`{side.operand.label}` cannot be shown: {said}"
@@ -85,7 +87,7 @@ def described(
     scene["made"] = f"mjcompose {__version__}"
     scene |= more
     text = json.dumps(scene, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
-    return Description(title, text, used, blobs, tuple(scene["key"]["name"]))
+    return Description(title, text, used, blobs=blobs, keys=tuple(scene["key"]["name"]))
 
 
 def _title(side: Side) -> str:

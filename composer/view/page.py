@@ -46,7 +46,9 @@ def _engine(files: Mapping[str, bytes]) -> str:
 def live(title: str) -> str:
     """Return the page of a server, which serves the program and the models separately."""
     style, script = "<link rel=stylesheet href=page.css>", "<script src=page.js></script>"
-    return shell(title, "", "", style, script).replace("<html lang=en>", "<html lang=en data-live>")
+    return shell(title, "", "", style=style, script=script).replace(
+        "<html lang=en>", "<html lang=en data-live>"
+    )
 
 
 def shell(title: str, head: str, body: str, style: str | None = None, script: str | None = None) -> str:
@@ -77,7 +79,7 @@ def _in_script(text: str) -> str:
 def _embedded(number: int, description: Description) -> str:
     """Return the compressed model: a line of JSON with the sizes of the blobs, the model, and the new blobs."""
     blobs = [(name, description.blobs[name]) for name in description.used if name in description.blobs]
-    return _packed("model", description.text.encode(), blobs, f" data-number={number}")
+    return _packed("model", description.text.encode(), blobs, more=f" data-number={number}")
 
 
 def _packed(what: str, text: bytes, blobs: list[tuple[str, bytes]], more: str = "") -> str:

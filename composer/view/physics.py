@@ -34,7 +34,7 @@ def advance(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> State:
             array[:] = value
     data.time = asked.get("time", 0.0)
     begun = data.time
-    stopped = simulate(mujoco, model, data, asked["seconds"], begun, _MOST_SECONDS)
+    stopped = simulate(mujoco, model, data, end=asked["seconds"], begun=begun, most=_MOST_SECONDS)
     if stopped is not None:
         return {"stopped": stopped}
     return {name: getattr(data, name).tolist() for name in ("qpos", "qvel", "act")} | {
@@ -86,7 +86,7 @@ class Physics:
                 self.play(False, {})  # another model, to which the state does not apply
                 return
             asked = {**self._state, "seconds": 1 / _RATE}
-            answer = engine.call(self.workshop.session, advance, [KEPT], asked)
+            answer = engine.call(self.workshop.session, advance, [KEPT], argument=asked)
         stopped = answer.value.get("stopped") if answer.ok else f"MuJoCo has stopped: {answer.error}"
         if stopped is not None:
             self.play(False, {}, stopped)

@@ -84,7 +84,9 @@ class Workshop:
                 operand.report(context.sink)
             self._watch(operand, made, context)
             if not is_new:
-                self.shown = Shown(old.version, old.text, old.blobs, old.title, self._words(context))
+                self.shown = Shown(
+                    old.version, old.text, old.blobs, title=old.title, fault=self._words(context)
+                )
             self.shown.seconds = time.monotonic() - started
             return self.shown
 
@@ -92,16 +94,18 @@ class Workshop:
         asked = self.asked
         if not check_given(operand, asked.given):
             return None
-        side = load(operand, KEPT, self.session, asked.given, asked.pick, asked.sample)
+        side = load(operand, KEPT, self.session, given=asked.given, pick=asked.pick, sample=asked.sample)
         return None if operand.context.sink.has_errors else side
 
     def _describe(self, side: Side, operand: Operand, old: Shown) -> bool:
         menus = choices(operand, self.asked)
-        found = described(side, self.session, old.blobs, self.editor, key_named=self.key, choices=menus)
+        found = described(
+            side, self.session, old.blobs, editor=self.editor, key_named=self.key, choices=menus
+        )
         if found is None or (old.version < 0 and not found.has_key(self.key, operand.context.sink)):
             return False
         blobs = {name: found.blobs.get(name) or old.blobs[name] for name in found.used}
-        self.shown = Shown(old.version + 1, found.text, blobs, found.title)
+        self.shown = Shown(old.version + 1, found.text, blobs, title=found.title)
         return True
 
     def _watch(self, operand: Operand | None, side: Side | None, context: Context) -> None:

@@ -48,7 +48,9 @@ class Shelf:
         if os.path.exists(folder / WORLDS):
             table = read(read_regular(folder / WORLDS))
         named = {"name": cell.cell or loaded.manifest.name}
-        return Joined(loaded, made.name, {**named, **cell.values()}, cell.sample, table, folder)
+        return Joined(
+            loaded, made.name, {**named, **cell.values()}, sample=cell.sample, table=table, folder=folder
+        )
 
     def clear(self, each: Joined) -> None:
         """Remove the files of a model."""

@@ -28,7 +28,7 @@ def gather(path: str | PathLike[str], where: str | None = None) -> Worlds:
             each.load(),
             each.name,
             {"name": each.values.get("cell", each.name)},
-            int(str(each.values.get("sample", 0))),
+            sample=int(str(each.values.get("sample", 0))),
         )
         for each in every
     )

@@ -42,7 +42,7 @@ def warp(worlds: Worlds) -> Any:
     simulator = Simulator("warp", mujoco_warp.put_model)
     model = simulator.take(worlds, worlds.nominal)
     names = per_world(model, worlds)
-    check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)], _INSTEAD)
+    check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)], instead=_INSTEAD)
     for name in names:
         put_worlds(model, name, worlds)
     return model

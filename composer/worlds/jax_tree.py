@@ -53,7 +53,7 @@ def mjx(worlds: Worlds, model: Any = None) -> tuple[Any, Any]:
                 help,
             )
         replaced[name] = jax.numpy.asarray(worlds.values(name).reshape(worlds.count, *leaf.shape), leaf.dtype)
-    check_nothing_is_shared(worlds, simulator, replaced, _INSTEAD)
+    check_nothing_is_shared(worlds, simulator, replaced, instead=_INSTEAD)
     axes = jax.tree_util.tree_map(lambda _: None, base).tree_replace(dict.fromkeys(replaced, 0))
     return base.tree_replace(replaced), axes
 

@@ -53,7 +53,7 @@ class Group:
         self.differences.extend(taken + count)
         self.differences.take(taken, each.loaded.model, count)
         for name, own in each.table.arrays.items() if each.table is not None else ():
-            self.differences.take_numbers(taken, name, own.index, own.values)
+            self.differences.take_numbers(taken, name, own.index, values=own.values)
         self.worlds += range(first, first + count)
 
     def varying(self) -> Iterator[tuple[str, Varying]]:
@@ -100,15 +100,17 @@ class Joining:
         """Return the worlds of the common model."""
         (group,) = self.groups
         loaded = group.first.loaded
-        return Worlds(loaded.model, loaded.manifest, loaded.index, self.table(loaded, dict(group.varying())))
+        return Worlds(
+            loaded.model, loaded.manifest, loaded.index, table=self.table(loaded, dict(group.varying()))
+        )
 
     def table(self, loaded: Loaded, varying: Mapping[str, Varying]) -> Table:
         """Return a table of the differences from a model."""
         first = self.groups[0].first
         seed = first.loaded.manifest.seed if first.table is None else first.table.seed
-        return Table(varying, len(self._cell), seed, tuple(self._cells), np.array(self._cell, np.int64),
-                     np.array(self._sample, np.int64), model_sha256(loaded.manifest),
-                     loaded.manifest.mujoco)  # fmt: skip
+        return Table(varying, len(self._cell), seed, cells=tuple(self._cells), cell=np.array(self._cell, np.int64),
+                     sample=np.array(self._sample, np.int64), model=model_sha256(loaded.manifest),
+                     mujoco=loaded.manifest.mujoco)  # fmt: skip
 
 
 def join(found: Iterable[Joined], expected: int) -> Worlds:
@@ -126,7 +128,7 @@ def _other(first: Joined, other: Joined) -> Exception:
     why = unlike(first.loaded.model, other.loaded.model)
     help = "build these cells by themselves with `--pick`, or let one model have the parts of all: write `emit: union`"
     message = f"`{other.name}` cannot be a world of `{first.name}`: it is another model"
-    return failure(CODE, message, help, why or ())
+    return failure(CODE, message, help, notes=why or ())
 
 
 def unlike(first: Model, other: Model) -> list[str] | None:

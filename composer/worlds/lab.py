@@ -47,10 +47,10 @@ def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
     names = [name for name in per_world(model, worlds) if is_stepped(name)]
     if dotted := [name for name in names if "." in name]:
         raise failure("not-per-world", f"mjlab has `{dotted[0]}` once for all worlds", _INSTEAD)
-    check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)], _INSTEAD)
+    check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)], instead=_INSTEAD)
 
     def set_worlds(env: Any, env_ids: Any = None) -> None:
-        _set(worlds, names, entity, env.sim, env_ids)
+        _set(worlds, names, entity, sim=env.sim, env_ids=env_ids)
 
     set_worlds.model_fields = tuple(names)  # type: ignore[attr-defined]
     set_worlds.recompute = RecomputeLevel.none if entity is None else RecomputeLevel.set_const  # type: ignore[attr-defined]
@@ -69,7 +69,7 @@ def _set(worlds: Worlds, names: list[str], entity: str | None, sim: Any, env_ids
         )
     chosen = torch.arange(sim.num_envs) if env_ids is None else env_ids.cpu()
     for name in names:
-        ours, theirs = _places(worlds, name, entity, sim.mj_model)
+        ours, theirs = _places(worlds, name, entity, scene=sim.mj_model)
         numbers = warp.to_torch(getattr(sim.wp_model, name)).view(sim.num_envs, -1)
         values = torch.as_tensor(worlds.arrays[name].values[:, ours][chosen.numpy()], dtype=numbers.dtype)
         numbers[chosen[:, None].to(numbers.device), torch.as_tensor(theirs, device=numbers.device)] = (

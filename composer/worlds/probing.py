@@ -56,7 +56,7 @@ def check_nothing_is_shared(
     if shared:
         message = f"{simulator.name} has {_listed(shared)} once for all worlds, computed from what differs"
         raise failure(
-            "not-per-world", message, instead, [f"between these worlds differ {_listed(worlds.arrays)}"]
+            "not-per-world", message, instead, notes=[f"between these worlds differ {_listed(worlds.arrays)}"]
         )
 
 

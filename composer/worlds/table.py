@@ -64,6 +64,6 @@ def of_about(about: Mapping[str, Any], arrays: Mapping[str, Varying], **given: A
     count = int(about["samples"])
     given = {"cell": np.zeros(count, np.int64), "sample": np.arange(1, count + 1), **given}
     parts = tuple(about.get("parts", ()))
-    return Table(arrays, count, about["seed"], tuple(about.get("cells", ())), **given,
+    return Table(arrays, count, about["seed"], cells=tuple(about.get("cells", ())), **given,
                  model=about.get("model_sha256"), mujoco=about.get("mujoco"), parts=parts,
                  has=np.array(about.get("has", ()), np.bool_).reshape(count if parts else 0, len(parts)))  # fmt: skip

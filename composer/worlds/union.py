@@ -35,7 +35,7 @@ def unite(joining: Joining, name: str, context: Context, session: Session) -> tu
     plan = plan_union(trees, [_label(each, groups) for each in groups])
     folders = [each.first.folder for each in groups if each.first.folder is not None]
     separator = groups[0].first.loaded.manifest.separator
-    bundle = compose_union(plan, name, folders, separator, context, session)
+    bundle = compose_union(plan, name, folders, separator=separator, context=context, session=session)
     folder = folders[0].parent / "union"
     write_folder(bundle, folder)
     loaded = load(folder)
@@ -45,13 +45,13 @@ def unite(joining: Joining, name: str, context: Context, session: Session) -> tu
         prefix_of = {
             body: each.prefix for each in active for body in _own_bodies(trees, groups.index(group), each)
         }
-        mapped = Mapped(union, group.first.loaded.model, group.first.name, prefix_of)
+        mapped = Mapped(union, group.first.loaded.model, group.first.name, prefix_of=prefix_of)
         unused = [body for each in plan.placed if each not in active for body in bodies_of(trees, each)]
         mapped.check_no_more_acts(unused)
         for place, (world, model) in enumerate(zip(group.worlds, _models(group), strict=True)):
-            made = _world(mujoco, union, mapped, model, unused)
+            made = _world(mujoco, union, mapped, model=model, unused=unused)
             if place in (0, len(group.worlds) - 1):
-                _check(mapped, made, model, group.first.name)
+                _check(mapped, made, model, name=group.first.name)
             found.take(world, made)
     varying = {name: Varying(index, values) for name, index, values in found.found()}
     parts = tuple(each.prefix + each.part.body for each in plan.placed)
@@ -59,7 +59,7 @@ def unite(joining: Joining, name: str, context: Context, session: Session) -> tu
     for group, active in zip(groups, plan.active, strict=True):
         has[np.ix_(group.worlds, [plan.placed.index(each) for each in active])] = True
     table = replace(joining.table(loaded, varying), parts=parts, has=has)
-    return Worlds(union, loaded.manifest, loaded.index, table), bundle
+    return Worlds(union, loaded.manifest, loaded.index, table=table), bundle
 
 
 def _label(group: Group, groups: Sequence[Group]) -> str:

@@ -33,7 +33,7 @@ def of_sources(bundle: Bundle, models: Sequence[Bundle]) -> Bundle:
     files = {path: content for path, content in bundle.files.items() if not path.startswith(_LICENCES)}
     whole = Bundle({**files, **texts}, bundle.model)
     made = from_json(bundle.files[MANIFEST])
-    return with_manifest(whole, _updated(made, whole, manifests, inputs, licences, read))
+    return with_manifest(whole, _updated(made, whole, manifests, inputs=inputs, licences=licences, read=read))
 
 
 def _updated(

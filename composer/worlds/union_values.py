@@ -74,30 +74,30 @@ class Mapped:
         name = self.ours.names[kind][number]
         if name or kind not in ACTING:
             return self.ours.describe(kind, number)
-        return words(self.union, kind, number, self.ours.describe)
+        return words(self.union, kind, number, label=self.ours.describe)
 
     def _labels(self, kind: str, number: int) -> list[str]:
         """Return the possible names in the union of an element of the model."""
         if kind in _TREE:
-            return [self._label(self.theirs, kind, number, self.prefix_of)]
+            return [self._label(self.theirs, kind, number, prefix_of=self.prefix_of)]
         if name := self.theirs.names[kind][number]:
             return [prefix + name for prefix in dict.fromkeys(["", *self.prefix_of.values()])
                     if kind not in ACTING or self._acts_alike(kind, number, prefix + name)]  # fmt: skip
         if kind in ACTING:
-            return [words(self.model, kind, number, self._there)]
+            return [words(self.model, kind, number, label=self._there)]
         return [self.theirs.describe(kind, number)]
 
     def _acts_alike(self, kind: str, number: int, name: str) -> bool:
         """Return whether the element of the union with this name has the same references as that of the model."""
         at = self.ours.ids[kind].get(name)
-        return at is not None and words(self.union, kind, at, self.ours.describe) == words(
-            self.model, kind, number, self._there
+        return at is not None and words(self.union, kind, at, label=self.ours.describe) == words(
+            self.model, kind, number, label=self._there
         )
 
     def _there(self, kind: str, number: int) -> str:
         """Return the name in the union of an element that the model refers to."""
         if kind in _TREE:
-            return self._label(self.theirs, kind, number, self.prefix_of)
+            return self._label(self.theirs, kind, number, prefix_of=self.prefix_of)
         at = self.places[kind][number]
         return self.ours.describe(kind, at[0]) if at else ""
 

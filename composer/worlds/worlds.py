@@ -146,11 +146,11 @@ def load(bundle: str | PathLike[str], file: str | PathLike[str] | None = None) -
             "bundle-changed",
             f"the worlds in `{called}` are of another model than `{shown}`",
             "load them with the bundle that was built beside them, or build both again",
-            [f"expected the model {table.model}", f"found the model {model_sha256(loaded.manifest)}"],
+            notes=[f"expected the model {table.model}", f"found the model {model_sha256(loaded.manifest)}"],
         )
     for name, varying in table.arrays.items():
-        _check(loaded.model, name, varying, table.count, shown)
-    return Worlds(loaded.model, loaded.manifest, loaded.index, table)
+        _check(loaded.model, name, varying, count=table.count, shown=shown)
+    return Worlds(loaded.model, loaded.manifest, loaded.index, table=table)
 
 
 def _check(model: Model, name: str, varying: Varying, count: int, shown: str) -> None:

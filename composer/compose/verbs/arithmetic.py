@@ -26,7 +26,7 @@ def compute(
 ) -> None:
     """Write the numbers that the operation makes of the present ones; with a subscript of that one alone."""
     editing, node = values.editing, values.node
-    now = _present(values, operation, attribute, subscript, at)
+    now = _present(values, operation, attribute, subscript=subscript, at=at)
     given = values.of(written, at, values.now(attribute, subscript))
     if isinstance(given, list) and len(given) > len(now):
         message = f"`{attribute.name}` of {editing.called(node)} has {len(now)} numbers, got {len(given)}"
@@ -40,7 +40,7 @@ def compute(
         _check_sequence(values, at)
     for place, item in zip(places, items, strict=False):
         now[place] = operation.combine(
-            now[place], _number(values, operation, item, attribute, place in angles, at)
+            now[place], _number(values, operation, item, attribute=attribute, is_angle=place in angles, at=at)
         )
     result: list[Any] = [
         int(each) if attribute.type == "int" and each == int(each) else each
@@ -80,7 +80,7 @@ def _present(
 def _without_defaults(values: Values, attribute: Attribute, found: list[float]) -> list[float]:
     """Return the numbers without trailing MuJoCo defaults, since an older MuJoCo may accept fewer numbers."""
     node = values.node
-    steps = levels(node, kind_of(node), attribute, values.editing.classes)
+    steps = levels(node, kind_of(node), attribute, classes=values.editing.classes)
     said = max((step.taken.stop for step in steps if step.kind != "mujoco"), default=0)
     default = attribute.default if isinstance(attribute.default, tuple) else ()
     least = max(said, attribute.min_length or 0, 1)

@@ -27,7 +27,7 @@ def change_all(entry: Entry, operation: Operation, written: Mapping[str, Any], a
     """Give the attributes of every selected element new values."""
     change = Change(entry.editing, operation, entry.masses)
     for index, node in enumerate(entry.found):
-        change.carry_out(node, index, written, at)
+        change.carry_out(node, index, written, at=at)
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,11 +41,11 @@ class Change:
     def carry_out(self, node: Node, index: int, written: Mapping[str, Any], at: Path) -> None:
         """Write the values onto an element, the one at `index` among the selected ones."""
         kind = kind_of(node)
-        values = Values(self.editing, node, index, at)
+        values = Values(self.editing, node, index, at=at)
         for key, item in written.items():
             path = (*at, key)
             if isinstance(item, dict):
-                self._below(node, index, key, item, path)
+                self._below(node, index, key, written=item, at=path)
                 continue
             name, subscript = attribute_and_index(key)
             if kind.path == "body" and name == MASS:
@@ -53,19 +53,19 @@ class Change:
                 continue
             attribute = kind.attributes.get(name)
             if attribute is None:
-                refuse(self.editing, node, unknown_attribute(name, kind.tag, (kind,), path))
+                refuse(self.editing, node, unknown_attribute(name, kind.tag, (kind,), at=path))
             if self.operation is SET and subscript is None:
                 if kind.path == "joint" and name == "type":
-                    check_units(values, str(values.of(item, path, values.now(attribute))), written, path)
-                set_whole(values, attribute, item, path)
+                    check_units(values, str(values.of(item, path, values.now(attribute))), written, at=path)
+                set_whole(values, attribute, item, at=path)
             else:
-                compute(values, self.operation, attribute, subscript, item, path)
+                compute(values, self.operation, attribute, subscript=subscript, written=item, at=path)
 
     def _below(self, node: Node, index: int, tag: str, written: Mapping[str, Any], at: Path) -> None:
         """Edit the child with this tag of a class or section, and create it if needed."""
         editing, kind = self.editing, kind_of(node)
         if tag not in kind.children:
-            refuse(editing, node, unknown_attribute(tag, str(node.tag), (kind,), at))
+            refuse(editing, node, unknown_attribute(tag, str(node.tag), (kind,), at=at))
         child = next(node.iterchildren(tag, reversed=True), None)
         if child is None:
             child = node.makeelement(tag)
@@ -73,7 +73,7 @@ class Change:
             node.insert(len(node) - len(list(node.iterchildren("default"))), child)
             editing.making.origins.own(child, editing.span(at, key=True))
             editing.linking.base.forget_classes()
-        self.carry_out(child, index, written, at)
+        self.carry_out(child, index, written, at=at)
 
     def _mass(self, values: Values, written: Any, at: Path) -> None:
         """Change the mass of a body. Its present mass is measured only if something needs it."""
@@ -84,4 +84,4 @@ class Change:
         if isinstance(given, bool) or not isinstance(given, int | float):
             message = f"`{MASS}` expects a number, got `{given}`"
             refuse(self.editing, node, Fault("wrong-type", message, at))
-        self.masses.change(node, self.operation.verb, float(given), now, at)
+        self.masses.change(node, self.operation.verb, float(given), now=now, at=at)

@@ -14,4 +14,4 @@ def carry_out(entry: Entry, value: Mapping[str, Any], at: Path) -> None:
     from composer.compose.collision import collide
 
     entry.check()
-    entry.records += collide(entry.editing, entry.workshop, entry.found, value, at)
+    entry.records += collide(entry.editing, entry.workshop, entry.found, value=value, at=at)

@@ -56,12 +56,12 @@ def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
         if model is None:
             message = f"{editing.called(node)} cannot be converted: MuJoCo does not say what it does"
             refuse(editing, node, Fault("not-supported", message, at), it="it")
-        given = _given(editing, node, index, to, model, written, at)
+        given = _given(editing, node, index, to=to, model=model, written=written, at=at)
         was = editing.called(node)
-        for loss in _converted(editing, node, to, model, given, at):
+        for loss in _converted(editing, node, to, model=model, given=given, at=at):
             lost.setdefault(loss, []).append(was)
     if lost:
-        _report(editing, to, lost, at)
+        _report(editing, to, lost, at=at)
 
 
 def _given(
@@ -75,8 +75,8 @@ def _given(
 ) -> dict[str, str]:
     """Return the attributes of the entry as text, those that a recipe gives for the joint as the gear turns them."""
     kind = GRAMMAR.element(f"actuator/{to}")
-    values = Values(editing, node, index, at)
-    gear = _new_gear(values, written, model, at)
+    values = Values(editing, node, index, at=at)
+    gear = _new_gear(values, written, model, at=at)
     found: dict[str, str] = {}
     for name, item in written.items():
         path = (*at, name)
@@ -107,10 +107,12 @@ def _given(
         if now is not None and power and not isinstance(now, str):
             now = _geared(now, model.gear or 1.0, -power)
         faults: list[Fault] = []
-        read = read_value(attribute, values.of(item, path, now), path, editing.called(node), faults)
+        read = read_value(
+            attribute, values.of(item, path, now), path, owner=editing.called(node), faults=faults
+        )
         for fault in faults[:1]:
             refuse(editing, node, fault)
-        found[name] = _text(attribute, read, gear, power)
+        found[name] = _text(attribute, read, gear, power=power)
     return found
 
 
@@ -162,7 +164,7 @@ def _converted(
 ) -> list[str]:
     """Convert one actuator. Return in words what is lost."""
     old, kind = str(node.tag), GRAMMAR.element(f"actuator/{to}")
-    made, lost = ({}, []) if old == to else _written_for(editing, node, to, model, given, at)
+    made, lost = ({}, []) if old == to else _written_for(editing, node, to, model=model, given=given, at=at)
     before = after = model.control
     if old != to or "input" in given:
         after = _control_of(to, model, {**made, **given})
@@ -175,7 +177,12 @@ def _converted(
     limits: dict[str, str] | None = {}
     if old != to or "ctrlrange" in given:
         limits = _limits(
-            editing, node, to, model, before.split("+")[0] == after.split("+")[0], {**made, **given}
+            editing,
+            node,
+            to,
+            model=model,
+            keeps=before.split("+")[0] == after.split("+")[0],
+            written={**made, **given},
         )
     if limits is None:
         lost.append("`ctrlrange`, which limits another thing")
@@ -189,8 +196,8 @@ def _converted(
         refuse(editing, node, Fault("wrong-type", message, at))
     lost += _lost_attributes(to, model, wrong)
     if old != to and not _keeps_activation(to, {**made, **given}):
-        _refuse_actrange(editing, node, to, at)
-    _rewrite(editing, node, to, {**limits, **made, **given}, wrong)
+        _refuse_actrange(editing, node, to, at=at)
+    _rewrite(editing, node, to, written={**limits, **made, **given}, wrong=wrong)
     editing.write(
         node, {name: (*at, name) for name in given} | {name: at for name in made if name not in given}
     )
@@ -266,7 +273,7 @@ def _refuse_actrange(editing: Editing, node: Node, to: str, at: Path) -> None:
     MuJoCo refuses it, and nothing on the actuator can undo the one of its class.
     """
     kind = GRAMMAR.element("actuator/general")
-    found = levels(node, kind, kind.attributes["actrange"], editing.classes)
+    found = levels(node, kind, kind.attributes["actrange"], classes=editing.classes)
     level = next((each for each in found if each.kind == "class" and each.text), None)
     if level is not None and any(numbers.read(str(level.text))):
         message = (
@@ -295,11 +302,11 @@ def _written_for(
     if to in ("position", "pid"):
         if model.form not in ("position", "velocity", "force") and model.gain != "pid":
             lost.append(_gain_and_bias(model))
-        return _position(editing, node, to, model, given, at), lost
+        return _position(editing, node, to, model=model, given=given, at=at), lost
     made: dict[str, str] = {}
     if "kv" not in given:
         if not (model.is_affine or model.gain == "pid") or model.kv <= 0:
-            _needs(editing, node, to, _GAINS[to], at)
+            _needs(editing, node, to, gain=_GAINS[to], at=at)
         made["kv"] = numbers.text([model.kv])
     if model.kp:
         lost.append(f"its position gain, {model.kp:g}")
@@ -343,7 +350,7 @@ def _position(
         if may_be_none or ((model.is_affine or is_pid) and model.kp > 0):
             made["kp"] = numbers.text([model.kp])
         else:
-            _needs(editing, node, to, _GAINS[to], at)
+            _needs(editing, node, to, gain=_GAINS[to], at=at)
     if "kv" not in given and "dampratio" not in given:
         # Written also if it is 0: a class may give another one.
         made["kv"] = numbers.text([max(model.kv, 0.0)])
@@ -411,7 +418,7 @@ def _limits(
     if by_input and model.inputs[:1] == tuple(inputs[:1]):
         return {}  # `velrange` and `ffrange` say it already
     if not model.ctrl_limited:
-        return _unlimited(editing, node, to, limited)
+        return _unlimited(editing, node, to, limited=limited)
     if not keeps:
         return None
     node.attrib.pop("inheritrange", "")

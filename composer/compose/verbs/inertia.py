@@ -29,9 +29,9 @@ _ROWS = dict(zip(BODIES, (1, 3, 4, 3), strict=True))
 def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
     """Write onto each body an `<inertial>` that MuJoCo computes from its geoms."""
     editing, found = entry.editing, entry.found
-    wanted = {body: _geoms(editing, body, written, at) for body in found}
+    wanted = {body: _geoms(editing, body, written, at=at) for body in found}
     entry.masses.settle(*_RULES)
-    survey, there = _measured(editing, wanted, float(written[DENSITY]), at)
+    survey, there = _measured(editing, wanted, float(written[DENSITY]), at=at)
     for body in found:
         rows = {array: survey.values(there[body], array, width) for array, width in _ROWS.items()}
         mass, pos, quat, moments = rows.values()
@@ -42,7 +42,7 @@ def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
             message = f"the geoms of {editing.called(body)} have no volume"
             help = "write its mass: `set: {mass: …}`"
             refuse(editing, body, Fault("wrong-type", message, at, key=True, help=help), it="it")
-        _write(editing, body, {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}, at)
+        _write(editing, body, {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}, at=at)
 
 
 def _write(editing: Editing, body: Node, values: Mapping[str, Sequence[float]], at: Path) -> None:

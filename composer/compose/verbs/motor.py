@@ -43,9 +43,11 @@ def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
         joint, gear = _joint(editing, node, at)
         _without_other(editing, node, at)
         change = Change(editing, SET, entry.masses)
-        change.carry_out(joint, index, _of_joint(sheet), at)
-        values = _Drive(editing, node, joint, gear, sheet, effort, written, at).values()
-        change.carry_out(node, index, values, at)
+        change.carry_out(joint, index, _of_joint(sheet), at=at)
+        values = _Drive(
+            editing, node, joint, gear=gear, sheet=sheet, effort=effort, written=written, at=at
+        ).values()
+        change.carry_out(node, index, values, at=at)
 
 
 def _sheet(editing: Editing, name: str, at: Path) -> Motor:

@@ -27,14 +27,14 @@ def carry_out(entry: Entry, value: Mapping[str, Any], at: Path) -> None:
     """Move every selected element, then give it the pose that the value writes."""
     pose = {name: each for name, each in value.items() if name != "to"}
     for index, node in enumerate(entry.found):
-        _move(entry.editing, node, index, value, at)
+        _move(entry.editing, node, index, written=value, at=at)
         if pose:
-            Change(entry.editing, SET, entry.masses).carry_out(node, index, pose, at)
+            Change(entry.editing, SET, entry.masses).carry_out(node, index, pose, at=at)
 
 
 def _move(editing: Editing, node: Node, index: int, written: Mapping[str, Any], at: Path) -> None:
     """Put a node last into its new place; it keeps its class, and its pose there is the one it is written with."""
-    target = _target(editing, node, index, written["to"], (*at, "to"))
+    target = _target(editing, node, index, written=written["to"], at=(*at, "to"))
     span = editing.span((*at, "to"))
     if node is target or node in list(target.iterancestors()):
         editing.sink.error(
@@ -54,8 +54,8 @@ def _move(editing: Editing, node: Node, index: int, written: Mapping[str, Any], 
             subjects=(*editing.subjects(node), *editing.subjects(target)),
         )
         raise Unusable
-    _check_free(editing, node, target, at)
-    _check_scale(editing, node, target, at)
+    _check_free(editing, node, target, at=at)
+    _check_scale(editing, node, target, at=at)
     _keep_class(editing, node, target)
     origins = editing.making.origins
     owner = origins.owner(node, editing.making.base_file)
@@ -69,14 +69,14 @@ def _target(editing: Editing, node: Node, index: int, written: Any, at: Path) ->
     kind = "body"
     if isinstance(written, dict):
         kind, written, at = "frame", written["frame"], (*at, "frame")
-    name = str(Values(editing, node, index, at).of(written, at))
+    name = str(Values(editing, node, index, at=at).of(written, at))
     if kind == "body" and name == WORLD:
         return editing.linking.base.section("worldbody")
     found = editing.names.find(kind, name)
     if found is None:
         written = "to: {}" if kind == "body" else "to: {frame: {}}"
         span = editing.span(at)
-        editing.sink.add(unresolved(editing, kind, name, span, written=written, purpose=" to move to"))
+        editing.sink.add(unresolved(editing, kind, name, span=span, written=written, purpose=" to move to"))
         raise Unusable
     return found
 

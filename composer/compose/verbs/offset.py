@@ -13,4 +13,4 @@ from composer.recipe.fault import Path
 
 def carry_out(entry: Entry, value: Mapping[str, Any], at: Path) -> None:
     """Add the values to the present ones on every selected element."""
-    change_all(entry, OFFSET, value, at)
+    change_all(entry, OFFSET, value, at=at)

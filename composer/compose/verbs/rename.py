@@ -24,7 +24,7 @@ def carry_out(entry: Entry, written: str, at: Path) -> None:
     editing = entry.editing
     new: dict[Node, str] = {}
     for index, node in enumerate(entry.found):
-        new[node] = _new_name(editing, node, index, written, at)
+        new[node] = _new_name(editing, node, index, written=written, at=at)
     _take_twists_along(editing, new)
     _check_twists(editing, new, at)
     _check(editing, new, at)
@@ -58,7 +58,7 @@ def carry_out(entry: Entry, written: str, at: Path) -> None:
 
 
 def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) -> str:
-    values = Values(editing, node, index, at)
+    values = Values(editing, node, index, at=at)
     naming = naming_attribute(kind_of(node))
     span = locate(editing.making.document, at)
     if naming is None or node.tag == "worldbody":
@@ -124,7 +124,7 @@ def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
         if naming.declares in MAY_REPEAT:
             continue
         other = taken.setdefault((naming.declares, name), node)
-        help = _advice(editing, node, other, at)
+        help = _advice(editing, node, other, at=at)
         if other is node:
             there = editing.names.find(naming.declares, name)
             if there is None or there in new:
@@ -145,7 +145,7 @@ def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
 
 def _advice(editing: Editing, node: Node, other: Node, at: Path) -> str:
     """Return advice on how to distinguish two elements that would get the same name."""
-    one, two = (Values(editing, each, 0, at) for each in (node, other))
+    one, two = (Values(editing, each, 0, at=at) for each in (node, other))
     differ = [name for name in ("name", "parent") if one.scope[name] != two.scope[name]]
     differ += [
         name
@@ -164,5 +164,5 @@ def _renaming(editing: Editing, new: dict[Node, str]) -> Renaming[Editing]:
         naming = naming_attribute(kind_of(node))
         assert naming is not None and naming.declares is not None
         if (old := own_name(node, naming.name)) is not None:
-            names.append(NewName(editing, naming.declares, old, name))
+            names.append(NewName(editing, naming.declares, old, new=name))
     return Renaming.of(names)

@@ -15,8 +15,8 @@ from composer.recipe.fault import Path
 def carry_out(entry: Entry, value: Mapping[str, Any], at: Path) -> None:
     """Multiply the numbers of every selected element. Warn about a factor that changes nothing."""
     zeros = only_zeros(entry.editing, entry.found, value)
-    change_all(entry, SCALE, value, at)
+    change_all(entry, SCALE, value, at=at)
     for key in zeros:
         written = f'"{key}"' if "[" in key else key
         help = f"write the value itself, `set: {{{written}: …}}`, or what is added to it, by `offset`"
-        report_only_zeros(entry.editing, entry.found, key, (*at, key), help)
+        report_only_zeros(entry.editing, entry.found, key, at=(*at, key), help=help)

@@ -13,4 +13,4 @@ from composer.recipe.fault import Path
 
 def carry_out(entry: Entry, value: Mapping[str, Any], at: Path) -> None:
     """Write the values on every selected element."""
-    change_all(entry, SET, value, at)
+    change_all(entry, SET, value, at=at)

@@ -14,4 +14,4 @@ def carry_out(entry: Entry, value: Mapping[str, Any], at: Path) -> None:
     from composer.compose.simplify import simplify
 
     entry.check()
-    entry.records += simplify(entry.editing, entry.workshop, entry.found, value, at)
+    entry.records += simplify(entry.editing, entry.workshop, entry.found, value=value, at=at)

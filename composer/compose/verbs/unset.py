@@ -25,8 +25,8 @@ def carry_out(entry: Entry, value: Any, at: Path) -> None:
     """Remove attributes. Required ones that are missing afterwards are reported at the end of the entry."""
     if not isinstance(value, Mapping):
         lacked = {node: missing_attributes(entry.editing, node) for node in entry.found}
-        entry.checks.append(lambda: report_newly_missing(entry.editing, lacked, value, at))
-    unset(entry.editing, entry.found, value, at)
+        entry.checks.append(lambda: report_newly_missing(entry.editing, lacked, value, at=at))
+    unset(entry.editing, entry.found, value, at=at)
 
 
 def unset(editing: Editing, found: list[Node], names: Any, at: Path) -> None:
@@ -34,7 +34,7 @@ def unset(editing: Editing, found: list[Node], names: Any, at: Path) -> None:
     if isinstance(names, Mapping):
         for tag, inner in names.items():
             below = [child for node in found for child in node.iterchildren(tag)]
-            unset(editing, below, inner, (*at, tag))
+            unset(editing, below, inner, at=(*at, tag))
         return
     for position, name in enumerate(names):
         writing = [node for node in found if node.get(name) is not None]
@@ -62,8 +62,8 @@ def missing_attributes(editing: Editing, node: Node) -> list[Fault]:
     if kind.takes_class:
         present += [name for name in kind.attributes if _by_class(editing, node, name)]
     faults: list[Fault] = []
-    report_missing(kind, present, editing.called(node), (), faults)
-    report_clashing(kind.constraints, present, editing.called(node), (), faults)
+    report_missing(kind, present, editing.called(node), at=(), faults=faults)
+    report_clashing(kind.constraints, present, editing.called(node), at=(), faults=faults)
     if kind.family == "actuator" and not any(name in present for name in _MOVED):
         faults.append(Fault("missing-key", f"{editing.called(node)} lacks what it moves", names=_MOVED))
     return faults

@@ -29,7 +29,7 @@ from composer.tree.references import resolves, unresolved
 def set_whole(values: Values, attribute: Attribute, written: Any, at: Path) -> None:
     """Write the value onto the element, with all that follows: units, files, and references that must exist."""
     editing, node = values.editing, values.node
-    read = _read(values, attribute, written, at)
+    read = _read(values, attribute, written, at=at)
     check_without_ends(values, attribute, at)
     element = Element(str(node.tag), {attribute.name: read}, at=at[:-1])
     making = editing.making
@@ -39,7 +39,7 @@ def set_whole(values: Values, attribute: Attribute, written: Any, at: Path) -> N
             # MuJoCo 4.0 takes one orientation ("multiple orientation specifiers are not allowed"), so that the one
             # before has to go.
             replace(node, dict.fromkeys(ORIENTATIONS))
-        update(node, element, kind_of(node), making)
+        update(node, element, kind_of(node), making=making)
         settle_joints(making, lambda each: joint_type(each, editing.classes))
     check_class_angles(editing.linking, making)
     take_files(editing)
@@ -52,10 +52,10 @@ def _read(values: Values, attribute: Attribute, written: Any, at: Path) -> Value
     editing, node = values.editing, values.node
     given = values.of(written, at, values.now(attribute))
     faults: list[Fault] = []
-    read = read_value(attribute, given, at, editing.called(node), faults)
+    read = read_value(attribute, given, at, owner=editing.called(node), faults=faults)
     if read is not None and attribute.angle is not None and editing.making.angle_context.at(at).angle is None:
         joint = joint_type(node, editing.classes) if attribute.angle == "joint" else None
-        bare = bare_angle(attribute, read, joint, at, editing.called(node))
+        bare = bare_angle(attribute, read, joint, at=at, owner=editing.called(node))
         faults += [bare] if bare is not None else []
     if faults:
         refuse(editing, node, faults[0])
@@ -110,5 +110,7 @@ def _check_references(values: Values, attribute: Attribute, at: Path) -> None:
     for name, namespace, value, typed_by in own_references(node, section_of(node)):
         if name == attribute.name and not resolves(editing, namespace, value):
             span, written = editing.span(at), f"{name}: {{}}"
-            editing.sink.add(unresolved(editing, namespace, value, span, written=written, typed_by=typed_by))
+            editing.sink.add(
+                unresolved(editing, namespace, value, span=span, written=written, typed_by=typed_by)
+            )
             raise Unusable

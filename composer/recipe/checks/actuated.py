@@ -30,8 +30,8 @@ class Actuated:
 
 FORM = Keyed(
     "Every joint is moved by an actuator, also by way of a tendon or of an equality to another joint.",
-    Key("joints", _JOINTS, "which joints; without it, all hinges and slides", ()),
-    Key("exclude", _JOINTS, "joints that need none", ()),
+    Key("joints", _JOINTS, "which joints; without it, all hinges and slides", default=()),
+    Key("exclude", _JOINTS, "joints that need none", default=()),
 )
 
 
@@ -39,4 +39,4 @@ def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Actuated:
     return Actuated(keys.name, at=at, **found)
 
 
-KIND = Kind("actuated", FORM, make, "{}")
+KIND = Kind("actuated", FORM, make, example="{}")

@@ -49,7 +49,7 @@ FORM = Keyed(
         KEYS,
         Globs("globs over names of keyframes"),
         "the keyframes in which contacts are counted; without it, all and the reference configuration",
-        (),
+        default=(),
     ),
 )
 
@@ -64,7 +64,7 @@ def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Budget:
             key=True,
             help="write `budget: {faces: 50000}`",
         )
-    return Budget(keys.name, most, found[SPEED], found[KEYS], at)
+    return Budget(keys.name, most, found[SPEED], keys=found[KEYS], at=at)
 
 
-KIND = Kind("budget", FORM, make, "{faces: 50000}")
+KIND = Kind("budget", FORM, make, example="{faces: 50000}")

@@ -67,7 +67,7 @@ FORM = Keyed(
         "keys",
         Globs("globs over names of keyframes"),
         "in which keyframes; without it, in the reference configuration",
-        (),
+        default=(),
     ),
 )
 
@@ -76,4 +76,4 @@ def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Clear:
     return Clear(keys.name, at=at, **found)
 
 
-KIND = Kind("clear", FORM, make, f"{{between: {_SIDES}, distance: 0.02}}")
+KIND = Kind("clear", FORM, make, example=f"{{between: {_SIDES}, distance: 0.02}}")

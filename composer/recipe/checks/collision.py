@@ -31,7 +31,7 @@ class Collision:
 
 FORM = Keyed(
     "What `collision` and `simplify` made of meshes is near enough to them.",
-    Key("meshes", Globs("globs over names of meshes"), "of which meshes; without it, of all", ()),
+    Key("meshes", Globs("globs over names of meshes"), "of which meshes; without it, of all", default=()),
     Key("hausdorff", Number(least=0), "the greatest distance of the two from one another, in metres"),
     Key("beyond", Number(least=0), "how far the shapes reach out of the mesh at most, in metres"),
     Key("short", Number(least=0), "how far the mesh reaches out of the shapes at most, in metres"),
@@ -53,4 +53,4 @@ def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Collision | None:
     return Collision(keys.name, at=at, **found)
 
 
-KIND = Kind("collision", FORM, make, "{hausdorff: 0.002}")
+KIND = Kind("collision", FORM, make, example="{hausdorff: 0.002}")

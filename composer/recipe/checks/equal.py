@@ -154,7 +154,13 @@ def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Equal | None:
         return None
     attr, index = attribute_of(keys, tag, found["attr"], "attr")
     check_one(keys, keys.value.get("value"), index, "value")
-    return Equal(keys.name, tag, found[tag], attr, index, found["value"], found["tol"], at) if attr else None
+    return (
+        Equal(
+            keys.name, tag, found[tag], attr=attr, index=index, value=found["value"], tol=found["tol"], at=at
+        )
+        if attr
+        else None
+    )
 
 
-KIND = Kind("equal", FORM, make, "{joint: NAME, attr: damping, value: 0.5}")
+KIND = Kind("equal", FORM, make, example="{joint: NAME, attr: damping, value: 0.5}")

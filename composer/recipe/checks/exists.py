@@ -101,10 +101,10 @@ def _selected(index: int, value: object, keys: Keys) -> Selected | None:
         )
         return None
     parent, inside = (
-        _around(index, key, value[key], tags[0], keys) if key in value else None for key in AROUND
+        _around(index, key, value[key], tag=tags[0], keys=keys) if key in value else None for key in AROUND
     )
-    where = _where(index, value[WHERE], tags[0], keys) if WHERE in value else ()
-    return Selected(tags[0], glob, expect, parent, inside, where)
+    where = _where(index, value[WHERE], tags[0], keys=keys) if WHERE in value else ()
+    return Selected(tags[0], glob, expect, parent=parent, inside=inside, where=where)
 
 
 def _where(index: int, value: object, tag: str, keys: Keys) -> tuple[Where, ...]:
@@ -123,14 +123,14 @@ def _where(index: int, value: object, tag: str, keys: Keys) -> tuple[Where, ...]
     words = [*keywords(tag), *naming(tag)]
     for key, wanted in value.items():
         if key in words:
-            word = _word(tag, key, wanted, keys, index)
+            word = _word(tag, key, wanted, keys=keys, index=index)
             found += [Where(key, key, None, word=word)] if word is not None else []
             continue
         attr, place = attribute_of(keys, tag, key, index, WHERE, key, others=words)
         numbers = numbers_of(keys, wanted, index, WHERE, key) if attr is not None else None
         check_one(keys, wanted, place, index, WHERE, key)
         if attr is not None and numbers is not None:
-            found.append(Where(key, attr, place, numbers))
+            found.append(Where(key, attr, place, value=numbers))
     return tuple(found)
 
 
@@ -217,4 +217,4 @@ def make(keys: Keys, found: tuple[Selected, ...], at: Path) -> Exists:
     return Exists(keys.name, found, at)
 
 
-KIND = Kind("exists", Selectors(), make, "[{site: tcp}]")
+KIND = Kind("exists", Selectors(), make, example="[{site: tcp}]")

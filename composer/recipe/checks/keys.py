@@ -34,7 +34,7 @@ class Keys:
         for key in self.value:
             if key not in keys:
                 message = f"`{self.word}` of {self.owner} has no {noun} `{key}`"
-                self.faults.append(unknown_key(message, key, keys, (self.name, self.word, key), noun=noun))
+                self.faults.append(unknown_key(message, key, keys, at=(self.name, self.word, key), noun=noun))
 
     def add(
         self,
@@ -48,7 +48,7 @@ class Keys:
     ) -> None:
         """Add a fault at a path below this mapping."""
         path: Path = (self.name, self.word, *at)
-        self.faults.append(Fault(code, message, path, key, notes, help, fix=fix))
+        self.faults.append(Fault(code, message, path, key=key, notes=notes, help=help, fix=fix))
 
     def lacks(self, key: str, example: str) -> None:
         """Report a missing key."""

@@ -31,14 +31,21 @@ class Limits:
 
 FORM = Keyed(
     "In keyframes, positions, controls and activations are within their ranges.",
-    Key("keys", Globs("globs over names of keyframes"), "which keyframes; without it, all of them", ()),
+    Key(
+        "keys", Globs("globs over names of keyframes"), "which keyframes; without it, all of them", default=()
+    ),
     Key(
         "exclude",
         Globs("globs over names of joints and actuators"),
         "joints and actuators that do not count",
-        (),
+        default=(),
     ),
-    Key("margin", Number(least=0), "how far they stay from both ends, in the unit of each range", MARGIN),
+    Key(
+        "margin",
+        Number(least=0),
+        "how far they stay from both ends, in the unit of each range",
+        default=MARGIN,
+    ),
 )
 
 
@@ -46,4 +53,4 @@ def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Limits:
     return Limits(keys.name, at=at, **found)
 
 
-KIND = Kind("limits", FORM, make, "{}")
+KIND = Kind("limits", FORM, make, example="{}")

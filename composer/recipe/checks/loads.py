@@ -35,4 +35,4 @@ def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Loads:
     return Loads(keys.name, found[IN], at)
 
 
-KIND = Kind("loads", FORM, make, "{in: [drake, mjx]}", of_target=True)
+KIND = Kind("loads", FORM, make, example="{in: [drake, mjx]}", of_target=True)

@@ -70,4 +70,4 @@ def _check_range(keys: Keys, limits: tuple[float, float] | None) -> None:
         keys.add("out-of-range", message, "range", help=f"write `range: [{high:g}, {low:g}]`")
 
 
-KIND = Kind("mass", FORM, make, "{range: [LOW, HIGH]}")
+KIND = Kind("mass", FORM, make, example="{range: [LOW, HIGH]}")

@@ -62,8 +62,13 @@ class Pairs:
 FORM = Keyed(
     "Nothing is inside of something else at a keyframe, as far as geoms can touch.",
     Key("key", Name("the name of a keyframe"), "the pose; without it, the reference configuration"),
-    Key("max", Number(least=0), "the greatest depth, in metres", MAX),
-    Key("exclude", Pairs(), "pairs of globs over names of geoms and bodies whose contacts do not count", ()),
+    Key("max", Number(least=0), "the greatest depth, in metres", default=MAX),
+    Key(
+        "exclude",
+        Pairs(),
+        "pairs of globs over names of geoms and bodies whose contacts do not count",
+        default=(),
+    ),
 )
 
 
@@ -71,4 +76,4 @@ def make(keys: Keys, found: Mapping[str, Any], at: Path) -> NoPenetration:
     return NoPenetration(keys.name, at=at, **found)
 
 
-KIND = Kind("no_penetration", FORM, make, "{key: home}")
+KIND = Kind("no_penetration", FORM, make, example="{key: home}")

@@ -36,8 +36,8 @@ class Plausible:
 
 FORM = Keyed(
     "Masses and inertias could be those of the bodies, as far as their geoms show.",
-    Key("bodies", _BODIES, "which bodies; without it, all that have mass and geoms", ()),
-    Key("exclude", _BODIES, "bodies that are not looked at", ()),
+    Key("bodies", _BODIES, "which bodies; without it, all that have mass and geoms", default=()),
+    Key("exclude", _BODIES, "bodies that are not looked at", default=()),
     Key(
         "density", Numbers(2, "[100, 9000]"), "the least and the most, in kg/m³; without it, any"
     ),
@@ -45,13 +45,13 @@ FORM = Keyed(
         "gyration",
         Number(above=0),
         "the largest radius of gyration, relative to the distance of the farthest point from the centre of mass",
-        GYRATION,
+        default=GYRATION,
     ),
     Key(
         "outside",
         Number(least=0),
         "how far the centre of mass may be outside the box around the geoms, relative to the diagonal of the box",
-        OUTSIDE,
+        default=OUTSIDE,
     ),
 )  # fmt: skip
 
@@ -64,4 +64,4 @@ def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Plausible:
     return Plausible(keys.name, at=at, **found)
 
 
-KIND = Kind("plausible", FORM, make, "{}")
+KIND = Kind("plausible", FORM, make, example="{}")

@@ -37,7 +37,7 @@ FORM = Keyed(
         "the point, in metres, in the world of this recipe",
         needed=_POINT,
     ),
-    Key("tolerance", Number(above=0), "how near it must come, in metres", TOLERANCE),
+    Key("tolerance", Number(above=0), "how near it must come, in metres", default=TOLERANCE),
     Key(
         "key",
         Name("the name of a keyframe"),
@@ -50,4 +50,4 @@ def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Reachable:
     return Reachable(keys.name, at=at, **found)
 
 
-KIND = Kind("reachable", FORM, make, "{site: tcp, target: [0.5, 0, 0.8]}", needs_world=True)
+KIND = Kind("reachable", FORM, make, example="{site: tcp, target: [0.5, 0, 0.8]}", needs_world=True)

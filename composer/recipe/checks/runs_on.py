@@ -41,4 +41,4 @@ def make(keys: Keys, found: tuple[str, ...], at: Path) -> RunsOn:
     return RunsOn(keys.name, found, at)
 
 
-KIND = Kind("runs_on", Simulators(), make, "[mjx, warp]", of_target=True)
+KIND = Kind("runs_on", Simulators(), make, example="[mjx, warp]", of_target=True)

@@ -83,4 +83,4 @@ def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Size:
     return Size(keys.name, {name: found[name] for name in keys.value if name in found}, at)
 
 
-KIND = Kind("size", FORM, make, "{nu: 7}")
+KIND = Kind("size", FORM, make, example="{nu: 7}")

@@ -55,7 +55,7 @@ class Near:
             message = f"`{at[-1]}` of {keys.owner} is a mapping, got {kind_of(value)}"
             keys.add("wrong-type", message, *at, help=f"write for instance `{at[-1]}: {{{key}within: 0.05}}`")
             return {}
-        inner = Keys(keys.name, str(at[-1]), value, [])
+        inner = Keys(keys.name, str(at[-1]), value, faults=[])
         found = self.form.read(inner)
         for fault in inner.faults:
             keys.faults.append(replace(fault, at=(keys.name, keys.word, *fault.at[1:])))
@@ -68,14 +68,14 @@ class Near:
 FORM = Keyed(
     "The model comes to rest: simulated from a keyframe, it does not diverge and stands still at the end.",
     Key("key", Name("the name of a keyframe"), "where it starts; without it, the reference configuration"),
-    Key("seconds", Number(above=0), "how long it is simulated", SECONDS),
+    Key("seconds", Number(above=0), "how long it is simulated", default=SECONDS),
     Key(
         "max_speed",
         Number(above=0),
         "the greatest speed of a joint in the last tenth of that time, in m/s or rad/s",
-        MAX_SPEED,
+        default=MAX_SPEED,
     ),
-    Key("near", Near(), "that all joints are still near to where they are in a keyframe", {}),
+    Key("near", Near(), "that all joints are still near to where they are in a keyframe", default={}),
 )
 
 
@@ -85,11 +85,11 @@ def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Stable:
         keys.name,
         found["key"],
         found["seconds"],
-        found["max_speed"],
-        at,
-        near.get("key"),
-        near.get("within"),
+        max_speed=found["max_speed"],
+        at=at,
+        near=near.get("key"),
+        within=near.get("within"),
     )
 
 
-KIND = Kind("stable", FORM, make, "{key: home}")
+KIND = Kind("stable", FORM, make, example="{key: home}")

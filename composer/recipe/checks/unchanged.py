@@ -78,12 +78,12 @@ FORM = Keyed(
         Name("the prefix of a part"),
         "the part, by its prefix; `base` is the base; without it, all of them",
     ),
-    Key(EXCEPT, Attributes(), "attributes of MJCF that are changed on purpose", ()),
+    Key(EXCEPT, Attributes(), "attributes of MJCF that are changed on purpose", default=()),
 )
 
 
 def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Unchanged:
-    return Unchanged(keys.name, found[PART], found[EXCEPT], at)
+    return Unchanged(keys.name, found[PART], found[EXCEPT], at=at)
 
 
-KIND = Kind("unchanged", FORM, make, "{}")
+KIND = Kind("unchanged", FORM, make, example="{}")

@@ -30,8 +30,8 @@ def assigning(name: str, sign: str, description: str, values: str) -> Verb:
         name,
         description,
         _reader(name),
-        words,
-        _changes,
+        words=words,
+        changes=_changes,
         schema=lambda: {"type": "object", "minProperties": 1},
         schema_of_tag=of_tag,
         schema_of_classes=_of_classes,
@@ -40,10 +40,10 @@ def assigning(name: str, sign: str, description: str, values: str) -> Verb:
 
 def _reader(name: str) -> Callable[[Any, Selected], dict[str, Any]]:
     def read(value: Any, selected: Selected) -> dict[str, Any]:
-        given = read_mapping(name, value, "{ATTRIBUTE: VALUE}", selected)
+        given = read_mapping(name, value, "{ATTRIBUTE: VALUE}", selected=selected)
         if given is None:
             return {}
-        selected.checker.attributes(name, given, selected.selector, selected.at)
+        selected.checker.attributes(name, given, selected.selector, at=selected.at)
         return dict(given)
 
     return read

@@ -40,30 +40,35 @@ class Method:
 _SEED = Setting("of what is chosen at random (default: 0)", 0, 0)
 METHODS: dict[str, Method] = {
     "hull": Method(
-        "the convex hull", {"vertices": Setting("the most vertices (default: no limit)", None, 4, 10_000)}
+        "the convex hull",
+        {"vertices": Setting("the most vertices (default: no limit)", None, 4, most=10_000)},
     ),
     "fit": Method("one primitive around the mesh; `best` is the one of the least volume", {}),
     "decompose": Method(
         "convex pieces, by CoACD",
         {
-            "parts": Setting("the most pieces (default: no limit)", None, 1, 1000),
+            "parts": Setting("the most pieces (default: no limit)", None, 1, most=1000),
             "threshold": Setting(
-                "how concave a piece may stay, by CoACD's measure (default: 0.05)", 0.05, 0.01, 1, whole=False
+                "how concave a piece may stay, by CoACD's measure (default: 0.05)",
+                0.05,
+                0.01,
+                most=1,
+                whole=False,
             ),
-            "vertices": Setting("the most vertices of a piece (default: 256)", 256, 4, 10_000),
+            "vertices": Setting("the most vertices of a piece (default: 256)", 256, 4, most=10_000),
             "seed": _SEED,
         },
     ),
     "spheres": Method(
         "balls that cover the surface",
-        {"count": Setting("how many", None, 1, 1000), "seed": _SEED},
+        {"count": Setting("how many", None, 1, most=1000), "seed": _SEED},
         needed=("count",),
     ),
 }
 
 
 def _read(value: Any, selected: Selected) -> dict[str, Any]:
-    given = read_mapping("collision", value, EXAMPLE, selected)
+    given = read_mapping("collision", value, EXAMPLE, selected=selected)
     if given is None:
         return {}
     if selected.kinds and any(kind.path != "geom" for kind in selected.kinds):
@@ -89,7 +94,7 @@ def _read(value: Any, selected: Selected) -> dict[str, Any]:
         return (
             {} if (word := _word(given[method], at, selected)) is None else {"method": method, "wanted": word}
         )
-    wanted = read_settings(given[method], method, METHODS[method], at, selected.add)
+    wanted = read_settings(given[method], method, METHODS[method], at=at, add=selected.add)
     return {} if wanted is None else {"method": method, "wanted": wanted}
 
 
@@ -121,7 +126,7 @@ def read_settings(
     right = True
     for key in value:
         if key not in method.settings:
-            add(unknown_key(f"`{key}` is not a key of `{name}`", key, tuple(method.settings), (*at, key)))
+            add(unknown_key(f"`{key}` is not a key of `{name}`", key, tuple(method.settings), at=(*at, key)))
             right = False
     for key in method.needed:
         if key not in value:
@@ -129,7 +134,7 @@ def read_settings(
             add(Fault("missing-key", message, at, help=f"write `{name}: {{{example}}}`", lacks=key))
             right = False
     for key, setting in method.settings.items():
-        if key in value and (fault := _number_fault(value[key], key, setting, (*at, key))) is not None:
+        if key in value and (fault := _number_fault(value[key], key, setting, at=(*at, key))) is not None:
             add(fault)
             right = False
     wanted = {key: value.get(key, setting.default) for key, setting in method.settings.items()}
@@ -203,7 +208,7 @@ VERB = Verb(
     "collision",
     "convex shapes for what it touches with, made of its mesh",
     _read,
-    _words,
+    words=_words,
     changes=None,
     schema=_schema,
 )

@@ -21,7 +21,7 @@ _KIND: Schema = {"enum": [*CONVERTIBLE], "description": "the kind of actuator th
 
 
 def _read(value: Any, selected: Selected) -> dict[str, Any]:
-    given = read_mapping("convert", value, "{to: motor}", selected)
+    given = read_mapping("convert", value, "{to: motor}", selected=selected)
     if given is None:
         return {}
     if selected.kinds and not any(kind.path.startswith("actuator/") for kind in selected.kinds):
@@ -38,7 +38,7 @@ def _read(value: Any, selected: Selected) -> dict[str, Any]:
         if name == TO:
             continue
         if name not in kind.attributes or name == "name":
-            selected.add(unknown_attribute(name, str(to), (kind,), path))
+            selected.add(unknown_attribute(name, str(to), (kind,), at=path))
         elif isinstance(item, str) and item.startswith(FROM):
             source = item.removeprefix(FROM)
             if source not in GRAMMAR.element("actuator/general").attributes:
@@ -46,7 +46,7 @@ def _read(value: Any, selected: Selected) -> dict[str, Any]:
                 message = f"`{item}` names no attribute of an actuator"
                 selected.add(Fault("unknown-attribute", message, path, help=help))
         else:
-            selected.checker.value("set", [kind.attributes[name]], None, item, str(to), path)
+            selected.checker.value("set", [kind.attributes[name]], None, value=item, tag=str(to), at=path)
     return dict(given)
 
 
@@ -98,7 +98,7 @@ VERB = Verb(
     "convert",
     "another kind of actuator, and attributes of it",
     _read,
-    _words,
+    words=_words,
     changes=None,
     schema=_schema,
 )

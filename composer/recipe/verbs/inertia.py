@@ -17,7 +17,7 @@ _EXAMPLE = "{from: mesh, density: 1000}"
 
 
 def _read(value: Any, selected: Selected) -> dict[str, Any]:
-    given = read_mapping("inertia", value, _EXAMPLE, selected)
+    given = read_mapping("inertia", value, _EXAMPLE, selected=selected)
     if given is None:
         return {}
     if selected.kinds and not any(kind.path == "body" for kind in selected.kinds):
@@ -27,7 +27,7 @@ def _read(value: Any, selected: Selected) -> dict[str, Any]:
     for name in given:
         if name not in (FROM, DENSITY, GROUP):
             message = f"`inertia` has no key `{name}`"
-            selected.add(unknown_key(message, name, (FROM, DENSITY, GROUP), (*selected.at, name)))
+            selected.add(unknown_key(message, name, (FROM, DENSITY, GROUP), at=(*selected.at, name)))
     for name, example in ((FROM, "mesh"), (DENSITY, "1000")):
         if name not in given:
             help = f"write `{name}: {example}`" + (", in kg/m³" if name == DENSITY else "")
@@ -76,5 +76,10 @@ def _schema() -> Schema:
 
 
 VERB = Verb(
-    "inertia", "mass and inertia from the geoms, at a density", _read, _words, _changes, schema=_schema
+    "inertia",
+    "mass and inertia from the geoms, at a density",
+    _read,
+    words=_words,
+    changes=_changes,
+    schema=_schema,
 )

@@ -30,7 +30,7 @@ _CHANGED = (
 
 
 def _read(value: Any, selected: Selected) -> dict[str, Any]:
-    given = read_mapping("motor", value, "{model: NAME, bandwidth: 5}", selected)
+    given = read_mapping("motor", value, "{model: NAME, bandwidth: 5}", selected=selected)
     if given is None:
         return {}
     if selected.kinds and not any(kind.path.startswith("actuator/") for kind in selected.kinds):
@@ -40,7 +40,7 @@ def _read(value: Any, selected: Selected) -> dict[str, Any]:
         return {}
     for name in given:
         if name not in _KEYS:
-            selected.add(unknown_key(f"`motor` has no key `{name}`", name, _KEYS, (*selected.at, name)))
+            selected.add(unknown_key(f"`motor` has no key `{name}`", name, _KEYS, at=(*selected.at, name)))
     model = given.get(MODEL)
     if not isinstance(model, str) or not model:
         written = MODEL in given
@@ -110,7 +110,7 @@ VERB = Verb(
     "motor",
     "the torque, gains and armature of a motor, from its data sheet",
     _read,
-    _words,
-    _changes,
+    words=_words,
+    changes=_changes,
     schema=_schema,
 )

@@ -17,7 +17,7 @@ _POSE = ("pos", *ORIENTATIONS)
 
 
 def _read(value: Any, selected: Selected) -> dict[str, Any]:
-    given = read_mapping("move", value, "{to: NAME}", selected)
+    given = read_mapping("move", value, "{to: NAME}", selected=selected)
     if given is None:
         return {}
     at = selected.at
@@ -38,9 +38,9 @@ def _read(value: Any, selected: Selected) -> dict[str, Any]:
         selected.add(Fault(code, message, (*at, TO) if written else at, help=where))
     pose = {name: item for name, item in given.items() if name != TO}
     for name in [name for name in pose if name not in _POSE]:
-        selected.add(unknown_key(f"`{name}` is not a key of `move`", name, (TO, *_POSE), (*at, name)))
+        selected.add(unknown_key(f"`{name}` is not a key of `move`", name, (TO, *_POSE), at=(*at, name)))
         del pose[name]
-    selected.checker.attributes("set", pose, selected.selector, at)
+    selected.checker.attributes("set", pose, selected.selector, at=at)
     return dict(given)
 
 
@@ -74,7 +74,7 @@ VERB = Verb(
     "move",
     "another body or frame to stand in, and the pose there",
     _read,
-    _words,
+    words=_words,
     changes=None,
     schema=_schema,
 )

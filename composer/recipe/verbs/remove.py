@@ -35,7 +35,7 @@ VERB = Verb(
     "remove",
     "take it out: `true` if nothing refers to it, `cascade` with all that does",
     _read,
-    _words,
+    words=_words,
     changes=None,
     schema=_schema,
     alone=True,

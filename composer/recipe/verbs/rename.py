@@ -33,4 +33,11 @@ def _schema() -> Schema:
     return {"type": "string", "minLength": 1}
 
 
-VERB = Verb("rename", "the new name, which every reference follows", _read, _words, _changes, _schema)
+VERB = Verb(
+    "rename",
+    "the new name, which every reference follows",
+    _read,
+    words=_words,
+    changes=_changes,
+    schema=_schema,
+)

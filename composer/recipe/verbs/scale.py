@@ -4,4 +4,4 @@ from __future__ import annotations
 
 from composer.recipe.verbs.assigning import assigning
 
-VERB = assigning("scale", "×", "attributes and what they are multiplied with", "scalable")
+VERB = assigning("scale", "×", "attributes and what they are multiplied with", values="scalable")

@@ -14,14 +14,14 @@ _METHOD = Method("fewer faces", {"faces": Setting("the most faces", None, 4)}, n
 
 
 def _read(value: Any, selected: Selected) -> dict[str, Any]:
-    given = read_mapping("simplify", value, "{faces: 500}", selected)
+    given = read_mapping("simplify", value, "{faces: 500}", selected=selected)
     if given is None:
         return {}
     if selected.kinds and any(kind.path not in ("geom", "mesh") for kind in selected.kinds):
         message = f"`simplify` is for meshes and their geoms, and `{selected.tag}` is neither"
         selected.add(Fault("wrong-type", message, selected.at))
         return {}
-    return read_settings(given, "simplify", _METHOD, selected.at, selected.add) or {}
+    return read_settings(given, "simplify", _METHOD, at=selected.at, add=selected.add) or {}
 
 
 def _words(value: Mapping[str, Any]) -> str:
@@ -36,7 +36,7 @@ VERB = Verb(
     "simplify",
     "fewer faces for its mesh",
     _read,
-    _words,
+    words=_words,
     changes=None,
     schema=_schema,
 )

@@ -18,14 +18,14 @@ _CLASSES = "default"
 def _read(value: Any, selected: Selected) -> tuple[str, ...] | dict[str, tuple[str, ...]]:
     """Return the attributes, or for classes a mapping from tags to attributes."""
     if not isinstance(value, dict) or selected.tag != _CLASSES:
-        return _list(value, selected.kinds, selected.tag, selected.at, selected)
+        return _list(value, selected.kinds, selected.tag, at=selected.at, selected=selected)
     found: dict[str, tuple[str, ...]] = {}
     for name, items in value.items():
         below = tuple(kind.children[name] for kind in selected.kinds if name in kind.children)
         if not below:
             unknown = selected.checker.unknown(name, selected.tag, selected.kinds, (*selected.at, name))
             selected.add(unknown)
-        found[name] = _list(items, below, name, (*selected.at, name), selected)
+        found[name] = _list(items, below, name, at=(*selected.at, name), selected=selected)
     return found
 
 
@@ -79,5 +79,11 @@ def _schema_of_tag(tag: str) -> Schema:
 
 
 VERB = Verb(
-    "unset", "attributes that are no longer written", _read, _words, _changes, _schema, _schema_of_tag
+    "unset",
+    "attributes that are no longer written",
+    _read,
+    words=_words,
+    changes=_changes,
+    schema=_schema,
+    schema_of_tag=_schema_of_tag,
 )

@@ -33,7 +33,7 @@ class Checker:
     def attributes(self, verb: str, value: Mapping[str, Any], selector: Selector | None, at: Path) -> None:
         """Check the mapping that `set`, `scale` or `offset` is given."""
         kinds = () if selector is None else kinds_of(selector.tag)
-        self._attributes(verb, value, kinds, selector.tag if selector else "", at)
+        self._attributes(verb, value, kinds, tag=selector.tag if selector else "", at=at)
 
     def _attributes(
         self, verb: str, value: Mapping[str, Any], kinds: tuple[ElementType, ...], tag: str, at: Path
@@ -47,7 +47,7 @@ class Checker:
             path = (*at, name)
             below = tuple(kind.children[name] for kind in kinds if name in kind.children)
             if isinstance(item, dict) and (below or not kinds):
-                self._attributes(verb, item, below, name, path)
+                self._attributes(verb, item, below, tag=name, at=path)
                 continue
             attribute, index = attribute_and_index(name)
             if any(kind.path == "body" for kind in kinds) and name == MASS:
@@ -59,9 +59,9 @@ class Checker:
                 continue
             fitting = [kind.attributes[attribute] for kind in kinds if attribute in kind.attributes]
             if kinds and not fitting:
-                self.faults.append(self.unknown(attribute, tag, kinds, path))
+                self.faults.append(self.unknown(attribute, tag, kinds, at=path))
                 continue
-            self.value(verb, fitting, index, item, tag, path)
+            self.value(verb, fitting, index, value=item, tag=tag, at=path)
 
     def unknown(self, name: str, tag: str, kinds: tuple[ElementType, ...], at: Path) -> Fault:
         """Return the fault of a name that is not an attribute of what is selected."""
@@ -71,7 +71,7 @@ class Checker:
             help = f"write the tag first: `{{{near[0] if near and name in known else 'geom'}: {{…}}}}`"
             message = f"`{name}` is not a tag that a class can have settings for"
             return Fault("unknown-element", message, at, key=True, help=help)
-        return unknown_attribute(name, tag, kinds, at)
+        return unknown_attribute(name, tag, kinds, at=at)
 
     def value(
         self, verb: str, fitting: list[Attribute], index: int | None, value: Any, tag: str, at: Path
@@ -81,7 +81,7 @@ class Checker:
         if not self._templates(value, at):
             return
         if index is not None or verb != "set":
-            self._arithmetic(verb, fitting, index, value, tag, at)
+            self._arithmetic(verb, fitting, index, value=value, tag=tag, at=at)
             return
         if isinstance(value, dict):
             self.faults.append(
@@ -94,9 +94,9 @@ class Checker:
             if sample is None:
                 return
             found: list[Fault] = []
-            read = read_value(attribute, sample, at, subject, found)
+            read = read_value(attribute, sample, at, owner=subject, faults=found)
             if read is not None and not found and sample == value and not self.bare_angles:
-                bare = bare_angle(attribute, read, None, at, subject)
+                bare = bare_angle(attribute, read, None, at=at, owner=subject)
                 found += [bare] if bare is not None else []
             if not found:
                 return

@@ -43,8 +43,8 @@ from composer.targets.target import Target
 # Drake 1.51 uses the control range of a position servo, which is in radians, as the range of its torque. With
 # `ctrllimited` alone, the torque is limited to zero, which it refuses.
 _NO_CONTROL_RANGE = without_attribute(
-    "control ranges", "actuator/position", "ctrlrange", "`ctrlrange`",
-    "the program would take it for the range of the force", also=("ctrllimited",),
+    "control ranges", "actuator/position", "ctrlrange", what="`ctrlrange`",
+    why="the program would take it for the range of the force", also=("ctrllimited",),
 )  # fmt: skip
 
 TARGET = Target(
@@ -56,9 +56,9 @@ TARGET = Target(
         *unread_in("free", "damping"), no_shapes("hfield"), NO_HIDDEN_SHAPES, NO_TEXTURES,
         servos("motor", "position"), _NO_CONTROL_RANGE, AT_JOINTS, SYMMETRIC_FORCES, NO_SERVO_DAMPING, NO_DELAY,
         NO_ACTUATOR_ARMATURE, NO_ACTUATOR_DAMPING, REFLECTED_ARMATURE,
-        only("equality", "equality/*", ("connect",), "what they couple moves freely"),
+        only("equality", "equality/*", ("connect",), why="what they couple moves freely"),
         COMPUTING, GRAVCOMP, BITS, SOFTNESS, unread_contacts("torsional", "rolling"),
     ),
-    write_mjcf,
-    "drake",
+    write=write_mjcf,
+    package="drake",
 )  # fmt: skip

@@ -51,6 +51,6 @@ TARGET = Target(
         left_out("equality", "equality/tendon"), NO_TENDONS, Limit("no armature", Outcome.WRITTEN, _without_armature),
         GRAVCOMP,
     ),
-    write_mjcf,
-    "genesis-world",
+    write=write_mjcf,
+    package="genesis-world",
 )  # fmt: skip

@@ -7,5 +7,5 @@ from composer.targets.restrictions.unread import NO_CUSTOM, NO_KEYS, NO_PLUGINS,
 from composer.targets.target import Target
 
 TARGET = Target(
-    "isaac", "Isaac Sim, by its importer of MJCF", (NO_KEYS, NO_SOFT, NO_PLUGINS, NO_CUSTOM), write_mjcf
+    "isaac", "Isaac Sim, by its importer of MJCF", (NO_KEYS, NO_SOFT, NO_PLUGINS, NO_CUSTOM), write=write_mjcf
 )

@@ -26,6 +26,6 @@ TARGET = Target(
         MJX_COLLISIONS, MJX_MARGINS, MJX_PAIR_MARGINS, MJX_ACTUATORS, MJX_EQUALITY, MJX_SENSORS, MJX_CONTACT_SENSORS,
         MJX_OPTIONS,
     ),
-    write_mjcf,
-    "mujoco-mjx",
+    write=write_mjcf,
+    package="mujoco-mjx",
 )  # fmt: skip

@@ -27,6 +27,6 @@ TARGET = Target(
         GEARS,
         GRAVITY,
     ),
-    write_mjcf,
-    "newton",
+    write=write_mjcf,
+    package="newton",
 )

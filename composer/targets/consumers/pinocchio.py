@@ -35,6 +35,6 @@ TARGET = Target(
         no_shapes("hfield"), CARRIED_FORCES, servos(),
         COMPUTING, GRAVITY, GRAVCOMP, BITS, SOFTNESS, unread_contacts("sliding", "torsional", "rolling"),
     ),
-    write_mjcf,
-    "pin",
+    write=write_mjcf,
+    package="pin",
 )  # fmt: skip

@@ -9,6 +9,6 @@ TARGET = Target(
     "plain",
     "MJCF without frames, classes, replicates and flexcomps, with inertias and OBJ meshes",
     (),
-    write_mjcf,
-    "mujoco",
+    write=write_mjcf,
+    package="mujoco",
 )

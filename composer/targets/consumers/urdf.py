@@ -38,11 +38,11 @@ TARGET = Target(
     "urdf",
     "URDF, in a ROS package with `ros2_control` and SRDF",
     (
-        refused("ball", ".//joint[@type='ball']", "URDF has no ball joints", "convert it to three hinges"),
+        refused("ball", ".//joint[@type='ball']", "URDF has no ball joints", help="convert it to three hinges"),
         *_IN_WRITING, NO_POLYNOMIALS, NO_SENSORS, NO_CAMERAS, NO_LIGHTS, NO_TENDONS, NO_PAIRS,
         NO_SOFT, NO_PLUGINS, NO_CUSTOM, NO_SPRINGS,
         COMPUTING, GRAVITY, GRAVCOMP, BITS, SOFTNESS, unread_contacts("sliding", "torsional", "rolling"),
     ),
-    write_urdf,
-    "pin",
+    write=write_urdf,
+    package="pin",
 )  # fmt: skip

@@ -34,6 +34,6 @@ TARGET = Target(
         WARP_ACTUATOR_PLUGINS,
         WARP_SLEEP,
     ),
-    write_mjcf,
-    "mujoco-warp",
+    write=write_mjcf,
+    package="mujoco-warp",
 )  # fmt: skip

@@ -31,7 +31,7 @@ def without_classes(root: Node) -> None:
                 if element.tag == "material":
                     _layers(element, classes)
                 found.append(
-                    (element, {name: text_in_effect(element, kind, name, classes) for name in names})
+                    (element, {name: text_in_effect(element, kind, name, classes=classes) for name in names})
                 )
     for element, texts in found:
         for name, text in texts.items():

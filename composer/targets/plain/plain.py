@@ -68,7 +68,7 @@ def plain(mujoco: Any, path: Path) -> Draft:
     simple_actuators(root, any_input=mujoco.mj_version() < _WITH_INPUTS)
     elements["actuator"] = list(root.iterfind("actuator/*"))
     etree.indent(root)
-    return Draft(mujoco, model, root, files, elements)
+    return Draft(mujoco, model, root, files=files, elements=elements)
 
 
 def _compiler(root: Node) -> None:

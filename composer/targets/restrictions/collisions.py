@@ -56,5 +56,5 @@ def colliding(model: Any) -> Iterator[tuple[int, int]]:
 
 MJX_COLLISIONS = refused_elements(
     "collisions", "geom", _unknown_pairs,
-    "edit one of the two: `set: {type: capsule}`, or `set: {contype: 0, conaffinity: 0}`", Outcome.REFUSED,
+    help="edit one of the two: `set: {type: capsule}`, or `set: {contype: 0, conaffinity: 0}`", outcome=Outcome.REFUSED,
 )  # fmt: skip

@@ -23,7 +23,7 @@ def refused_members(feature: str, kind: str, missing: Sequence[Missing], help: s
 
     A member that the running MuJoCo does not have is ignored.
     """
-    return refused_elements(feature, kind, partial(_members, tuple(missing)), help)
+    return refused_elements(feature, kind, partial(_members, tuple(missing)), help=help)
 
 
 def refused_elements(
@@ -31,7 +31,7 @@ def refused_elements(
 ) -> Limit:
     """Return a limit that refuses a model with an element that `flagged` finds."""
     refuses = partial(_elements, kind, flagged, help)
-    return Limit(feature, outcome, partial(_refuse, feature, refuses), refuses)
+    return Limit(feature, outcome, partial(_refuse, feature, refuses), refuses=refuses)
 
 
 def refused_options(
@@ -47,7 +47,7 @@ def refused_options(
     `together` finds what is refused only in combination with something else; its numbers mean nothing.
     """
     flagged = partial(_options, name, tuple(enums), tuple(flags), together)
-    return refused_elements(feature, OPTION, flagged, help)
+    return refused_elements(feature, OPTION, flagged, help=help)
 
 
 def _refuse(feature: str, refuses: Refuses, draft: Draft) -> None:
@@ -62,7 +62,7 @@ def _refuse(feature: str, refuses: Refuses, draft: Draft) -> None:
 
 def _elements(kind: str, flagged: Flagged, help: str, mujoco: Any, model: Any) -> Iterator[Refusal]:
     for number, why in flagged(mujoco, model):
-        yield Refusal(kind, number, why, help)
+        yield Refusal(kind, number, why, help=help)
 
 
 def _members(missing: Sequence[Missing], mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:

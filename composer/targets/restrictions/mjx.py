@@ -28,18 +28,18 @@ MJX_ACTUATORS = refused_members(
          "MJX has no such gain"),
         ("actuator_biastype", "mjtBias", ("mjBIAS_DCMOTOR", "mjBIAS_SO3", "mjBIAS_USER"), "MJX has no such bias"),
     ),
-    _ACTUATORS,
+    help=_ACTUATORS,
 )  # fmt: skip
 MJX_EQUALITY = refused_members(
     "equality", "equality",
     (("eq_type", "mjtEq", ("mjEQ_FLEX", "mjEQ_FLEXVERT", "mjEQ_FLEXSTRAIN", "mjEQ_DISTANCE"),
       "MJX has no such constraint"),),
-    "leave it out with `edit`",
+    help="leave it out with `edit`",
 )  # fmt: skip
 MJX_SENSORS = refused_members(
     "sensors", "sensor",
     (("sensor_type", "mjtSensor", tuple(f"mjSENS_{name}" for name in _SENSORS), "MJX has no such sensor"),),
-    "leave it out with `edit`",
+    help="leave it out with `edit`",
 )  # fmt: skip
 
 
@@ -56,9 +56,9 @@ MJX_OPTIONS = refused_options(
     "options",
     "MJX",
     (("integrator", "mjtIntegrator", ("mjINT_IMPLICIT",)), ("solver", "mjtSolver", ("mjSOL_PGS",))),
-    ("override", "energy", "fwdinv", "diagexact", "speculative"),
-    "write another one in the section `option` of the recipe",
-    _medium,
+    flags=("override", "energy", "fwdinv", "diagexact", "speculative"),
+    help="write another one in the section `option` of the recipe",
+    together=_medium,
 )
 
 
@@ -87,8 +87,8 @@ def _pair_margins(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
             yield pair, "MJX has no margin for contacts with meshes and height fields"
 
 
-MJX_PAIR_MARGINS = refused_elements("margins", "pair", _pair_margins, "write `set: {margin: 0}`")
-MJX_MARGINS = refused_elements("margins", "geom", _margins, "write `set: {margin: 0}`")
+MJX_PAIR_MARGINS = refused_elements("margins", "pair", _pair_margins, help="write `set: {margin: 0}`")
+MJX_MARGINS = refused_elements("margins", "geom", _margins, help="write `set: {margin: 0}`")
 
 
 def _contact_sensors(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
@@ -108,7 +108,7 @@ def _contact_sensors(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
 
 
 MJX_CONTACT_SENSORS = refused_elements(
-    "contact sensors", "sensor", _contact_sensors, "name geoms in its place, with another `reduce`"
+    "contact sensors", "sensor", _contact_sensors, help="name geoms in its place, with another `reduce`"
 )
 
 
@@ -118,6 +118,6 @@ def _flexes(_mujoco: object, model: Any) -> Iterator[tuple[int, str]]:
 
 
 MJX_SOFT = replace(
-    NO_SOFT, refuses=refused_elements("soft", "flex", _flexes, "leave it out with `edit`").refuses
+    NO_SOFT, refuses=refused_elements("soft", "flex", _flexes, help="leave it out with `edit`").refuses
 )
 """What is written for MJX is without them; a model that still has one is refused."""

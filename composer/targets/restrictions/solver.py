@@ -61,7 +61,9 @@ def _contacts(friction: Collection[str], but: Collection[str], draft: Draft) -> 
     for number, node in draft.of("geom"):
         if not model.geom_contype[number] and not model.geom_conaffinity[number]:
             continue
-        changed = [each for each in _changed(model, plain, number, _SOFTNESS, "geom") if each not in but]
+        changed = [
+            each for each in _changed(model, plain, number, names=_SOFTNESS, kind="geom") if each not in but
+        ]
         for word in friction:
             at = _FRICTION[word]
             if model.geom_friction[number][at] != plain.geom_friction[0][at]:
@@ -89,7 +91,7 @@ def _joints(draft: Draft) -> None:
     model, plain = draft.model, _plain(draft)
     for number, node in draft.of("joint"):
         if model.jnt_limited[number]:
-            changed = list(_changed(model, plain, number, ("solref", "solimp", "margin"), "jnt"))
+            changed = list(_changed(model, plain, number, names=("solref", "solimp", "margin"), kind="jnt"))
             if changed:
                 draft.lose("softness", node, what=f"{_listed(changed)} of the limits")
 

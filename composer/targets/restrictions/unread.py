@@ -49,7 +49,7 @@ def unread_in(joints: str, *attributes: str) -> tuple[Limit, ...]:
     """Return limits that remove attributes from joints of a type."""
     path = f".//joint[@type='{joints}']"
     return tuple(
-        without_attribute(_DYNAMICS[name], path, name, _WORDS.get(name, name)) for name in attributes
+        without_attribute(_DYNAMICS[name], path, name, what=_WORDS.get(name, name)) for name in attributes
     )
 
 
@@ -153,18 +153,18 @@ NO_SOFT = left_out("soft", "deformable/*", "asset/skin")
 NO_PLUGINS = left_out("plugins", "extension/*", ".//plugin")
 NO_CUSTOM = left_out("custom", "custom/*")
 NO_SPRINGS = without_attribute(
-    "springs", ".//joint", "stiffness", "stiffness", also=("springref", "springdamper", "springyield")
+    "springs", ".//joint", "stiffness", what="stiffness", also=("springref", "springdamper", "springyield")
 )
-NO_FRICTION = without_attribute("friction", ".//joint", "frictionloss", "dry friction")
-NO_DAMPING = without_attribute("damping", ".//joint", "damping", "damping")
-NO_ARMATURE = without_attribute("armature", ".//joint", "armature", "armature")
+NO_FRICTION = without_attribute("friction", ".//joint", "frictionloss", what="dry friction")
+NO_DAMPING = without_attribute("damping", ".//joint", "damping", what="damping")
+NO_ARMATURE = without_attribute("armature", ".//joint", "armature", what="armature")
 NO_EFFORT = without_attribute(
     "effort",
     ".//joint",
     "actuatorfrcrange",
-    "the greatest force",
+    what="the greatest force",
     also=("actuatorfrclimited", "actuatorgravcomp"),
 )
 NO_TEXTURES = Limit("textures", Outcome.LEFT_OUT, _plain_colours)
-NO_YIELD = without_attribute("springs", ".//joint", "springyield", "`springyield`")
+NO_YIELD = without_attribute("springs", ".//joint", "springyield", what="`springyield`")
 NO_POLYNOMIALS = Limit("polynomials", Outcome.LEFT_OUT, _linear)

@@ -28,12 +28,12 @@ WARP_ACTUATORS = refused_members(
         ("actuator_gaintype", "mjtGain", ("mjGAIN_PID",), "MuJoCo Warp has no such gain"),
         ("actuator_biastype", "mjtBias", ("mjBIAS_SO3",), "MuJoCo Warp has no such bias"),
     ),
-    "write a `motor` or a `position` in its place: `convert: {to: position}`",
+    help="write a `motor` or a `position` in its place: `convert: {to: position}`",
 )  # fmt: skip
 WARP_EQUALITY = refused_members(
     "equality", "equality",
     (("eq_type", "mjtEq", ("mjEQ_FLEXVERT", "mjEQ_DISTANCE"), "MuJoCo Warp has no such constraint"),),
-    _OUT,
+    help=_OUT,
 )  # fmt: skip
 
 
@@ -78,15 +78,15 @@ WARP_OPTIONS = refused_options(
     "options",
     "MuJoCo Warp",
     (("solver", "mjtSolver", ("mjSOL_PGS",)),),
-    ("override", "fwdinv", "diagexact", "ipc", "speculative"),
-    "write another one in the section `option` of the recipe",
-    _options,
+    flags=("override", "fwdinv", "diagexact", "ipc", "speculative"),
+    help="write another one in the section `option` of the recipe",
+    together=_options,
 )
 
 
-WARP_PLUGINS = refused_elements("plugins", "body", with_plugins("body"), _OUT)
-WARP_ACTUATOR_PLUGINS = refused_elements("actuators", "actuator", with_plugins("actuator"), _OUT)
-WARP_SENSORS = refused_elements("sensors", "sensor", with_plugins("sensor"), _OUT)
+WARP_PLUGINS = refused_elements("plugins", "body", with_plugins("body"), help=_OUT)
+WARP_ACTUATOR_PLUGINS = refused_elements("actuators", "actuator", with_plugins("actuator"), help=_OUT)
+WARP_SENSORS = refused_elements("sensors", "sensor", with_plugins("sensor"), help=_OUT)
 
 
 def _sleepers(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
@@ -98,7 +98,9 @@ def _sleepers(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
                 yield body, "MuJoCo Warp does not have `sleep` of a body"
 
 
-WARP_SLEEP = refused_elements("sleep", "body", _sleepers, "write `unset: [sleep]`", Outcome.REFUSED)
+WARP_SLEEP = refused_elements(
+    "sleep", "body", _sleepers, help="write `unset: [sleep]`", outcome=Outcome.REFUSED
+)
 
 
 def _flexes(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
@@ -160,8 +162,8 @@ def _velocities(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
             yield number, "MuJoCo Warp has no `linvel` and `angvel` of contacts in a model with flexes"
 
 
-WARP_FLEXES = refused_elements("soft", "flex", _flexes, _OUT)
-WARP_BESIDE_FLEXES = refused_elements("soft", "geom", _beside_flexes, _OUT)
+WARP_FLEXES = refused_elements("soft", "flex", _flexes, help=_OUT)
+WARP_BESIDE_FLEXES = refused_elements("soft", "geom", _beside_flexes, help=_OUT)
 WARP_VELOCITIES = refused_elements(
-    "contact sensors", "sensor", _velocities, "leave `linvel` and `angvel` out of its `data`"
+    "contact sensors", "sensor", _velocities, help="leave `linvel` and `angvel` out of its `data`"
 )

@@ -27,31 +27,31 @@ def hung(draft: Draft, body: int, name: str, parent: str) -> Iterator[Node]:
     joints = [(number, node) for number, node in draft.of("joint") if int(model.jnt_bodyid[number]) == body]
     stands = pose(model.body_pos[body], model.body_quat[body])
     if not joints:
-        yield fixed(f"{name}_fixed", parent, name, stands)
+        yield fixed(f"{name}_fixed", parent, name, frame=stands)
         return
     last = np.zeros(3)
     for at, (number, node) in enumerate(joints):
         called = str(node.get("name") or f"{name}_joint{at or ''}")
         if int(model.jnt_type[number]) == _FREE:
-            yield _joint(called, "floating", parent, name, stands)
+            yield _joint(called, "floating", parent, child=name, frame=stands)
             return
         anchor = np.asarray(model.jnt_pos[number], dtype=float)
         ends = at == len(joints) - 1 and not anchor.any()
         child = name if ends else f"{name}__{called}"
         frame = joined(stands, shifted(anchor - last), _before_reference(model, number))
-        found = _joint(called, _type(model, number), parent, child, frame)
-        _motion(draft, number, node, found)
+        found = _joint(called, _type(model, number), parent, child=child, frame=frame)
+        _motion(draft, number, node, joint=found)
         yield found
         if not ends:
             yield massless(child)
         parent, last, stands = child, anchor, shifted((0, 0, 0))
     if last.any():
-        yield fixed(f"{name}_fixed", parent, name, shifted(-last))
+        yield fixed(f"{name}_fixed", parent, name, frame=shifted(-last))
 
 
 def fixed(name: str, parent: str, child: str, frame: Pose) -> Node:
     """Return a joint that does not move."""
-    return _joint(name, "fixed", parent, child, frame)
+    return _joint(name, "fixed", parent, child=child, frame=frame)
 
 
 def _before_reference(model: Any, number: int) -> Pose:

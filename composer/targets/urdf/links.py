@@ -25,7 +25,7 @@ def link(draft: Draft, body: int, name: str, package: str) -> Node:
         found.append(_inertial(draft.model, body))
     for number, geom in draft.of("geom"):
         if int(draft.model.geom_bodyid[number]) == body:
-            _shapes(draft, number, geom, found, package)
+            _shapes(draft, number, geom, into=found, package=package)
     return found
 
 
@@ -57,7 +57,7 @@ def _shapes(draft: Draft, number: int, geom: Node, into: Node, package: str) -> 
     collides = bool(model.geom_contype[number]) or bool(model.geom_conaffinity[number])
     shown = int(model.geom_group[number]) < _SHOWN_GROUPS
     where = pose(model.geom_pos[number], model.geom_quat[number])
-    shapes = list(_geometry(draft, number, geom, package))
+    shapes = list(_geometry(draft, number, geom, package=package))
     if not shapes:
         draft.lose(
             "shapes", geom, what=f"the {'height field' if geom.get('type') == 'hfield' else geom.get('type')}"

@@ -32,11 +32,11 @@ def semantics(draft: Draft, name: str, names: list[str], joints: dict[str, Node]
                 etree.SubElement(state, "joint", name=str(node.get("name")), value=text(value))
     for body in range(1, model.nbody):
         if parent := int(model.body_parentid[body]):
-            _apart(root, names[parent], names[body], "Adjacent")
+            _apart(root, names[parent], names[body], reason="Adjacent")
     for signature in model.exclude_signature.tolist():
         pair = signature >> 16, signature & 0xFFFF
         if all(pair):
-            _apart(root, names[pair[0]], names[pair[1]], "Excluded in MuJoCo")
+            _apart(root, names[pair[0]], names[pair[1]], reason="Excluded in MuJoCo")
     etree.indent(root)
     return etree.tostring(root, xml_declaration=True, encoding="utf-8") + b"\n"
 

@@ -51,7 +51,7 @@ def write_urdf(draft: Draft) -> dict[str, bytes]:
     ]
     robot = etree.Element("robot", name=title)
     joints: dict[str, Node] = {}
-    links = [link(draft, number, name, package) for number, name in enumerate(names)]
+    links = [link(draft, number, name, package=package) for number, name in enumerate(names)]
     floating = model.nbody > 1 and not (model.body_parentid[2:] == 0).any() and _is_free(draft, 1)
     if floating:
         draft.lose(
@@ -64,13 +64,13 @@ def write_urdf(draft: Draft) -> dict[str, bytes]:
             continue
         robot.append(links[number])
         if number > (1 if floating else 0):
-            for each in hung(draft, number, name, names[int(model.body_parentid[number])]):
+            for each in hung(draft, number, name, parent=names[int(model.body_parentid[number])]):
                 robot.append(each)
                 if each.tag == "joint":
                     joints[str(each.get("name"))] = each
     for number, site in draft.of("site"):
         if site.get("name") and not (floating and int(model.site_bodyid[number]) == 0):
-            robot.extend(_frame(draft, number, str(site.get("name")), names))
+            robot.extend(_frame(draft, number, str(site.get("name")), names=names))
     mimics(draft, joints)
     system = control(draft, joints)
     if system is not None:
@@ -79,7 +79,7 @@ def write_urdf(draft: Draft) -> dict[str, bytes]:
     meshes = {path: content for path, content in draft.files.items() if path.endswith(".obj")}
     return {
         draft.output: etree.tostring(robot, xml_declaration=True, encoding="utf-8") + b"\n",
-        "model.srdf": semantics(draft, title, names, joints),
+        "model.srdf": semantics(draft, title, names, joints=joints),
         "package.xml": _PACKAGE.format(name=package, title=_escaped(title)).encode(),
         "CMakeLists.txt": _CMAKE.format(name=package).encode(),
         **meshes,
@@ -91,7 +91,10 @@ def _frame(draft: Draft, site: int, name: str, names: list[str]) -> list[Node]:
     model = draft.model
     called = f"{name}_site" if name in names else name
     where = pose(model.site_pos[site], model.site_quat[site])
-    return [massless(called), fixed(f"{called}_fixed", names[int(model.site_bodyid[site])], called, where)]
+    return [
+        massless(called),
+        fixed(f"{called}_fixed", names[int(model.site_bodyid[site])], called, frame=where),
+    ]
 
 
 def package_name(title: str) -> str:

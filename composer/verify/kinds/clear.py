@@ -30,7 +30,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     least = np.inf
     for name, data in poses:
         scope.mujoco.mj_kinematics(scope.model, data)
-        for one, other, distance in _pairs(scope, data, sides, asked["distance"]):
+        for one, other, distance in _pairs(scope, data, sides, limit=asked["distance"]):
             least = min(least, distance)
             if distance < asked["distance"]:
                 where = f" in `{name}`" if name else ""

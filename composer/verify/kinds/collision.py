@@ -42,14 +42,14 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
         scope.found(measure, worst)
         if asked[measure] is not None:
             wrong = [(each[measure], name) for name, each in found if each[measure] > asked[measure]]
-            findings += _failed(wrong, words, f"at most {asked[measure]:g} m", measure)
+            findings += _failed(wrong, words, f"at most {asked[measure]:g} m", measure=measure)
     covered = [(each["uncovered"], name) for name, each in found if each["uncovered"] is not None]
     if covered:
         scope.found("uncovered", max(covered)[0])
     if asked["uncovered"] is not None:
         wrong = [each for each in covered if each[0] > asked["uncovered"]]
         words = "leaves {} of the surface outside"
-        findings += _failed(wrong, words, f"at most {asked['uncovered']:g}", "uncovered")
+        findings += _failed(wrong, words, f"at most {asked['uncovered']:g}", measure="uncovered")
     if asked["volume"] is not None:
         findings += _volumes(found, *asked["volume"])
     return findings
@@ -64,7 +64,7 @@ def _volumes(found: list[tuple[str, dict[str, Any]]], low: float, high: float) -
         help = "close the meshes, or name the others by `meshes`"
         return [failed(message, expected, "unknown", "volume", more=more, help=help)]
     wrong = [(each["volume"], name) for name, each in found if not low <= each["volume"] <= high]
-    return _failed(wrong, "has {} of the volume", expected, "volume")
+    return _failed(wrong, "has {} of the volume", expected, measure="volume")
 
 
 def _failed(wrong: list[tuple[float, str]], words: str, expected: str, measure: str) -> list[Fault]:

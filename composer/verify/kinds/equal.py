@@ -55,7 +55,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
         return [unknown(tag, glob, scope.names(tag), tag)]
     wrong: list[tuple[str, str, str]] = []
     for index in matched:
-        actual = value_of(scope, tag, index, asked["attr"])
+        actual = value_of(scope, tag, index, attr=asked["attr"])
         if isinstance(actual, Fault):
             return [actual]
         if asked["index"] is not None:
@@ -65,7 +65,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
                 return [Fault("wrong-length", message, ("attr",), notes=(note,))]
             actual = actual[asked["index"]][None]
         scope.values[scope.written(tag, index)] = _plain(actual)
-        expected = expected_of(scope, tag, index, asked)
+        expected = expected_of(scope, tag, index, asked=asked)
         if isinstance(expected, Fault):
             return [expected]
         if len(expected) != actual.size:
@@ -101,7 +101,9 @@ def value_of(scope: Scope, tag: str, index: int, attr: str) -> Any | Fault:
     array = getattr(model, name, None)
     if array is None:
         return Fault("unknown-attribute", f"this MuJoCo has no `{attr}` of a {tag}", ("attr",))
-    row = rows_of(model, tag, name, index).start  # a joint has one value; for an actuator the first counts
+    row = rows_of(
+        model, tag, name, index=index
+    ).start  # a joint has one value; for an actuator the first counts
     return np.atleast_1d(array[row]).ravel()
 
 

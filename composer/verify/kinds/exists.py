@@ -19,8 +19,12 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     found: list[Fault] = []
     for index, selector in enumerate(asked["selectors"]):
         tag, glob, expect = selector["tag"], selector["glob"], selector["expect"]
-        matched = [each for each in scope.matching(tag, glob) if _stands_there(scope, tag, each, selector)]
-        fitting = [_fits(scope, tag, each, selector, asked["angle"], index) for each in matched]
+        matched = [
+            each for each in scope.matching(tag, glob) if _stands_there(scope, tag, each, selector=selector)
+        ]
+        fitting = [
+            _fits(scope, tag, each, selector=selector, angle=asked["angle"], place=index) for each in matched
+        ]
         if faults := [each for each in fitting if isinstance(each, Fault)]:
             found.append(faults[0])
             continue
@@ -56,12 +60,12 @@ def _fits(
     """Return whether an element has the values in `where`, or a finding if they cannot be looked up."""
     for each in selector["where"]:
         if each["word"] is not None:
-            words = set(words_of(scope, kind, index, each["attr"]))
+            words = set(words_of(scope, kind, index, attr=each["attr"]))
             if not scope.fitting(each["word"], words):
                 return False
             continue
-        actual = value_of(scope, kind, index, each["attr"])
-        expected = expected_of(scope, kind, index, {**each, "angle": angle})
+        actual = value_of(scope, kind, index, attr=each["attr"])
+        expected = expected_of(scope, kind, index, asked={**each, "angle": angle})
         if isinstance(actual, Fault) or isinstance(expected, Fault):
             fault = actual if isinstance(actual, Fault) else expected
             assert isinstance(fault, Fault)

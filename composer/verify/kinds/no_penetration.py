@@ -40,7 +40,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
         if depth <= most and depth <= asked["max"]:
             continue
         if not all(scope.owns(*side) for side in pair) or any(
-            _excluded(scope, pair, one, other) for one, other in excluded
+            _excluded(scope, pair, one, other=other) for one, other in excluded
         ):
             continue
         most = max(most, depth)

@@ -40,7 +40,8 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
             continue
         looked += 1
         wrong += [
-            f"{scope.called('body', body)}: {each}" for each in _faults(scope, shapes, body, geoms, asked)
+            f"{scope.called('body', body)}: {each}"
+            for each in _faults(scope, shapes, body, geoms=geoms, asked=asked)
         ]
     scope.found("bodies", looked)
     scope.found("implausible", len(wrong))
@@ -110,7 +111,7 @@ def _faults(
             " from its centre of mass"
         )
     if asked["density"] is not None and (own := shapes.own(body)):
-        yield from _density(scope, mass, own, asked["density"])
+        yield from _density(scope, mass, own, bounds=asked["density"])
 
 
 def _density(scope: Scope, mass: float, geoms: list[int], bounds: tuple[float, float]) -> Iterator[str]:

@@ -21,8 +21,8 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
     if isinstance(data, Fault):
         return [data]
     scope.mujoco.mj_kinematics(scope.model, data)
-    target = _in_the_world(scope, data, asked["target"], asked["frame"])
-    solver = Solver(scope.mujoco, scope.model, data, site, target, asked["tolerance"])
+    target = _in_the_world(scope, data, asked["target"], frame=asked["frame"])
+    solver = Solver(scope.mujoco, scope.model, data, site=site, target=target, tolerance=asked["tolerance"])
     if not len(solver.chain):
         distance = solver.distance
         scope.found("distance", distance, SOLVED)

@@ -64,7 +64,7 @@ def numbers(model: Any, array: Any) -> Any:
             and model.jnt_type[number] in (HINGE, SLIDE)
             and not model.jnt_actgravcomp[number]
         ):
-            found["joints"][name]["force"] = _force(found["joints"][name], name, model, array)
+            found["joints"][name]["force"] = _force(found["joints"][name], name, model, array=array)
     return found
 
 
