@@ -4,6 +4,14 @@ from __future__ import annotations
 
 import base64
 import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tempfile
+import venv
+from contextlib import suppress
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -79,15 +87,47 @@ def test_there_and_back_is_the_same_text_where_nothing_changed(feature: Feature,
     assert list(between(feature.before, feature.before)) == []
 
 
-def mujoco(version: str) -> Other:
-    """The MuJoCo of a version, or the test is skipped: from `MJCOMPOSE_MUJOCOS`, or installed below `build`."""
+@cache
+def _other(version: str) -> Other | str:
+    """The MuJoCo of a version, or why it cannot be had: from `MJCOMPOSE_MUJOCOS`, or installed below `build`."""
     named = os.environ.get("MJCOMPOSE_MUJOCOS")
     try:
-        if named:
-            return open_python(Path(named) / version)
-        return make(version, {"MJCOMPOSE_CACHE": str(MADE)}, lambda words: None)
+        if named is None and shutil.which("uv"):
+            return make(version, {"MJCOMPOSE_CACHE": str(MADE)}, lambda words: None)
+        return open_python(Path(named) / version if named else _install(version))
     except (OtherError, OSError) as error:
-        pytest.skip(f"MuJoCo {version} cannot be had: {error}")
+        return str(error)
+    except subprocess.CalledProcessError as error:
+        return str(error.stderr)
+
+
+def _install(version: str) -> Path:
+    """An environment of MuJoCo alone, which takes all else from this one: in an eighth of the time of `make` without uv."""
+    folder = MADE / version
+    if not folder.exists():
+        MADE.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=MADE) as made:
+            inside = Path(made, version)
+            venv.create(inside)
+            site, ours = (
+                Path(sysconfig.get_path("purelib", vars={"base": str(base), "platbase": str(base)}))
+                for base in (inside, sys.prefix)
+            )
+            pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--only-binary", ":all:"]
+            wanted = ["--target", str(site), f"mujoco=={version}"]
+            subprocess.run([*pip, *wanted], check=True, capture_output=True, text=True)
+            (site / "ours.pth").write_text(f"{ours}\n", encoding="utf-8")
+            with suppress(OSError):  # another worker was sooner
+                inside.rename(folder)
+    return folder
+
+
+def mujoco(version: str) -> Other:
+    """The MuJoCo of a version, or the test is skipped."""
+    found = _other(version)
+    if isinstance(found, str):
+        pytest.skip(f"MuJoCo {version} cannot be had: {found}")
+    return found
 
 
 @pytest.mark.slow
