@@ -19,6 +19,7 @@ import signal
 import sys
 import time
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
 from pathlib import Path
 from random import Random
@@ -159,8 +160,13 @@ def main() -> int:
     options = parser.parse_args()
     options.out = options.out.resolve()
     total = 0
-    for name in options.targets:
-        count, found = fuzz(name, options.seconds, options.seed, options.out)
+
+    def one(name: str) -> tuple[int, Counter[str]]:
+        return fuzz(name, options.seconds, options.seed, options.out)
+
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:  # each waits for a process of its own
+        results = list(pool.map(one, options.targets))
+    for name, (count, found) in zip(options.targets, results, strict=True):
         total += sum(found.values())
         told = ", ".join(f"{kind} ({number})" for kind, number in found.most_common()) or "nothing found"
         _say(f"{name}: {count} cases in {options.seconds:g} s: {told}")
