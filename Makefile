@@ -121,6 +121,7 @@ schemas: $(STAMP)
 	  $(BIN)/mjcompose schema $$what > build/$$what.schema.json && mv build/$$what.schema.json schemas/ || exit 1; \
 	done
 	@$(BIN)/mjcompose schema reference > build/reference.md && mv build/reference.md docs/
+	@$(BIN)/python -m composer.mjcf.stub
 	@$(BIN)/python -m composer.targets.markdown
 	@$(BIN)/python -m composer.migrate.markdown
 	@$(BIN)/python -m composer.recipe.motor_table

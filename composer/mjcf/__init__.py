@@ -12,6 +12,7 @@ Importing it does not import MuJoCo.
 
 from __future__ import annotations
 
+from composer.mjcf import elements as elements
 from composer.mjcf.asset import Asset
 from composer.mjcf.attachment import (
     AttachmentFrame,
@@ -57,6 +58,7 @@ __all__ = [
     "Physics",
     "RootElement",
     "commit_defaults",
+    "elements",
     "export_with_assets",
     "export_with_assets_as_zip",
     "from_file",
@@ -69,3 +71,7 @@ __all__ = [
     "get_frame_joints",
     "get_freejoint",
 ]
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from lxml.etree import _Element as Node
@@ -132,7 +132,7 @@ class Attributed:
         checked = edit.check(self._model, self._kind, targets(attributes), self._node)
         edit.write(self._model, self._node, checked)
 
-    def __getattr__(self, name: str) -> Any:
+    def _member(self, name: str) -> Any:
         if name.startswith("_"):
             raise AttributeError(name)
         attribute = attribute_of(self._kind, name)
@@ -155,7 +155,7 @@ class Attributed:
         found = next(self._node.iterchildren(tag), None)
         return None if found is None else view(self._model, found)
 
-    def __setattr__(self, name: str, value: object) -> None:
+    def _set_member(self, name: str, value: object) -> None:
         member = getattr(type(self), name, None)
         if isinstance(member, property):
             if member.fset is None:
@@ -185,6 +185,9 @@ class Attributed:
             call_site(),
             help=f"set its attributes, or add one: `add('{name.rstrip('_')}', …)`",
         )
+
+    if not TYPE_CHECKING:  # a checker knows the names of each kind of element: see `elements.pyi`
+        __getattr__, __setattr__ = _member, _set_member
 
     def __delattr__(self, name: str) -> None:
         setattr(self, name, None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from lxml import etree
 
@@ -245,7 +245,13 @@ class Element(NodeView):
         return kind
 
 
-class RootElement(RootView, Element):
+if TYPE_CHECKING:
+    from composer.mjcf.elements import Mujoco
+else:
+    Mujoco = Element  # its sections and attributes are found when they are asked for
+
+
+class RootElement(RootView, Mujoco):
     """A whole model. Its sections are attributes, created when first accessed.
 
     >>> from composer import mjcf
@@ -257,24 +263,6 @@ class RootElement(RootView, Element):
     """
 
     __slots__ = ()
-
-    compiler: Element
-    option: Element
-    size: Element
-    statistic: Element
-    visual: Element
-    default: Element
-    extension: Element
-    asset: Element
-    worldbody: Element
-    deformable: Element
-    contact: Element
-    tendon: Element
-    equality: Element
-    actuator: Element
-    sensor: Element
-    custom: Element
-    keyframe: Element
 
     def __init__(self, model: str | None = None) -> None:
         """Make an empty model named `model`. Paths of files added to it are relative to the working directory."""

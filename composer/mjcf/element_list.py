@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import SupportsIndex, overload
+from typing import SupportsIndex, TypeVar, overload
 
 from composer.diagnostics.call_site import call_site
 from composer.diagnostics.diagnostic import Note
@@ -12,8 +12,10 @@ from composer.diagnostics.unknown import unknown_name
 from composer.mjcf.element import Element
 from composer.mjcf.errors import MjcfKeyError, failed, failure
 
+_E = TypeVar("_E", bound=Element)
 
-class ElementList(Sequence[Element]):
+
+class ElementList(Sequence[_E]):
     """The value of `body.geom`: the elements, by number or by name, at the time it was read.
 
     `del` and `clear()` remove elements from the model. To add elements, call `add` and `insert` of their parent.
@@ -30,16 +32,16 @@ class ElementList(Sequence[Element]):
 
     __slots__ = ("_elements", "tag")
 
-    def __init__(self, tag: str, elements: Iterable[Element]) -> None:
+    def __init__(self, tag: str, elements: Iterable[_E]) -> None:
         """For internal use. A list of elements is read from an attribute such as `body.geom`."""
         self.tag = tag
         self._elements = tuple(elements)
 
     @overload
-    def __getitem__(self, index: SupportsIndex | str) -> Element: ...
+    def __getitem__(self, index: SupportsIndex | str) -> _E: ...
     @overload
-    def __getitem__(self, index: slice) -> list[Element]: ...
-    def __getitem__(self, index: SupportsIndex | str | slice) -> Element | list[Element]:
+    def __getitem__(self, index: slice) -> list[_E]: ...
+    def __getitem__(self, index: SupportsIndex | str | slice) -> _E | list[_E]:
         """Return an element by its index or by its name in its own model, or a list of elements for a slice.
 
         Raises `MjcfKeyError`, which is also a `KeyError`, if no element has the name.

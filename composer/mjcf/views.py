@@ -9,7 +9,7 @@ from typing import Any
 from lxml.etree import _Element as Node
 
 from composer.dataclass import dataclass
-from composer.grammar import ElementType
+from composer.grammar import GRAMMAR, ElementType
 from composer.mjcf.members import class_name, members
 from composer.mjcf.model import Model
 from composer.tree.kinds import kind_of
@@ -61,3 +61,15 @@ def class_of(kind: ElementType) -> type[Any]:
         "_kind": kind,
     }
     return type(class_name(kind), (base,), inside)
+
+
+@cache
+def kinds() -> dict[str, ElementType]:
+    """Return every kind of element that a model has below its root, by the name of its class."""
+    reached: dict[str, ElementType] = {}
+    waiting = [*GRAMMAR.root.children.values()]
+    while waiting:
+        kind = waiting.pop(0)
+        if reached.setdefault(class_name(kind), kind) is kind and kind not in waiting:
+            waiting += [each for each in kind.children.values() if class_name(each) not in reached]
+    return reached

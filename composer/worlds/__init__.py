@@ -43,11 +43,11 @@ __all__ = ["Table", "Varying", "Worlds", "gather", "load", "mjlab", "mjx", "mujo
 def __getattr__(name: str) -> object:
     home = _HOMES.get(name)
     if home is None:
-        raise AttributeError(f"module `{__name__}` has no attribute `{name}`")
+        raise AttributeError(f"module `{__name__}` has no attribute `{name}`", name=name)
     value: object = getattr(import_module(home), name)
     globals()[name] = value
     return value
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_HOMES})
+    return __all__

@@ -24,7 +24,7 @@ def test_the_examples_of_the_page(
     mesh.write_bytes((folder / "gripper" / "shell.stl").read_bytes())
     monkeypatch.chdir(folder)
     examples = re.findall(r"```python\n(.*?)```", (repository / "docs" / "mjcf.md").read_text(), re.DOTALL)
-    assert len(examples) == 12
+    assert len(examples) == 13
     names: dict[str, object] = {}
     for example in examples:
         exec(compile(example, "docs/mjcf.md", "exec"), names)
@@ -40,4 +40,5 @@ def test_the_examples_of_the_page(
     assert told[2:5] == ["base default", "arm default", "fore default"]
     assert told[last + 2].startswith("[0.01 0.02] ")
     assert told[last + 5] == '<body name="custom_body">'
-    assert told[-2:] == ["3 numbers; 0 0 0 where it is not set anywhere.", "['gravcomp']"]
+    assert told[-3:-1] == ["3 numbers; 0 0 0 where it is not set anywhere.", "['gravcomp']"]
+    assert told[-1].startswith("True ['Equality', 'EqualityConnect', ")
