@@ -6,7 +6,7 @@
     arm = composer.mjcf.from_path("arm.xml")            # a model to read, edit, attach and write
     study = composer.worlds.load("build/study/")        # one model and the numbers that differ between its samples
 
-Every error that these raise for what you give them is a `MjcomposeError`. All of it is imported on first use, so
+What these refuse is a `MjcomposeError`, but for an index out of range. All of it is imported on first use, so
 that the import costs nothing.
 """
 

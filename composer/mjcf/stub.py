@@ -89,7 +89,7 @@ def _lines() -> Iterator[str]:
             yield from _packed(given)
     named = {kind.path: values[_given(kind, words)] for kind in every.values()}
     for name, kind in [*every.items(), ("Mujoco", GRAMMAR.root)]:
-        yield from _element(name, kind, words, named)
+        yield from _element(name, kind, words, values=named)
 
 
 def _word_lists(every: Iterable[ElementType]) -> dict[tuple[str, ...], str]:
