@@ -42,7 +42,7 @@ test-usd:
 	@[ -e .venv-usd/.ready ] || { \
 	  for python in $(PYTHON) python3.12 python3.11 python3; do $$python -c 'import ensurepip, sys; sys.exit(sys.version_info >= (3, 13))' 2>/dev/null && break; done; \
 	  VENV=.venv-usd MUJOCO=3.16.0 EXTRAS=test,usd PYTHON=$$python bash .ci/setup && touch .venv-usd/.ready; }
-	@.venv-usd/bin/python -m pytest tests/bundle/test_usd.py
+	@.venv-usd/bin/python -m pytest tests/build/bundle/test_write.py
 
 # The tests of worlds in simulators, and the guides that need such packages: MuJoCo Warp, MJX and playground in one environment, mjlab, which pins MuJoCo 3.11, in another.
 test-worlds: $(STAMP)
@@ -51,9 +51,9 @@ test-worlds: $(STAMP)
 	  $(BIN)/python -m venv build/$$name && build/$$name/bin/pip install --quiet pytest pytest-timeout . $$packages && \
 	  touch build/$$name/.ready; } || exit 1; done
 	@build/simulators/bin/pip install --quiet --no-deps robosuite
-	@build/simulators/bin/python -m pytest tests/worlds
+	@build/simulators/bin/python -m pytest tests/tools/worlds
 	@build/simulators/bin/python -m pytest tests/docs/test_pages.py -k "mjx or robosuite"
-	@build/mjlab/bin/python -m pytest tests/worlds/test_mjlab.py tests/worlds/test_warp.py
+	@build/mjlab/bin/python -m pytest tests/tools/worlds/test_mjlab.py tests/tools/worlds/test_warp.py
 
 # What other programs read of what `build --target` writes for them. They come from PyPI, each into an environment of its own below
 # build/consumers (8 GB, and more where PyTorch comes with CUDA); what cannot be had is skipped, with the reason.
@@ -121,11 +121,11 @@ schemas: $(STAMP)
 	  $(BIN)/mjcompose schema $$what > build/$$what.schema.json && mv build/$$what.schema.json schemas/ || exit 1; \
 	done
 	@$(BIN)/mjcompose schema reference > build/reference.md && mv build/reference.md docs/
-	@$(BIN)/python -m composer.mjcf.stub
-	@$(BIN)/python -m composer.targets.markdown
-	@$(BIN)/python -m composer.migrate.markdown
-	@$(BIN)/python -m composer.recipe.motor_table
-	@$(BIN)/python -m composer.recipe.key_order > build/key_order.json && mv build/key_order.json composer/formatting/
+	@$(BIN)/python -m mjcompose.mjcf.stub
+	@$(BIN)/python -m mjcompose.targets.table
+	@$(BIN)/python -m mjcompose.tools.migrate.changes
+	@$(BIN)/python -m mjcompose.language.motors
+	@$(BIN)/python -m mjcompose.language.reference_page > build/key_order.json && mv build/key_order.json composer/mjcompose/text/
 
 # Pins of every test dependency for every supported Python; needs uv.
 constraints:

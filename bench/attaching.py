@@ -1,6 +1,6 @@
 """Two files parsed, attached, linked and written: against lxml alone, `MjSpec` and dm_control.
 
-Rows called `link` time the linker, as a build uses it; those called `composer.mjcf` time the Python interface.
+Rows called `link` time the linker, as a build uses it; those called `mjcompose.mjcf` time the Python interface.
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from lxml import etree
+from mjcompose import mjcf
+from mjcompose.link.linking import Policy
 
 from bench import ours, peers
 from bench.models import SITE, Models, models
 from bench.row import Row
 from bench.timing import best_times
-from composer import mjcf
-from composer.link.request import Policy
 
 
 def rows() -> list[Row]:
@@ -84,8 +84,8 @@ def _to_dm_control(used: Models) -> Row:
 def _of_mjcf(used: Models) -> Iterator[Row]:
     """Both have a file with the same bodies afterwards; MjSpec without keys, which would make it compile both."""
     name, second = (
-        f"composer.mjcf: read, attach, write ({used.name})",
-        "composer.mjcf: the second text / lxml",
+        f"mjcompose.mjcf: read, attach, write ({used.name})",
+        "mjcompose.mjcf: the second text / lxml",
     )
     arm, hand = str(used.arm), str(used.hand)
     policy: Policy = "error" if used.to_lxml else "merge"  # the project's own models do not agree

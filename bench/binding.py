@@ -7,12 +7,12 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from mjcompose import mjcf
 
 from bench import peers
 from bench.models import models
 from bench.row import Row
 from bench.timing import Candidate, best_times
-from composer import mjcf
 
 _TIMES = 20_000
 _LIMIT = 1.0

@@ -62,7 +62,7 @@ def _command(models: int, *words: str) -> list[str]:
         "-o",
         f"{'-'.join(words)}-{models}/{{hash}}/{{name}}.zip",
     ]
-    return [sys.executable, "-m", "composer", *given, *words]
+    return [sys.executable, "-m", "mjcompose", *given, *words]
 
 
 def _cost(models: int, *words: str) -> float:

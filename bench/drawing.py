@@ -5,9 +5,10 @@ from __future__ import annotations
 import hashlib
 import time
 
+from mjcompose.language.distribution import FieldDistribution
+
 from bench.row import Row
 from bench.timing import best_times
-from composer.recipe.distribution import FieldDistribution
 
 _SAMPLES = range(1, 5001)
 _TO_HASHES = 15.0

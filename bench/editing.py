@@ -7,9 +7,10 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
+from mjcompose import mjcf
+
 from bench import peers
 from bench.row import Row
-from composer import mjcf
 
 _MANY = 10_000
 _REFERRERS = 1_000

@@ -14,18 +14,17 @@ from pathlib import Path
 from typing import Any
 
 from lxml import etree
+from mjcompose import mjcf
+from mjcompose.base.sink import Sink
+from mjcompose.link.link import finish, link
+from mjcompose.link.linking import Linking, Part, Place
+from mjcompose.model.parse import parse_text
 
 from bench import peers
 from bench.models import REPOSITORY
 from bench.plot import plot
 from bench.row import Row
 from bench.timing import best_times, processor_time
-from composer import mjcf
-from composer.diagnostics import Sink
-from composer.link.link import finish, link
-from composer.link.linking import Linking
-from composer.link.part import Part, Place
-from composer.tree.parse import parse_text
 
 _MODELS = REPOSITORY / "recipes" / "models"
 _PICTURES = REPOSITORY / "docs" / "pictures"
@@ -197,7 +196,7 @@ def _read() -> Row:
     )  # fmt: skip
     note = f"{best['ours'] * 1e3:.1f} ms; lxml parses and checks nothing"
     return Row(
-        "composer.mjcf: from_xml_string of 1,000 bodies / lxml", best["ours"] / best["lxml"], _TO_LXML, note
+        "mjcompose.mjcf: from_xml_string of 1,000 bodies / lxml", best["ours"] / best["lxml"], _TO_LXML, note
     )
 
 
@@ -242,7 +241,7 @@ def _once(run: Callable[[], object]) -> float:
 
 
 def _command(*words: str) -> None:
-    _python("-m", "composer", *words, "--no-cache", "-q")
+    _python("-m", "mjcompose", *words, "--no-cache", "-q")
 
 
 def _python(*words: str) -> Any:

@@ -49,6 +49,6 @@ def _build(recipe: Path, jobs: int) -> tuple[float, float]:
         f"{jobs}/{{name}}/",
         "-q",
     ]
-    subprocess.run([sys.executable, "-m", "composer", *command], check=True)
+    subprocess.run([sys.executable, "-m", "mjcompose", *command], check=True)
     processor, wall = (clock() - start for clock, start in zip(clocks, before, strict=True))
     return processor, wall

@@ -6,15 +6,12 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from lxml import etree
-
-from composer.diagnostics import Sink
-from composer.link.link import finish, link
-from composer.link.linking import Linking, Measure
-from composer.link.part import Part, Place
-from composer.link.request import Request
-from composer.tree.parse import parse_file
-from composer.tree.unit import Unit
-from composer.tree.write import write
+from mjcompose.base.sink import Sink
+from mjcompose.link.link import finish, link
+from mjcompose.link.linking import Linking, Measure, Part, Place, Request
+from mjcompose.model.parse import parse_file
+from mjcompose.model.unit import Unit
+from mjcompose.model.xml_text import write
 
 # What the hands ask for and the arms do not: a recipe has to say which it is, or it does not build.
 _SETTLED = frozenset({"option/cone", "option/impratio"})

@@ -15,15 +15,15 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+from mjcompose.link.linking import Measure, Place
+from mjcompose.link.measure import measure_with
+from mjcompose.model.unit import Unit
+from mjcompose.mujoco.engine import Session
+from mjcompose.sources.context import Context
+
 from bench import ours, peers
 from bench.row import Row
 from bench.timing import best_times
-from composer.context import Context
-from composer.engine import Session
-from composer.link.linking import Measure
-from composer.link.measure import measure_with
-from composer.link.part import Place
-from composer.tree.unit import Unit
 
 _LIMIT = 4.5
 _ROUNDS, _SECONDS = 80, 5.0

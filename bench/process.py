@@ -19,12 +19,12 @@ _KNOWN = 0.25
 
 def rows() -> list[Row]:
     out = Path("bench.zip").absolute()
-    known = ["-m", "composer", "build", str(RECIPE), "-o", str(out)]
+    known = ["-m", "mjcompose", "build", str(RECIPE), "-o", str(out)]
     build = [*known, "--no-verify", "--no-cache"]
     candidates: dict[str, Candidate] = {
         "imports": lambda: _run("-c", _IMPORTS),
         "build": lambda: _run(*build),
-        "help": lambda: _run("-m", "composer", "--help"),
+        "help": lambda: _run("-m", "mjcompose", "--help"),
         "python": lambda: _run("-c", "pass"),
         "known": lambda: _run(*known),
         "written": lambda: (out.unlink(missing_ok=True), _run(*known)),

@@ -41,9 +41,9 @@ else:
     arm.to_zip("mjspec.zip")
 """
 _STARTS = (
-    ("Python and the command's own options", "import composer.cli.main, composer.cli.build"),
-    ("what knows the cache", "import composer.cache.builder"),
-    ("what reads, plans, links and bundles", "import composer.stages, composer.verify.compile_report"),
+    ("Python and the command's own options", "import mjcompose.cli.main, mjcompose.cli.build"),
+    ("what knows the cache", "import mjcompose.build.cache.builder"),
+    ("what reads, plans, links and bundles", "import mjcompose.build.stages, mjcompose.build.verify.compile"),
 )
 
 
@@ -73,7 +73,7 @@ def rows() -> list[Row]:
 def _candidates(menagerie: Path) -> dict[str, Candidate]:
     models = [str(menagerie / model) for model in _MODELS]
     return {
-        "build": lambda: _run("-m", "composer", "build", str(_RECIPE), "--no-cache", "-o", "ours.zip", "-q"),
+        "build": lambda: _run("-m", "mjcompose", "build", str(_RECIPE), "--no-cache", "-o", "ours.zip", "-q"),
         "mjspec": lambda: _run("-c", _MJSPEC, *models),
         "equal": lambda: _run("-c", _MJSPEC, *models, "equal"),
     }
@@ -103,7 +103,7 @@ def main() -> None:
     whole = float("inf")
     for _ in range(6):
         start = time.perf_counter()
-        said = _run("-m", "composer", "build", str(_RECIPE), "--no-cache", "-o", "ours.zip", "-v")
+        said = _run("-m", "mjcompose", "build", str(_RECIPE), "--no-cache", "-o", "ours.zip", "-v")
         whole = min(whole, time.perf_counter() - start)
         for stage, seconds in re.findall(r"^  (\w+) +([\d.]+) s$", said, re.MULTILINE):
             stages[stage] = min(stages.get(stage, whole), float(seconds))

@@ -1,4 +1,4 @@
-"""Models read and written by `composer.mjcf`, against lxml's parse and tostring of the same files."""
+"""Models read and written by `mjcompose.mjcf`, against lxml's parse and tostring of the same files."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import os
 from pathlib import Path
 
 from lxml import etree
+from mjcompose import mjcf
 
 from bench.models import REPOSITORY
 from bench.row import Row
 from bench.timing import best_times
-from composer import mjcf
 
 _LIMIT = 3.0
 _ENTRIES = ("franka_emika_panda/panda.xml", "shadow_hand/left_hand.xml", "unitree_g1/g1.xml")
@@ -38,9 +38,9 @@ def _of(file: Path) -> list[Row]:
         seconds=2,
     )
     return [
-        Row("composer.mjcf: from_path / lxml parse", best["from_path"] / best["parse"], _LIMIT, file.stem),
+        Row("mjcompose.mjcf: from_path / lxml parse", best["from_path"] / best["parse"], _LIMIT, file.stem),
         Row(
-            "composer.mjcf: to_xml_string / lxml tostring",
+            "mjcompose.mjcf: to_xml_string / lxml tostring",
             best["to_xml_string"] / best["tostring"],
             _LIMIT,
             file.stem,

@@ -67,7 +67,7 @@ def _typed(editor: Editor, name: str) -> Iterator[Row]:
 
 def _of_parts() -> Row:
     """The processor time of one analysis, which is what an editor waits for."""
-    from composer.lsp.workspace import Workspace
+    from mjcompose.lsp.desk import Workspace
 
     workspace = Workspace(Path.cwd())
     best: dict[int, float] = {}

@@ -60,7 +60,7 @@ def _watched() -> Iterator[Row]:
     recipe = Path("watched.yaml").absolute()
     recipe.write_text(_UR5E)
     process = subprocess.Popen(
-        [sys.executable, "-m", "composer", "build", str(recipe), "--watch", "-o", "watched.zip"],
+        [sys.executable, "-m", "mjcompose", "build", str(recipe), "--watch", "-o", "watched.zip"],
         env=_environment(), text=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
     )  # fmt: skip
     assert process.stderr is not None
@@ -125,7 +125,7 @@ def _shown(browser: Any, recipe: Path, old: str, new: str) -> tuple[float, list[
     """Seconds from the start of the command to the first picture, and from each save to its own."""
     started = time.perf_counter()
     process = subprocess.Popen(
-        [sys.executable, "-m", "composer", "view", str(recipe), "--no-open"], cwd=recipe.parent,
+        [sys.executable, "-m", "mjcompose", "view", str(recipe), "--no-open"], cwd=recipe.parent,
         env=_environment(), text=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
     )  # fmt: skip
     page = browser.new_page(viewport={"width": 1100, "height": 640})
@@ -185,7 +185,7 @@ def _browser() -> Iterator[Any]:
 
 def _command(*words: str | Path) -> None:
     subprocess.run(
-        [sys.executable, "-m", "composer", *map(str, words)],
+        [sys.executable, "-m", "mjcompose", *map(str, words)],
         env=_environment(),
         check=False,
         capture_output=True,

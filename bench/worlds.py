@@ -19,10 +19,10 @@ _BYTES, _SECONDS = 200.0, 0.3
 
 
 def rows() -> list[Row]:
-    from composer import worlds
+    from mjcompose import worlds
 
     command = ["build", str(_RECIPE), "--no-cache", "-o", "worlds/", "-q"]
-    subprocess.run([sys.executable, "-m", "composer", *command], check=True)
+    subprocess.run([sys.executable, "-m", "mjcompose", *command], check=True)
     study = worlds.load("worlds/")
     columns = json.loads(Path("worlds/randomize.json").read_text())["columns"]
     size = Path("worlds/worlds.npz").stat().st_size / (study.count * len(columns))

@@ -9,9 +9,8 @@ from subprocess import Popen
 from typing import Any
 
 import pytest
-
-from composer.engine.session import Session
-from composer.processes.process import module_path
+from mjcompose.base.processes import module_path
+from mjcompose.mujoco.engine import Session
 
 Key = tuple[object, ...]
 State = dict[str, Any]

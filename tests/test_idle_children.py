@@ -6,8 +6,7 @@ from pathlib import Path
 from subprocess import Popen
 
 import pytest
-
-from composer.engine import Limits, Request, Session
+from mjcompose.mujoco.engine import Limits, Request, Session
 
 
 def _child(session: Session, folder: Path) -> Popen[str]:

@@ -11,7 +11,7 @@ import os
 import sys
 from pathlib import Path
 
-from composer import mjcf
+from mjcompose import mjcf
 
 ARM = "universal_robots_ur5e/ur5e.xml"
 HAND = "robotiq_2f85/2f85.xml"

@@ -11,9 +11,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
-
-from composer import mjcf
-from composer.pictures.png import png
+from mjcompose import mjcf
+from mjcompose.mujoco.film import png
 
 RADIUS = 0.1  # of a creature's trunk, in metres
 LEGS = 3, 4, 4, 5, 6, 6

@@ -5,7 +5,7 @@ python docs/examples/two_arms.py
 
 from __future__ import annotations
 
-from composer import mjcf
+from mjcompose import mjcf
 
 LENGTH = 0.3  # of each half of an arm, in metres
 

@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from click.testing import CliRunner, Result
-
-from composer.cli.main import main
-from composer.sources.lease import let_go
+from mjcompose.cli.main import main
+from mjcompose.sources.blobs import let_go
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 
@@ -75,7 +74,7 @@ def environment(**more: str) -> dict[str, str]:
 def process(*arguments: str, **more: Any) -> subprocess.CompletedProcess[bytes]:
     """The command as a process of its own; `more` goes to `subprocess.run`."""
     more = {"env": environment(), "capture_output": True, "timeout": 120, **more}
-    return subprocess.run([sys.executable, "-m", "composer", *arguments], check=False, **more)
+    return subprocess.run([sys.executable, "-m", "mjcompose", *arguments], check=False, **more)
 
 
 def snapshot(folder: Path) -> dict[str, bytes | None]:

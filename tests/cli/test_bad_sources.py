@@ -19,10 +19,9 @@ from typing import Any
 
 import pytest
 from cli.shell import environment, process, run, snapshot
+from mjcompose.sources import web_archive
+from mjcompose.sources.store import Store
 from sampling import rest_slow
-
-from composer.sources import unpack
-from composer.sources.store import Store
 
 MODEL = b'<mujoco model="arm"><worldbody><body name="arm"><geom size="0.1"/></body></worldbody></mujoco>\n'
 OTHER = MODEL.replace(b"0.1", b"0.2")
@@ -185,7 +184,7 @@ QUICK = [
 
 @pytest.mark.parametrize("case", rest_slow(CASES, QUICK))
 def test_one_error_at_its_place(world: World, case: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(unpack, "SMALL", 1024 * 1024)
+    monkeypatch.setattr(web_archive, "SMALL", 1024 * 1024)
     prepare, code, said = CASES[case]
     reference = prepare(world)
     if reference is not None:
@@ -256,7 +255,7 @@ def test_a_build_that_is_killed_while_it_fetches(world: World) -> None:
         time.sleep(60)
 
     world.web.pages["/a.zip"] = stalls
-    command = [sys.executable, "-m", "composer", "build", "bad.yaml", "-o", "out/"]
+    command = [sys.executable, "-m", "mjcompose", "build", "bad.yaml", "-o", "out/"]
     with subprocess.Popen(command, env=environment(MJCOMPOSE_TIMEOUT="60")) as building:
         while not any(path.suffix == ".part" and path.stat().st_size for path in world.store.unfinished()):
             assert building.poll() is None
@@ -277,7 +276,7 @@ def test_two_builds_fetch_once(world: World) -> None:
     content = zipped(**{"arm.xml": MODEL, "large.bin": os.urandom(1_000_000)})
     name, path = world.archive(content).split("#")
     world.recipe(f"{name}@sha256:{hashlib.sha256(content).hexdigest()}#{path}")
-    command = [sys.executable, "-m", "composer", "build", "bad.yaml", "--no-verify", "-o"]
+    command = [sys.executable, "-m", "mjcompose", "build", "bad.yaml", "--no-verify", "-o"]
     both = [subprocess.Popen([*command, out], env=environment()) for out in ("one.zip", "two.zip")]
     assert [each.wait() for each in both] == [0, 0]
     assert (world.folder / "one.zip").read_bytes() == (world.folder / "two.zip").read_bytes()

@@ -10,8 +10,7 @@ from pathlib import Path
 import mujoco
 import pytest
 from cli.shell import RECIPE, process, run, snapshot
-
-from composer.bundle import archive
+from mjcompose.build.bundle import write
 
 MODEL_FILES = {
     "model.xml",
@@ -312,7 +311,7 @@ def test_an_interruption_while_writing(folder: Path, monkeypatch: pytest.MonkeyP
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(archive, "_copy", interrupt)
+    monkeypatch.setattr(write, "_copy", interrupt)
     result = run("build", "cell.yaml", "--no-verify", "--no-cache", "-o", "out.zip")
     assert result.exit_code == 130
     assert "interrupted" in result.stderr
@@ -371,7 +370,7 @@ def test_an_interruption_while_mujoco_works(
     temporary = tmp_path / "temporary"
     temporary.mkdir()
     started = subprocess.Popen(
-        [sys.executable, "-m", "composer", "build", "slow.yaml", "-o", "out.zip", "--limit", "expansion=1000000"],
+        [sys.executable, "-m", "mjcompose", "build", "slow.yaml", "-o", "out.zip", "--limit", "expansion=1000000"],
         env=environment(TMPDIR=str(temporary)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
         # tests that were started in the background of a shell ignore it, and so would what they start
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),

@@ -9,10 +9,9 @@ from pathlib import Path
 
 import pytest
 from cli.shell import run
-
-from composer.sources import mujocos
-from composer.sources.fetching import quiet
-from composer.sources.store import Store
+from mjcompose.sources import blobs
+from mjcompose.sources.fetching import quiet
+from mjcompose.sources.store import Store
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -54,7 +53,7 @@ def mujoco(store: Store) -> Path:
     folder = store.folder / "mujoco/3.1.6"
     (folder / "lib").mkdir(parents=True)
     (folder / "lib/mujoco.so").write_bytes(bytes(3000))
-    mujocos.complete(folder)
+    blobs.complete(folder)
     os.utime(folder / ".ready", (1, 1))
     return folder
 
@@ -80,7 +79,7 @@ def test_prune_removes_a_mujoco_that_was_used_longest_ago(store: Store, mujoco: 
 HOLDS = """
 import sys
 from pathlib import Path
-from composer.sources.lease import gate, hold
+from mjcompose.sources.blobs import gate, hold
 with gate(Path(sys.argv[1])):
     hold(Path(sys.argv[1]), "mujoco-3-1-6")
 print("held", flush=True)
@@ -102,7 +101,7 @@ def test_a_mujoco_in_use_stays(store: Store, mujoco: Path) -> None:
 def test_what_is_left_of_a_mujoco_is_pruned_unless_it_is_being_made(store: Store, mujoco: Path) -> None:
     (mujoco / ".ready").unlink()
     assert "1 unfinished, being fetched now or broken off" in run("cache", "info").stdout
-    with store.lock(mujocos.key_of("3.1.6"), quiet):
+    with store.lock(blobs.mujoco_key("3.1.6"), quiet):
         assert run("cache", "prune").exit_code == 0
         assert mujoco.exists()
     assert run("cache", "prune").exit_code == 0
@@ -166,6 +165,6 @@ def test_prune_sweeps_what_killed_processes_left(tmp_path: Path, monkeypatch: py
     (left / "lock").touch()
     monkeypatch.setenv("MJCOMPOSE_CACHE", str(tmp_path / "store"))
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "tmp"))
-    monkeypatch.setattr("composer.scratch._swept", set())
+    monkeypatch.setattr("mjcompose.base.scratch._swept", set())
     assert run("cache", "prune").exit_code == 0
     assert not left.exists()

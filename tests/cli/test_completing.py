@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 from cli.shell import environment, run
 from click.shell_completion import ShellComplete
-
-from composer.cli import main as main_module
+from mjcompose.cli import main as main_module
 
 STUDY = """
 recipe: 1
@@ -22,7 +21,7 @@ params: {mass: 1, reach: 2}
 variants: {speed: {slow: {}, fast: {}}}
 matrix: {axes: {mass: [1, 2], speed: [slow, fast]}}
 """
-PROGRAM = "from composer.cli.main import main; main(prog_name='mjcompose')"
+PROGRAM = "from mjcompose.cli.main import main; main(prog_name='mjcompose')"
 
 
 @pytest.fixture

@@ -6,10 +6,9 @@ from pathlib import Path
 
 import pytest
 from cli.shell import run
-
-from composer.cli.doctor import Finding, _store, _templates
-from composer.processes import confined
-from composer.sources.blobs import put
+from mjcompose.base import sandbox
+from mjcompose.cli.doctor import Finding, _store, _templates
+from mjcompose.sources.blobs import put
 
 
 def test_a_working_installation_is_said_to_be_one() -> None:
@@ -20,7 +19,7 @@ def test_a_working_installation_is_said_to_be_one() -> None:
 
 
 def test_another_package_of_the_same_name_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(metadata, "packages_distributions", lambda: {"composer": ["mjcompose", "composer"]})
+    monkeypatch.setattr(metadata, "packages_distributions", lambda: {"mjcompose": ["mjcompose", "composer"]})
     result = run("doctor")
     assert result.exit_code == 1
     assert "is installed by `composer` too" in result.stdout
@@ -57,7 +56,7 @@ def test_mujoco_works_where_pictures_cannot_be_made(monkeypatch: pytest.MonkeyPa
 def test_how_templates_are_confined_is_told(
     monkeypatch: pytest.MonkeyPatch, answer: dict[str, object], found: Finding
 ) -> None:
-    monkeypatch.setattr(confined, "call_confined", lambda *_, **__: answer)
+    monkeypatch.setattr(sandbox, "call_confined", lambda *_, **__: answer)
     assert _templates() == found
 
 

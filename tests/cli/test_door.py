@@ -235,7 +235,7 @@ BUNDLES = [
 def test_a_bundle_reads_only_itself(
     places: tuple[Path, Path, Path], name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    from composer import mjcf
+    from mjcompose import mjcf
 
     secret, _, _ = places
     monkeypatch.chdir(tmp_path)
@@ -278,7 +278,7 @@ def test_a_bundle_that_is_loaded_reads_only_itself(
     places: tuple[Path, Path, Path], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """Its manifest is right but for the hash of the model, and its model names a file that MuJoCo would take."""
-    import composer
+    import mjcompose
 
     secret, robots, _ = places
     monkeypatch.chdir(tmp_path)
@@ -286,11 +286,11 @@ def test_a_bundle_that_is_loaded_reads_only_itself(
     assert run("build", "cell.yaml", "--no-verify", "-o", "out").exit_code == 0
     model = Path("out", "model.xml")
     text = model.read_text()
-    with pytest.warns(composer.BundleWarning):
-        assert composer.load("out", allow_changes=True).model.nmesh == 1
+    with pytest.warns(mjcompose.BundleWarning):
+        assert mjcompose.load("out", allow_changes=True).model.nmesh == 1
     model.write_text(text.replace("assets/arm/k.obj", f"{secret}/s.obj"))
-    with pytest.raises(composer.LoadError) as caught, pytest.warns(composer.BundleWarning):
-        composer.load("out", allow_changes=True)
+    with pytest.raises(mjcompose.LoadError) as caught, pytest.warns(mjcompose.BundleWarning):
+        mjcompose.load("out", allow_changes=True)
     assert [each.code for each in caught.value.diagnostics] == ["source-outside"]
 
 
@@ -299,7 +299,7 @@ def test_a_bundle_that_is_loaded_reads_only_itself(
 def test_a_model_in_python_is_confined_to_its_project(
     places: tuple[Path, Path, Path], name: str, tmp_path: Path
 ) -> None:
-    from composer import mjcf
+    from mjcompose import mjcf
 
     secret, _, _ = places
     model = tmp_path / "robot" / name
@@ -330,7 +330,7 @@ AUDIT = """
                 out.write(f"{event} {os.fsdecode(path)}\\n"); out.flush()
 
     sys.addaudithook(hook)
-    from composer.engine.session import Session
+    from mjcompose.mujoco.engine import Session
     exchange = Session._exchange
 
     def noted(self, line, seconds):
@@ -339,7 +339,7 @@ AUDIT = """
         return exchange(self, line, seconds)
 
     Session._exchange = noted
-    from composer.cli.main import main
+    from mjcompose.cli.main import main
     for command in json.loads(sys.argv[3]):
         try:
             main(command, prog_name="mjcompose")

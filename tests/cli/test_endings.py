@@ -78,7 +78,7 @@ def folder(tmp_path: Path) -> Path:
 
 def begun(words: list[str], folder: Path) -> subprocess.Popen[bytes]:
     process = subprocess.Popen(
-        [sys.executable, "-m", "composer", *words], cwd=folder, env=environment() | {"MJCOMPOSE_CACHE": str(folder / "store")},
+        [sys.executable, "-m", "mjcompose", *words], cwd=folder, env=environment() | {"MJCOMPOSE_CACHE": str(folder / "store")},
         stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     )  # fmt: skip
     if words == ["lsp"]:

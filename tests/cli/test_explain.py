@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 from cli.shell import run, snapshot
-
-from composer.diagnostics import page
+from mjcompose.base import codes
 
 
 def test_in_words(folder: Path) -> None:
@@ -112,7 +111,7 @@ def test_a_code(folder: Path) -> None:
 
 def test_a_code_with_its_address_once_the_package_has_one(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        page, "_urls", lambda: ("Source, https://a.org", "Documentation, https://b.org/latest")
+        codes, "_urls", lambda: ("Source, https://a.org", "Documentation, https://b.org/latest")
     )
     url = "https://b.org/latest/errors/bare-angle.html"
     assert run("explain", "bare-angle").stdout.endswith(f"\n\n{url}\n")

@@ -13,8 +13,7 @@ from pathlib import Path
 
 import pytest
 from cli.shell import run
-
-from composer import LoadError, load
+from mjcompose import LoadError, load
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="needs pipes and devices")
 MODEL = '<mujoco><worldbody><body name="b"><joint/><geom size=".1"/></body></worldbody></mujoco>'

@@ -45,7 +45,7 @@ def test_it_writes(broken: Path, option: str) -> None:
 
 @pytest.mark.parametrize(("answer", "code"), [("y\n", 0), ("n\n", 1)])
 def test_on_a_terminal_it_asks(broken: Path, monkeypatch: pytest.MonkeyPatch, answer: str, code: int) -> None:
-    monkeypatch.setattr("composer.cli.fix.is_asked", lambda: True)
+    monkeypatch.setattr("mjcompose.cli.fix.is_asked", lambda: True)
     result = run("fix", "broken.yaml", input=answer)
     assert result.exit_code == code and "write 1 fault in 1 file?" in result.stderr
     assert ("flange}" in broken.read_text()) is (code == 0)
@@ -89,12 +89,12 @@ def test_bad_input(folder: Path) -> None:
 
 
 def test_what_cannot_be_written_is_told(broken: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from composer.bundle.output_error import OutputError
+    from mjcompose.build.bundle.bundle import OutputError
 
     def refused(*_: object, **__: object) -> None:
         raise OutputError("output-unwritable", "no")
 
-    monkeypatch.setattr("composer.bundle.staging.staged_file", refused)
+    monkeypatch.setattr("mjcompose.build.bundle.staging.staged_file", refused)
     result = run("fix", "broken.yaml", "--write")
     assert (
         result.exit_code == 1 and "error[output-unwritable]" in result.stderr and broken.read_text() == WRONG

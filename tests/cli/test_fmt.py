@@ -83,7 +83,7 @@ def test_no_recipe_is_a_usage_error() -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a shell")
 def test_closed_streams(folder: Path) -> None:
-    command = f"{shlex.quote(sys.executable)} -m composer fmt -"
+    command = f"{shlex.quote(sys.executable)} -m mjcompose fmt -"
     for line, said in (
         (f"{command} <&-", b"error[file-unreadable]: standard input is closed\n\n1 error\n"),
         (f"{command} < cell.yaml >&-", b"cannot go on: standard output is closed\n"),

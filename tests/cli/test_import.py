@@ -107,8 +107,8 @@ def test_formats_of_others_are_one_error_with_a_way_out(
 
 
 def test_parts_are_looked_for(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("composer.importing.searching._of_packages", lambda: iter(()))
-    monkeypatch.setattr("composer.importing.searching._of_menagerie", lambda _: iter(()))
+    monkeypatch.setattr("mjcompose.tools.importing.search._of_packages", lambda: iter(()))
+    monkeypatch.setattr("mjcompose.tools.importing.search._of_menagerie", lambda _: iter(()))
     (folder / "whole.xml").write_text(ARM.format(HAND.format("left/")))
     (folder / "parts").mkdir()
     (folder / "parts" / "arm.xml").write_text(ARM.format(""))

@@ -11,26 +11,26 @@ import pytest
 HEAVY = ("mujoco", "numpy", "pydantic")
 UNKNOWN_ONLY = (
     "lxml", "yaml", "importlib.metadata", "concurrent.futures", "tarfile", "tempfile",
-    "composer.sources.git_repository", "composer.sources.web_archive",
+    "mjcompose.sources.git_repository", "mjcompose.sources.web_archive",
 )  # fmt: skip
 """What only a model that must be built has a use for."""
 _TELL = """
 import atexit, sys
 atexit.register(lambda: print("imported:", *(name for name in {heavy!r} if name in sys.modules), file=sys.stderr))
 sys.argv = ["mjcompose", *{arguments!r}]
-from composer.cli.main import main
+from mjcompose.cli.main import main
 main()
 """
 
 
 def imported(*arguments: str) -> set[str]:
     """What the command imports of the heavy libraries and of what a known model does not need."""
-    program = _TELL.format(heavy=(*HEAVY, *UNKNOWN_ONLY, "composer"), arguments=arguments)
+    program = _TELL.format(heavy=(*HEAVY, *UNKNOWN_ONLY, "mjcompose"), arguments=arguments)
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     told = done.stderr.rsplit("imported:", 1)[1].split()
-    assert "composer" in told
-    return set(told) - {"composer"}
+    assert "mjcompose" in told
+    return set(told) - {"mjcompose"}
 
 
 @pytest.mark.parametrize("arguments", [("--help",), ("--version",), ("build", "--help")])

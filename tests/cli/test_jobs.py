@@ -15,13 +15,12 @@ from typing import Any
 import pytest
 from cli.balls import MODEL, RECIPE
 from click.testing import CliRunner, Result
-
-from composer.cache.result import Made
-from composer.cli import build_cells, interruption
-from composer.cli.interruption import end_in_order
-from composer.cli.main import main
-from composer.cli.writing import put
-from composer.processes import deferring
+from mjcompose.base import runtime
+from mjcompose.build.cache.builder import Made
+from mjcompose.cli import build_cells, process
+from mjcompose.cli.main import main
+from mjcompose.cli.output import put
+from mjcompose.cli.process import end_in_order
 
 
 @pytest.fixture
@@ -138,8 +137,8 @@ def test_what_is_written_is_counted(folder: Path, monkeypatch: pytest.MonkeyPatc
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-        interruption._asked.clear()  # which are for a process that ends
-        deferring._heard.clear()
+        process._asked.clear()  # which are for a process that ends
+        runtime._heard.clear()
     assert result.exit_code == 130 and "interrupted: 2 of 3 are written and whole" in result.stderr
     assert len(list(folder.glob("out/ball*"))) == 2
 
@@ -153,7 +152,7 @@ def test_an_interruption(folder: Path, number: int, code: int) -> None:
     command = [
         sys.executable,
         "-m",
-        "composer",
+        "mjcompose",
         "build",
         "r.yaml",
         "--all",

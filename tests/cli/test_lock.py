@@ -431,7 +431,7 @@ def test_a_branch_and_a_tag_of_one_commit_are_two_sources(work: Path) -> None:
 
 
 def test_a_matrix_hashes_every_file_once(work: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from composer.sources import fetching
+    from mjcompose.sources import fetching
 
     (work / "cell.yaml").write_text(
         (work / "cell.yaml").read_text() + "params: {g: 1}\noption: {gravity: [0, 0, '${g}']}\n"

@@ -7,11 +7,10 @@ import json
 import os
 from pathlib import Path
 
+import mjcompose
 import pytest
 from click.testing import CliRunner, Result
-
-import composer
-from composer.cli.main import main
+from mjcompose.cli.main import main
 
 MODEL = (
     '<mujoco><worldbody><body name="b"><freejoint/><geom name="g" size="0.1"/></body></worldbody></mujoco>'
@@ -129,7 +128,7 @@ def test_an_index_names_what_is_below_it(tmp_path: Path, path: str) -> None:
 
 
 def test_load_many(folder: Path) -> None:
-    found = list(composer.load_many(folder / "parts", where="size > 2 and sample > 0"))
+    found = list(mjcompose.load_many(folder / "parts", where="size > 2 and sample > 0"))
     assert [each.values["sample"] for each in found] == [2, 1]  # one of each part
     model, manifest, index = found[0].load()
     assert (model.geom_size[0, 0], manifest.name, found[0].name) == (3, found[0].name, found[0].name)
@@ -141,9 +140,9 @@ def test_models_are_loaded_one_by_one(folder: Path, tmp_path: Path) -> None:
     index = (folder / "out" / "models.csv").read_text().splitlines()
     (tmp_path / "models.csv").write_text("\n".join(index[:3]) + "\n")
     (tmp_path / "ball-1-5-s0000").symlink_to(folder / "out" / "ball-1-5-s0000")
-    first, second = composer.load_many(tmp_path)
+    first, second = mjcompose.load_many(tmp_path)
     assert first.load().model.nbody == 2
-    with pytest.raises(composer.LoadError):
+    with pytest.raises(mjcompose.LoadError):
         second.load()
 
 
@@ -152,8 +151,8 @@ def test_load_many_raises(
     folder: Path, words: tuple[str, str | None], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(folder)
-    with pytest.raises(composer.LoadError):
-        list(composer.load_many(words[0], where=words[1]))
+    with pytest.raises(mjcompose.LoadError):
+        list(mjcompose.load_many(words[0], where=words[1]))
 
 
 TEXTS = ("=cmd()|' /C calc'!A0", "-0.5", "'quoted", "@sum(1)", "+1 way", "\t=1", "＝1", "plain")

@@ -9,11 +9,10 @@ from pathlib import Path
 import pytest
 from cli.shell import environment, process, run
 from click.testing import CliRunner
-
-from composer.cli import main as main_module
-from composer.cli import reporting
-from composer.cli.main import main
-from composer.version import __version__
+from mjcompose.base.version import __version__
+from mjcompose.cli import main as main_module
+from mjcompose.cli import reporting
+from mjcompose.cli.main import main
 
 VERBS = ("build", "check", "plan", "new", "schema")
 
@@ -34,7 +33,7 @@ def test_every_verb_has_help(verb: str) -> None:
 def test_help_costs_nothing() -> None:
     """No heavy library is imported for `--help`, of the command and of every verb."""
     program = (
-        "import sys\nfrom composer.cli.main import main\n"
+        "import sys\nfrom mjcompose.cli.main import main\n"
         f"for verb in [[], *([each] for each in {VERBS})]:\n"
         "    main([*verb, '--help'], standalone_mode=False)\n"
         "print(sorted({'mujoco', 'numpy', 'pydantic', 'lxml', 'yaml'} & set(sys.modules)), file=sys.stderr)\n"
@@ -59,7 +58,7 @@ def test_a_bug_is_told_without_a_trace(folder: Path, monkeypatch: pytest.MonkeyP
         raise KeyError("a thing\nnobody thought of")
 
     monkeypatch.setattr(
-        "composer.cli.writing.progress", broken
+        "mjcompose.cli.output.progress", broken
     )  # first: it imports the module, which takes the other
     monkeypatch.setattr(reporting, "progress", broken)
     result = CliRunner().invoke(main, ["build", "cell.yaml"])
@@ -90,7 +89,7 @@ def test_an_output_that_takes_nothing(folder: Path, arguments: list[str]) -> Non
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a shell")
 def test_outputs_that_are_closed(folder: Path) -> None:
-    command = f"{shlex.quote(sys.executable)} -m composer"
+    command = f"{shlex.quote(sys.executable)} -m mjcompose"
     for line, code in (
         (f"{command} check wrong.yaml 2>&-", 1),
         (f"{command} plan cell.yaml >&-", 0),
@@ -106,7 +105,7 @@ def test_outputs_that_are_closed(folder: Path) -> None:
 @pytest.mark.skipif(sys.platform == "win32", reason="a folder in use cannot be removed there")
 def test_a_folder_that_is_gone(folder: Path) -> None:
     python = shlex.quote(sys.executable)
-    line = f"mkdir gone && cd gone && rmdir ../gone && {python} -m composer check ../cell.yaml"
+    line = f"mkdir gone && cd gone && rmdir ../gone && {python} -m mjcompose check ../cell.yaml"
     result = subprocess.run(
         line, shell=True, env=environment(), capture_output=True, text=True, timeout=60, check=False
     )
@@ -219,6 +218,6 @@ def test_too_little_memory_is_reported_where_the_process_begins(
     def none(*_: object, **__: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr("composer.plan.read._text", none)
+    monkeypatch.setattr("mjcompose.build.plan.read._text", none)
     result = run("plan", "cell.yaml")
     assert isinstance(result.exception, MemoryError) and not result.stderr

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 from cli.shell import run
-
-from composer.migrate.wish import installed
+from mjcompose.tools.migrate.migrate import installed
 
 OLD = """\
 <mujoco model="old">

@@ -10,10 +10,9 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-
-from composer.context import Context
-from composer.diagnostics.text import render
-from composer.stages import Request, build
+from mjcompose.base.report import render
+from mjcompose.build.stages import Request, build
+from mjcompose.sources.context import Context
 
 RECIPES = Path(__file__).resolve().parents[2] / "recipes"
 Text = Callable[[str], str]

@@ -10,10 +10,9 @@ from typing import Any
 
 import pytest
 from cli.shell import run
-
-from composer.bundle.output_error import OutputError
-from composer.bundle.staging import staged_file, staged_folder
-from composer.reading import sources
+from mjcompose.base import files
+from mjcompose.build.bundle.bundle import OutputError
+from mjcompose.build.bundle.staging import staged_file, staged_folder
 
 TEXTURE = Path(__file__).parents[2] / "recipes" / "models" / "table" / "textures" / "wood.png"
 MODEL = """<mujoco>
@@ -160,8 +159,8 @@ def test_what_cannot_be_judged_is_not_written(
     def fails(*_: Any, **__: Any) -> Any:
         raise kind
 
-    monkeypatch.setattr(sources, inner, fails)
-    with sources.run() as own:
+    monkeypatch.setattr(files, inner, fails)
+    with files.run() as own:
         own.note([tmp_path / "a.yaml"])
         with (
             pytest.raises(OutputError, match="cannot be found out"),
@@ -175,7 +174,7 @@ def test_what_cannot_be_judged_is_not_written(
 
 def test_a_file_that_is_read_while_the_output_is_made(tmp_path: Path) -> None:
     (tmp_path / "out.xml").write_text("old")
-    with sources.run() as own, pytest.raises(OutputError), staged_file(tmp_path / "out.xml") as stage:
+    with files.run() as own, pytest.raises(OutputError), staged_file(tmp_path / "out.xml") as stage:
         stage.write_text("new")
         own.note([tmp_path / "out.xml"])
     assert [each.read_text() for each in tmp_path.iterdir()] == ["old"]
@@ -183,10 +182,10 @@ def test_a_file_that_is_read_while_the_output_is_made(tmp_path: Path) -> None:
 
 def test_a_worker_knows_what_the_run_has_read(tmp_path: Path) -> None:
     (tmp_path / "values.yaml").touch()
-    with sources.run() as first:
+    with files.run() as first:
         first.note([tmp_path / "values.yaml"])
         noted = first.noted()
-    with sources.run() as second:
+    with files.run() as second:
         assert second.taken(str(tmp_path / "values.yaml")) is None
         second.note(noted)
         assert second.taken(str(tmp_path / "values.yaml")) is not None
@@ -196,7 +195,7 @@ def test_a_worker_knows_what_the_run_has_read(tmp_path: Path) -> None:
 def test_a_source_that_an_editor_has_replaced_is_one_still(tmp_path: Path) -> None:
     source = tmp_path / "a.xml"
     source.write_text("old")
-    with sources.run() as own:
+    with files.run() as own:
         own.note([source])
         assert own.taken(str(source)) is not None
         (tmp_path / "new").write_text("new")

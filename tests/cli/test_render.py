@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner, Result
-
-from composer.cli.main import main
+from mjcompose.cli.main import main
 
 MODEL = """<mujoco>
   <worldbody>

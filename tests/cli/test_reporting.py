@@ -72,7 +72,7 @@ def test_colours_and_progress_on_a_terminal(folder: Path, settings: dict[str, st
     ours, theirs = pty.openpty()
     try:
         subprocess.run(
-            [sys.executable, "-m", "composer", "check", "wrong.yaml"],
+            [sys.executable, "-m", "mjcompose", "check", "wrong.yaml"],
             env=environment(**{"TERM": "xterm", **settings}), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
             stderr=theirs, timeout=60, check=False,
         )  # fmt: skip

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-
-from composer.cli.main import main
+from mjcompose.cli.main import main
 
 MODEL = '<mujoco model="m"><worldbody><body name="b"><geom size=".1"/></body></worldbody></mujoco>'
 

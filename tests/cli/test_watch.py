@@ -11,10 +11,9 @@ from pathlib import Path
 
 import pytest
 from cli.shell import RECIPE, WRONG, environment, run
-
-from composer.cli import watching
-from composer.engine import Session
-from composer.view.watching import Watch, marks
+from mjcompose.cli import watching
+from mjcompose.mujoco.engine import Session
+from mjcompose.tools.view.builder import Watch, marks
 
 pytestmark = [
     pytest.mark.slow,
@@ -27,7 +26,7 @@ class Watching:
 
     def __init__(self, folder: Path, *arguments: str) -> None:
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "composer", *arguments, "--watch"], cwd=folder, env=environment(), text=True,
+            [sys.executable, "-m", "mjcompose", *arguments, "--watch"], cwd=folder, env=environment(), text=True,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
         )  # fmt: skip
 

@@ -13,8 +13,7 @@ from typing import Any
 
 import mujoco
 import pytest
-
-from composer import mjcf
+from mjcompose import mjcf
 
 ROOT = Path(__file__).resolve().parents[2]
 LIST = ROOT / "tests" / "mjcf" / "dm_control_names.txt"
@@ -41,7 +40,7 @@ def introspection() -> ModuleType:
 
 
 def there(name: str) -> bool:
-    """Whether a name of the page is one of composer.mjcf, or of MuJoCo; `f(x)` asks for a parameter."""
+    """Whether a name of the page is one of mjcompose.mjcf, or of MuJoCo; `f(x)` asks for a parameter."""
     path, _, parameter = name.partition("(")
     first, *rest = path.split(".")
     value: Any = OTHERS.get(first) or getattr(mjcf, first, None)

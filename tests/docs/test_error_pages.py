@@ -15,10 +15,9 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-
-from composer.context import Context
-from composer.engine import Limits
-from composer.stages import Request, build
+from mjcompose.build.stages import Request, build
+from mjcompose.mujoco.engine import Limits
+from mjcompose.sources.context import Context
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = {path.stem: path.read_text(encoding="utf-8") for path in (ROOT / "docs" / "errors").glob("*.md")}
@@ -120,16 +119,18 @@ NOT_A_BUILD = {
     **dict.fromkeys(("lock-invalid", "lock-stale", "store-unusable"), "needs a lock or a store: tests/cli"),
     **dict.fromkeys(
         ("bundle-changed", "bundle-manifest", "keyframe-wrong", "part-changed", "part-not-compared"),
-        "tests/verify",
+        "tests/build/verify",
     ),
     **dict.fromkeys(
-        ("cluster-missing", "cluster-unreachable", "cluster-worker"), "need a cluster: tests/cluster"
+        ("cluster-missing", "cluster-unreachable", "cluster-worker"), "need a cluster: tests/tools/cluster"
     ),
-    **dict.fromkeys(("not-a-world", "not-installed", "not-per-world"), "is not about a build: tests/worlds"),
+    **dict.fromkeys(
+        ("not-a-world", "not-installed", "not-per-world"), "is not about a build: tests/tools/worlds"
+    ),
     "output-full": "needs a disk that is full: tests/kills",
     **dict.fromkeys(
         ("migrate-cannot", "migrate-changed", "migrate-differs", "migrate-python", "migrate-version"),
-        "of `mjcompose migrate`: tests/migrate, tests/cli/test_migrate.py",
+        "of `mjcompose migrate`: tests/tools/migrate, tests/cli/test_migrate.py",
     ),
     **dict.fromkeys(("target-cannot", "target-failed", "target-loss"), "needs `--target`: tests/targets"),
     **dict.fromkeys(
@@ -137,13 +138,13 @@ NOT_A_BUILD = {
         "needs files beside it: tests/urdf",
     ),
     "cells-not-checked": "is a note of `check`: tests/cli/test_check.py",
-    "git-revision": "needs a repository: tests/diff",
-    "no-rendering": "needs a machine without OpenGL: tests/diff",
-    "no-server": "needs a port that is taken: tests/view/test_live.py",
+    "git-revision": "needs a repository: tests/tools/diff",
+    "no-rendering": "needs a machine without OpenGL: tests/tools/diff",
+    "no-server": "needs a port that is taken: tests/tools/view/test_live.py",
     "unstable": "needs OpenGL: tests/cli/test_render.py",
     "no-video": "needs a machine without an encoder: tests/cli/test_render.py",
-    "cannot-format": "is not about a build: tests/formatting",
-    "mesh-tools-missing": "needs to be without the extra `mesh`: tests/meshes/test_make.py",
+    "cannot-format": "is not about a build: tests/text",
+    "mesh-tools-missing": "needs to be without the extra `mesh`: tests/mujoco/test_fit.py",
     "mujoco-crash": "a model that crashes one MuJoCo is refused by another",
     "mujoco-timeout": "takes long by its nature",
     "mujoco-warning": "not every MuJoCo warns",
@@ -229,7 +230,7 @@ def test_a_session_ends_with_the_error(code: str, text: str, tmp_path: Path) -> 
     licence = "<!-- SPDX-License-Identifier: CC0-1.0 -->\n"
     text_of_arm = MODELS["arm.xml"] if code == "licence-missing" else licence + MODELS["arm.xml"]
     (tmp_path / "models" / "arm.xml").write_text(text_of_arm)
-    script = f'mjcompose() {{ {shlex.quote(sys.executable)} -m composer "$@"; }}\n'
+    script = f'mjcompose() {{ {shlex.quote(sys.executable)} -m mjcompose "$@"; }}\n'
     script += "".join(line[2:] for line in text.splitlines(keepends=True) if line.startswith("$ "))
     result = subprocess.run(
         ["sh", "-c", script], cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)},

@@ -38,7 +38,7 @@ def test_held_payload(tmp_path: Path) -> None:
     command = [
         sys.executable,
         "-m",
-        "composer",
+        "mjcompose",
         "build",
         str(recipe),
         "--set",

@@ -27,7 +27,7 @@ def copied(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("copy")
     shutil.copytree(ROOT / "composer", folder / "composer", ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copytree(ROOT / "schemas", folder / "schemas")
-    (folder / "composer/link/part_files.py").write_text(BLOCKS[0], encoding="utf-8")
+    (folder / "composer/mjcompose/link/part_files.py").write_text(BLOCKS[0], encoding="utf-8")
     (folder / "arm.xml").write_text('<mujoco><worldbody><site name="tool"/></worldbody></mujoco>')
     (folder / "hand.xml").write_text("<mujoco/>")
     (folder / "recipe.yaml").write_text(
@@ -37,17 +37,23 @@ def copied(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def add_row(folder: Path, row: str, *, above: str = ABOVE) -> None:
-    text = (ROOT / "composer/link/link.py").read_text(encoding="utf-8")
-    text = text.replace("from composer.link.passthrough", f"{BLOCKS[1]}from composer.link.passthrough")
+    text = (ROOT / "composer/mjcompose/link/link.py").read_text(encoding="utf-8")
+    text = text.replace("from mjcompose.link.agreement", f"{BLOCKS[1]}from mjcompose.link.agreement")
     assert text.count(above) == 1
     row = textwrap.indent(row.rstrip(), "    ") + ",\n"
-    (folder / "composer/link/link.py").write_text(text.replace(above, row + above), encoding="utf-8")
+    (folder / "composer/mjcompose/link/link.py").write_text(
+        text.replace(above, row + above), encoding="utf-8"
+    )
 
 
 def command(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    environment = {**os.environ, "PYTHONPATH": str(folder), "MJCOMPOSE_CACHE": str(folder / "store")}
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(folder / "composer"),
+        "MJCOMPOSE_CACHE": str(folder / "store"),
+    }
     return subprocess.run(
-        [sys.executable, "-P", "-m", "composer", *arguments],
+        [sys.executable, "-P", "-m", "mjcompose", *arguments],
         cwd=folder,
         env=environment,
         capture_output=True,

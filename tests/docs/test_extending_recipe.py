@@ -70,11 +70,11 @@ def extend(package: Path, title: str, but: str | None = None) -> None:
 def run(package: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     environment = {
         **os.environ,
-        "PYTHONPATH": str(package),
+        "PYTHONPATH": str(package / "composer"),
         "PYTHONSAFEPATH": "1",
         "MJCOMPOSE_STORE": str(package / "store"),
     }
-    command = [sys.executable, "-m", "composer", *arguments]
+    command = [sys.executable, "-m", "mjcompose", *arguments]
     done = subprocess.run(
         command, cwd=package, env=environment, capture_output=True, text=True, encoding="utf-8"
     )
@@ -84,16 +84,16 @@ def run(package: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
 
 def make_schemas(package: Path) -> None:
     """What `make schemas` does for `fmt`."""
-    code = "from composer.recipe.key_order import text; print(text())"
-    environment = {**os.environ, "PYTHONPATH": str(package), "PYTHONSAFEPATH": "1"}
+    code = "from mjcompose.language.reference_page import text; print(text())"
+    environment = {**os.environ, "PYTHONPATH": str(package / "composer"), "PYTHONSAFEPATH": "1"}
     command = [sys.executable, "-c", code]
     done = subprocess.run(command, cwd=package, env=environment, capture_output=True, text=True, check=True)
-    (package / "composer" / "formatting" / "key_order.json").write_text(done.stdout, encoding="utf-8")
+    (package / "composer" / "mjcompose" / "text" / "key_order.json").write_text(done.stdout, encoding="utf-8")
 
 
 def imported(package: Path) -> subprocess.CompletedProcess[str]:
-    code = "import composer.stages, composer.compose.edit, composer.verify.checks"
-    environment = {**os.environ, "PYTHONPATH": str(package), "PYTHONSAFEPATH": "1"}
+    code = "import mjcompose.build.stages, mjcompose.build.compose.edits, mjcompose.build.verify.checks"
+    environment = {**os.environ, "PYTHONPATH": str(package / "composer"), "PYTHONSAFEPATH": "1"}
     command = [sys.executable, "-c", code]
     return subprocess.run(command, cwd=package, env=environment, capture_output=True, text=True)
 
@@ -162,7 +162,7 @@ def test_half_of_it_fails_at_import(package: Path, title: str, path: str) -> Non
 
 def test_a_step_without_words_fails_at_import(package: Path) -> None:
     extend(package, "Add a recipe section")
-    path = package / "composer" / "plan" / "steps" / "write_note.py"
+    path = package / "composer" / "mjcompose" / "build" / "plan" / "write_note.py"
     path.write_text(path.read_text(encoding="utf-8").replace("def words", "def phrase"), encoding="utf-8")
     done = imported(package)
     assert "TypeError: the step WriteNote lacks words" in done.stderr

@@ -12,8 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-
-from composer.sources.source_kind import SourceKind
+from mjcompose.sources.reference import SourceKind
 
 pytestmark = pytest.mark.slow
 
@@ -35,7 +34,7 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
     shutil.copytree(ROOT / "composer", folder / "composer", ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copytree(ROOT / "schemas", folder / "schemas")
     shutil.copy(ROOT / "action.yml", folder)
-    sources = folder / "composer" / "sources"
+    sources = folder / "composer" / "mjcompose" / "sources"
     (sources / "shared.py").write_text(FILE, encoding="utf-8")
     kinds = (sources / "kinds.py").read_text(encoding="utf-8")
     for change in CHANGES:
@@ -53,12 +52,12 @@ def command(package: Path, tmp_path: Path) -> Command:
     for drive in ("one", "two"):
         (tmp_path / drive / "arm").mkdir(parents=True)
         (tmp_path / drive / "arm" / "arm.xml").write_text(ARM.format(drive), encoding="utf-8")
-    own = {"PYTHONPATH": str(package), "MJCOMPOSE_CACHE": str(tmp_path / "store")}
+    own = {"PYTHONPATH": str(package / "composer"), "MJCOMPOSE_CACHE": str(tmp_path / "store")}
 
     def command(*words: str, drive: str | None = "one") -> subprocess.CompletedProcess[str]:
         named = {} if drive is None else {"SHARED_MODELS": str(tmp_path / drive)}
         return subprocess.run(
-            [sys.executable, "-m", "composer", *words],
+            [sys.executable, "-m", "mjcompose", *words],
             cwd=tmp_path, env={**os.environ, **own, **named}, capture_output=True, text=True, check=False,
         )  # fmt: skip
 

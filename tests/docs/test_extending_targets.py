@@ -39,7 +39,11 @@ def test_the_target_works(package: Path) -> None:
 
 @pytest.mark.parametrize(
     "forgotten",
-    ["composer/targets/names.py", "composer/targets/table.py", "composer/recipe/checks/simulators.py"],
+    [
+        "composer/mjcompose/targets/names.py",
+        "composer/mjcompose/targets/table.py",
+        "composer/mjcompose/language/checks/form.py",
+    ],
 )
 def test_a_forgotten_row_fails_at_import(package: Path, forgotten: str) -> None:
     extend(package, TITLE, but=forgotten)

@@ -15,10 +15,9 @@ import mujoco
 import numpy as np
 import pytest
 import yaml
-
-from composer.context import Context
-from composer.importing.recover import recover
-from composer.stages import Request, build
+from mjcompose.build.stages import Request, build
+from mjcompose.sources.context import Context
+from mjcompose.tools.importing.recover import recover
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "from_mjspec.md").read_text(encoding="utf-8")
@@ -110,14 +109,14 @@ def test_both_make_the_same_model(job: str, tmp_path: Path, monkeypatch: pytest.
     context = Context(environment=dict(os.environ))
     values = {}
     if job in CELLS:
-        from composer.cache.cells import cells_of, picked_one
+        from mjcompose.build.cache.cells import cells_of, picked_one
 
         cell = picked_one(cells_of(ROOT / recipe, context), CELLS[job], None, context.sink, recipe)
         assert cell is not None
         values = cell.given
     built = build(Request(ROOT / recipe, given=values), context)
     assert built is not None, context.sink.diagnostics
-    from composer.bundle.write import write
+    from mjcompose.build.bundle.write import write
 
     write(built.bundle, f"{tmp_path}/out/", environment={})
     by_recipe = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml"))

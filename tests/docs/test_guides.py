@@ -13,14 +13,13 @@ from pathlib import Path
 import click
 import mujoco
 import pytest
-
-from composer.bundle.write import write
-from composer.context import Context
-from composer.diagnostics.text import render
-from composer.diff.diff import diff
-from composer.diff.text import render as render_diff
-from composer.engine import Session
-from composer.stages import Request, build
+from mjcompose.base.report import render
+from mjcompose.build.bundle.write import write
+from mjcompose.build.stages import Request, build
+from mjcompose.mujoco.engine import Session
+from mjcompose.sources.context import Context
+from mjcompose.tools.diff.diff import diff
+from mjcompose.tools.diff.text import render as render_diff
 
 ROOT = Path(__file__).resolve().parents[2]
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
@@ -73,7 +72,7 @@ def test_the_readme_leads_to_every_page() -> None:
 
 
 def test_every_command_is_in_the_list() -> None:
-    from composer.cli.main import main
+    from mjcompose.cli.main import main
 
     page = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
     names = main.list_commands(click.Context(main))
@@ -132,9 +131,9 @@ def test_the_list_of_commands_runs(tmp_path: Path) -> None:
         line for line in commands.splitlines(True) if not re.search(" (import|migrate|diff|view|lsp) ", line)
     )  # of files of one's own, or with an editor at the other end
     # A page that is served is served until the user ends it.
-    served = f"timeout 5 {shlex.quote(sys.executable)} -m composer view model.yaml --no-open || [ $? = 124 ]"
+    served = f"timeout 5 {shlex.quote(sys.executable)} -m mjcompose view model.yaml --no-open || [ $? = 124 ]"
     commands = commands.replace("mjcompose view model.yaml  ", f"{served}  ", 1)
-    script = f'set -e\nmjcompose() {{ {shlex.quote(sys.executable)} -m composer "$@"; }}\n{commands}'
+    script = f'set -e\nmjcompose() {{ {shlex.quote(sys.executable)} -m mjcompose "$@"; }}\n{commands}'
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     subprocess.run(["bash", "-c", script], cwd=tmp_path, env=environment, check=True, timeout=240)
     assert (tmp_path / "build" / "model.zip").is_file()

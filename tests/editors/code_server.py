@@ -15,7 +15,7 @@ from typing import Any
 
 SETTINGS = {
     "extensions.ignoreRecommendations": True,
-    "mjcompose.command": [sys.executable, "-P", "-m", "composer"],
+    "mjcompose.command": [sys.executable, "-P", "-m", "mjcompose"],
     "remote.autoForwardPorts": False,
     "telemetry.telemetryLevel": "off",
     "workbench.startupEditor": "none",

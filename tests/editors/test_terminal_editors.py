@@ -48,7 +48,7 @@ def test_an_editor_shows_faults_and_names_and_goes_to_lines(editor: str, tmp_pat
 def _found(editor: str, folder: Path) -> Any:
     """What a program in the editor writes down."""
     out = folder / "found.json"
-    command = json.dumps([sys.executable, "-P", "-m", "composer", "lsp"])
+    command = json.dumps([sys.executable, "-P", "-m", "mjcompose", "lsp"])
     environment = {
         "COMMAND": command,
         "FOUND": str(out),

@@ -38,7 +38,7 @@ def extension(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_its_types_fit_and_its_tests_pass(extension: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("MJCOMPOSE_COMMAND", json.dumps([sys.executable, "-P", "-m", "composer"]))
+    monkeypatch.setenv("MJCOMPOSE_COMMAND", json.dumps([sys.executable, "-P", "-m", "mjcompose"]))
     for script in ("check", "test"):
         ran = _run(["npm", "run", "--silent", script], extension)
         assert ran.returncode == 0, ran.stdout + ran.stderr

@@ -16,11 +16,10 @@ from pathlib import Path
 
 import pytest
 from cases import Case, cases
-
-from composer.context import Context
-from composer.diagnostics import Severity
-from composer.diagnostics.text import render, summary
-from composer.stages import Request, build
+from mjcompose.base.diagnostic import Severity
+from mjcompose.base.report import render, summary
+from mjcompose.build.stages import Request, build
+from mjcompose.sources.context import Context
 
 HERE = Path(__file__).resolve().parent
 CASES = cases(HERE)

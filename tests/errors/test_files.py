@@ -7,10 +7,9 @@ import sys
 from pathlib import Path
 
 import pytest
-
-from composer.context import Context
-from composer.diagnostics import Diagnostic
-from composer.stages import Request, build
+from mjcompose.base.diagnostic import Diagnostic
+from mjcompose.build.stages import Request, build
+from mjcompose.sources.context import Context
 
 SOURCE = '<mujoco>\n  <asset>\n    <mesh name="base" file="base.obj"/>\n  </asset>\n  <include file="more.xml"/>\n</mujoco>\n'
 FILES = {

@@ -7,14 +7,13 @@ from pathlib import Path
 
 import mujoco
 from feature_cases.members import Member, members
-
-from composer.bundle.write import write
-from composer.compiled.difference import EXTRA
-from composer.compiled.keyframes import Keys
-from composer.compiled.options import option_differences
-from composer.compiled.unchanged import compare
-from composer.context import Context
-from composer.stages import Request, build
+from mjcompose.build.bundle.write import write
+from mjcompose.build.stages import Request, build
+from mjcompose.mujoco.compare import compare
+from mjcompose.mujoco.keyframes import Keys
+from mjcompose.mujoco.match import EXTRA
+from mjcompose.mujoco.varying import option_differences
+from mjcompose.sources.context import Context
 
 
 @dataclass

@@ -11,9 +11,8 @@ import mujoco
 import numpy as np
 import yaml
 from lxml import etree
-
-from composer.compiled.mount import AT_ORIGIN, Mount
-from composer.numerics.pose import Pose, normalise
+from mjcompose.base.rotation import Pose, normalise
+from mjcompose.mujoco.match import AT_ORIGIN, Mount
 
 PLACES = ("site", "body", "frame")
 

@@ -14,8 +14,7 @@ import mujoco
 from fidelity import stored
 from fidelity.corpus import Composition, repository
 from fidelity.rival import attached
-
-from composer.engine import Session
+from mjcompose.mujoco.engine import Session
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,7 @@ class Build:
 def is_there() -> bool:
     """Whether mjcompose can build at all."""
     try:
-        return find_spec("composer.stages") is not None and bool(__import__("composer.stages"))
+        return find_spec("mjcompose.build.stages") is not None and bool(__import__("mjcompose.build.stages"))
     except ImportError:
         return False
 
@@ -51,10 +50,10 @@ def _session(process: int) -> Session:
 
 def build(recipe: Path, *, verified: bool = False) -> Build:
     """The recipe built in this process, into a folder that the next build takes; the harness verifies it."""
-    from composer.context import Context
-    from composer.diagnostics import render
-    from composer.stages import Request
-    from composer.stages import build as run
+    from mjcompose.base.report import render
+    from mjcompose.build.stages import Request
+    from mjcompose.build.stages import build as run
+    from mjcompose.sources.context import Context
 
     context = Context(folder=recipe.parent)
     built = run(Request(recipe, verified=verified), context, session=_session(os.getpid()))
@@ -88,10 +87,10 @@ def stand_in(composition: Composition, out: Path) -> Build:
 
 def reread(path: Path) -> bytes:
     """An MJCF file parsed into mjcompose's tree and written again. Raises ValueError where it is refused."""
-    from composer.diagnostics.sink import Sink
-    from composer.reading.project import own_door
-    from composer.tree.parse import parse_file
-    from composer.tree.write import write
+    from mjcompose.base.access import own_door
+    from mjcompose.base.sink import Sink
+    from mjcompose.model.parse import parse_file
+    from mjcompose.model.xml_text import write
 
     sink, top = Sink(), repository(path)
     unit = parse_file(path, sink, door=own_door(path, () if top is None else (top,)))

@@ -19,13 +19,11 @@ from fidelity.corpus import Attachment, Composition
 from fidelity.decided import UNLIKE_MJSPEC
 from fidelity.recipe import write_recipe
 from fidelity.rival import attached
-
-from composer.compiled.difference import Difference
-from composer.compiled.fields import ROUNDING
-from composer.compiled.keyframes import Keys, Roots
-from composer.compiled.mount import Mount
-from composer.compiled.options import option_differences
-from composer.compiled.unchanged import compare
+from mjcompose.mujoco.arrays import ROUNDING
+from mjcompose.mujoco.compare import compare
+from mjcompose.mujoco.keyframes import Keys, Roots
+from mjcompose.mujoco.match import Difference, Mount
+from mjcompose.mujoco.varying import option_differences
 
 Builder = Callable[[Composition, Path], Build]
 

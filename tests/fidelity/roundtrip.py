@@ -14,9 +14,8 @@ import numpy as np
 from fidelity import dmcontrol
 from fidelity.building import reread
 from lxml import etree
-
-from composer.compiled.keyframes import Keys
-from composer.compiled.unchanged import compare
+from mjcompose.mujoco.compare import compare
+from mjcompose.mujoco.keyframes import Keys
 
 SIX_DIGITS = 1e-5
 """Relative: what is left of a number when MuJoCo saves it."""

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-
-from composer.cli.main import main
+from mjcompose.cli.main import main
 
 FOLDER = os.environ.get("MJCOMPOSE_CORPUS")
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import mujoco
 import pytest
-from fidelity import made, run
+from fidelity import corpus, made, run
 from fidelity.made import Made
 from fidelity.summary import BEGIN, END
 
@@ -18,7 +18,7 @@ def test_the_table_is_printed_and_written(
     (tmp_path / "feature-cases").mkdir()
     robot.write_text("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>")
     monkeypatch.setenv("MJCOMPOSE_CORPUS", str(tmp_path))
-    monkeypatch.setattr(run.corpora, "packaged", lambda: iter(()))
+    monkeypatch.setattr(corpus, "packaged", lambda: iter(()))
     page = tmp_path / "page.md"
     page.write_text(f"# Page\n{BEGIN}\n{END}\n")
     assert run.main(["--roundtrip", "--workers", "1", "--write", str(page)]) == 0
@@ -33,7 +33,7 @@ def test_without_a_corpus_only_packages_are_read(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delenv("MJCOMPOSE_CORPUS", raising=False)
-    monkeypatch.setattr(run.corpora, "packaged", lambda: iter(()))
+    monkeypatch.setattr(corpus, "packaged", lambda: iter(()))
     assert run.main(["--roundtrip"]) == 0
     assert "names no corpus" in capsys.readouterr().err
 

@@ -14,9 +14,8 @@ from fidelity.corpus import Composition
 from fidelity.decided import NOT_YET
 from fidelity.judging import Verdict, judge
 from fidelity.table import cells, markdown, totals
+from mjcompose.mujoco.keyframes import Roots
 from sampling import rest_slow
-
-from composer.compiled.keyframes import Roots
 
 FOLDER = os.environ.get("MJCOMPOSE_CORPUS")
 QUICK = 0.3

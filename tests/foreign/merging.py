@@ -20,10 +20,9 @@ import mujoco
 import yaml
 from fidelity.building import build
 from foreign.strings import Verdict
-
-from composer.compiled.fields import ROUNDING
-from composer.compiled.keyframes import Keys
-from composer.compiled.unchanged import compare
+from mjcompose.mujoco.arrays import ROUNDING
+from mjcompose.mujoco.compare import compare
+from mjcompose.mujoco.keyframes import Keys
 
 # The robots that stand on a mount. Mobile bases take a robot's bodies apart, which no composition does.
 ROBOTS = (

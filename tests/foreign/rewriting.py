@@ -1,4 +1,4 @@
-"""dm_control's tests, rewritten to test composer.mjcf: a table of replacements, and nothing else."""
+"""dm_control's tests, rewritten to test mjcompose.mjcf: a table of replacements, and nothing else."""
 
 from __future__ import annotations
 

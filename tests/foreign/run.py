@@ -1,6 +1,6 @@
 """Other projects' tests and models, with mjcompose: `make foreign`, or `python tests/foreign/run.py`.
 
-dm_control's own tests of `dm_control.mjcf` run with `composer.mjcf`. Every MJCF model in the tests and data of packages
+dm_control's own tests of `dm_control.mjcf` run with `mjcompose.mjcf`. Every MJCF model in the tests and data of packages
 about MuJoCo is read, written and compiled; the suites' models are also composed, each twice, turned and tilted, and
 robosuite's own compositions are made again. What is meant to be otherwise stands in `intended.toml` and `strings.toml`; the
 run fails where anything else differs. The packages come from PyPI, by pip or uv, into a folder that is kept; one that

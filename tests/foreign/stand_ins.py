@@ -8,11 +8,10 @@ from typing import Any
 
 import mujoco
 import numpy as np
-
-from composer.grammar import ElementType
-from composer.mjcf import Element, Physics, RootElement
-from composer.mjcf.members import always_there
-from composer.tree.kinds import kind_of
+from mjcompose.mjcf import Element, Physics, RootElement
+from mjcompose.mjcf.views import always_there
+from mjcompose.model.grammar import ElementType
+from mjcompose.model.select import kind_of
 
 _COLUMNS = {"x": 0, "y": 1, "z": 2}
 

@@ -12,8 +12,7 @@ from pathlib import Path
 
 import mujoco
 from fidelity.roundtrip import unlike
-
-from composer import mjcf
+from mjcompose import mjcf
 
 LIST = Path(__file__).with_name("strings.toml")
 _MODEL = re.compile(r"<mujoco\b.*</mujoco\s*>", re.DOTALL)

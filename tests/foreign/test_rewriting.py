@@ -65,5 +65,5 @@ def test_tests_are_written_with_their_files(tmp_path: Path) -> None:
     idle = rewriting.write_tests(package, tmp_path / "out")
     found = {path.relative_to(tmp_path / "out").as_posix() for path in (tmp_path / "out").rglob("*.*")}
     assert found == {"one_test.py", "schema.xml", "test_assets/arm.xml"}
-    assert (tmp_path / "out" / "one_test.py").read_text() == "from composer import mjcf\n"
+    assert (tmp_path / "out" / "one_test.py").read_text() == "from mjcompose import mjcf\n"
     assert len(idle) == len(rewriting.renames()) - 1

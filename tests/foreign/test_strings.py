@@ -47,7 +47,7 @@ def test_a_model_that_is_refused_here_alone(tmp_path: Path) -> None:
 
 
 def test_a_model_that_changes_is_told_by_its_arrays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("composer.mjcf.RootElement.to_xml_string", lambda root: BALL.replace("0.1", "0.2"))
+    monkeypatch.setattr("mjcompose.mjcf.RootElement.to_xml_string", lambda root: BALL.replace("0.1", "0.2"))
     assert "geom_size" in judge(Source("text", tmp_path, BALL)).said.split(", ")
 
 

@@ -11,10 +11,9 @@ import mujoco
 import yaml
 from fidelity.building import build
 from foreign.strings import Source, Verdict
-
-from composer.compiled.keyframes import Keys
-from composer.compiled.mount import Mount
-from composer.compiled.unchanged import compare
+from mjcompose.mujoco.compare import compare
+from mjcompose.mujoco.keyframes import Keys
+from mjcompose.mujoco.match import Mount
 
 # Angles and places of no symmetry, and both with all digits.
 PLACES = {

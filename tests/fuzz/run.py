@@ -31,8 +31,7 @@ sys.path[:0] = [str(HERE.parent), str(ROOT)]
 from fuzz.execution import SECONDS, seeds_of, wrong_with  # noqa: E402
 from fuzz.target import Tools, limits  # noqa: E402
 from fuzz.targets.table import TARGETS  # noqa: E402
-
-from composer.engine import Session  # noqa: E402
+from mjcompose.mujoco.engine import Session  # noqa: E402
 
 _MEMORY = 2 << 30
 _STARTING = 180

@@ -10,9 +10,8 @@ from tempfile import TemporaryDirectory
 
 from cases import cases
 from fuzz.mutation import Mutate
-
-from composer.context import Context
-from composer.engine import Limits, Session
+from mjcompose.mujoco.engine import Limits, Session
+from mjcompose.sources.context import Context
 
 ROOT = Path(__file__).resolve().parents[2]
 RECIPES = ROOT / "recipes"

@@ -11,8 +11,7 @@ from fuzz.execution import wrong_with
 from fuzz.mutation import ODD, ODD_TEXT, tree_changed
 from fuzz.target import Tools, limits
 from fuzz.targets.table import TARGETS
-
-from composer.engine import Session
+from mjcompose.mujoco.engine import Session
 
 CASES = Path(__file__).parent / "cases"
 

@@ -13,12 +13,11 @@ from pathlib import Path
 
 import mujoco
 import pytest
-
-from composer.bundle.bundle import MANIFEST, MODEL
-from composer.context import Context
-from composer.diagnostics.span import Span
-from composer.document.node import Scalar
-from composer.stages import Request, build
+from mjcompose.base.diagnostic import Span
+from mjcompose.build.bundle.bundle import MANIFEST, MODEL
+from mjcompose.build.stages import Request, build
+from mjcompose.sources.context import Context
+from mjcompose.text.node import Scalar
 
 HERE = Path(__file__).resolve().parent
 RECIPES = HERE.parents[1] / "recipes"

@@ -13,13 +13,12 @@ from pathlib import Path
 
 import mujoco
 import pytest
-
-from composer.bundle.write import write
-from composer.context import Context
-from composer.diagnostics import Severity
-from composer.engine import Session
-from composer.stages import Request, build
-from composer.verify.stored import verify_stored
+from mjcompose.base.diagnostic import Severity
+from mjcompose.build.bundle.write import write
+from mjcompose.build.stages import Request, build
+from mjcompose.build.verify.stored import verify_stored
+from mjcompose.mujoco.engine import Session
+from mjcompose.sources.context import Context
 
 HERE = Path(__file__).resolve().parent
 CASES = sorted(path.parent.name for path in HERE.glob("*/recipe.yaml"))

@@ -91,7 +91,7 @@ class Project:
     def start(self, words: tuple[str, ...], **more: object) -> subprocess.Popen[bytes]:
         """The command, in a session of its own."""
         return subprocess.Popen(
-            [sys.executable, "-m", "composer", *words], cwd=self.folder / "cell", env=self.environment,
+            [sys.executable, "-m", "mjcompose", *words], cwd=self.folder / "cell", env=self.environment,
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True, **more,  # type: ignore[call-overload]
         )  # fmt: skip
 

@@ -118,7 +118,7 @@ def test_a_place_that_is_read_only(project: Project, small_disk: Callable[[str],
     _fails_in_one_line(code, said)
     store = {"MJCOMPOSE_CACHE": str(disk / "store")}
     process = subprocess.run(
-        [sys.executable, "-m", "composer", *ARCHIVE.words], cwd=project.folder / "cell",
+        [sys.executable, "-m", "mjcompose", *ARCHIVE.words], cwd=project.folder / "cell",
         env={**project.environment, **store}, capture_output=True, check=False, timeout=120,
     )  # fmt: skip
     _fails_in_one_line(process.returncode, process.stderr.decode())
@@ -129,7 +129,7 @@ def test_without_a_home(project: Project) -> None:
     bare = {name: value for name, value in project.environment.items() if name not in names}
     for home in ({}, {"HOME": "/nonexistent/home"}, {"HOME": ""}):
         process = subprocess.run(
-            [sys.executable, "-m", "composer", "build", "arm.xml.yaml", "-o", "out/a.zip"], cwd=_alone(project),
+            [sys.executable, "-m", "mjcompose", "build", "arm.xml.yaml", "-o", "out/a.zip"], cwd=_alone(project),
             env={**bare, **home}, capture_output=True, check=False, timeout=120,
         )  # fmt: skip
         assert process.returncode == 0, process.stderr.decode()
@@ -143,7 +143,7 @@ def _alone(project: Project) -> Path:
 
 
 def test_without_shared_memory(project: Project) -> None:
-    command = f"mount -t tmpfs -o size=0,mode=000,nr_inodes=1 none /dev/shm && exec {sys.executable} -m composer build arm.xml.yaml -o out/a.zip"
+    command = f"mount -t tmpfs -o size=0,mode=000,nr_inodes=1 none /dev/shm && exec {sys.executable} -m mjcompose build arm.xml.yaml -o out/a.zip"
     if (
         not shutil.which("unshare")
         or subprocess.run(["unshare", "-m", "true"], capture_output=True, check=False).returncode

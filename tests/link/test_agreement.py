@@ -1,11 +1,19 @@
 from __future__ import annotations
 
+import struct
+import zlib
+from pathlib import Path
+
 import mujoco
+import numpy as np
 import pytest
 from link.workshop import BASE, Linked, Piece, Workshop
-
-from composer.link.agreement import settling
-from composer.link.written import opinions
+from mjcompose.base.sink import Sink
+from mjcompose.link.agreement import opinions, settling
+from mjcompose.link.link import link
+from mjcompose.link.linking import Linking, Part
+from mjcompose.model.parse import parse_text
+from mjcompose.model.unit import Unit
 
 
 def options(inside: str) -> str:
@@ -331,3 +339,99 @@ def test_of_several_sections_of_a_part_the_last_counts(workshop: Workshop) -> No
     linked = workshop.link(BASE, part)
     assert linked.codes == []
     assert linked.model().opt.timestep == 0.002
+
+
+BODY = '<worldbody><body><joint name="j" {}/><geom size="0.1"/></body></worldbody>{}'
+HELD = "<tendon><fixed {}><joint joint='j' coef='1'/></fixed></tendon>"
+MOVED = "<actuator><general joint='j' {}/></actuator>"
+
+
+def unit(text: str, label: str) -> Unit:
+    found = parse_text(f"<mujoco>{text}</mujoco>", Sink(), file=f"{label}.xml", directory=Path(), label=label)
+    assert found is not None
+    return found
+
+
+def messages(part: str) -> list[str]:
+    sink = Sink()
+    link(Linking(unit("", "base"), [Part(unit(part, "part"), "p/")], sink))
+    return [each.message for each in sink.errors]
+
+
+@pytest.mark.parametrize(
+    ("joint", "other", "is_refused"),
+    [
+        ('range="-1 1"', "", True),
+        ('range="-1 1" limited="true"', "", False),
+        ('range="-1 1" limited="false"', "", False),
+        ('range="0 0"', "", False),
+        ('type="free" range="-1 1"', "", False),
+        ('type="free" actuatorfrcrange="-1 1"', "", False),
+        ('type="ball" range="0 1"', "", True),
+        ('type="ball" actuatorfrcrange="-1 1"', "", False),
+        ('actuatorfrcrange="-1 1"', "", True),
+        ("", HELD.format('range="0 1"'), True),
+        ("", HELD.format('range="0 1" limited="true"'), False),
+        ("", MOVED.format('ctrlrange="0 1"'), True),
+        ("", MOVED.format('forcerange="0 1"'), True),
+        ("", MOVED.format('dyntype="integrator" actrange="0 1"'), True),
+        ("", MOVED.format('ctrlrange="0 1" ctrllimited="false"'), False),
+        ("", '<default><joint range="-1 1"/></default>', True),
+        ("", '<default><joint range="-1 1" limited="true"/></default>', False),
+    ],
+)
+def test_a_part_is_refused_where_mujoco_refuses_it_alone(joint: str, other: str, is_refused: bool) -> None:
+    text = f'<compiler autolimits="false"/>{BODY.format(joint, other)}'
+    try:
+        mujoco.MjModel.from_xml_string(f"<mujoco>{text}</mujoco>")
+        refused_by_mujoco = False
+    except ValueError:
+        refused_by_mujoco = True
+    assert refused_by_mujoco == is_refused
+    assert bool(messages(text)) == is_refused
+    assert messages(text.replace('"false"/>', '"true"/>', 1)) == []
+
+
+pytestmark = pytest.mark.mujoco4("MuJoCo 3.12 has no `passthrough`")
+
+ASKING, LOADING = 'passthrough="textures"', ""
+TEXTURES = {"file": 'file="t.png"', "built": 'builtin="flat" width="4" height="4"', "none": None}
+
+
+def textured(setting: str, texture: str | None) -> str:
+    asset = "" if texture is None else f'<texture name="t" type="2d" {texture}/>'
+    return f"<mujoco><compiler {setting}/><asset>{asset}</asset><worldbody><body/></worldbody></mujoco>"
+
+
+@pytest.fixture(scope="session")
+def picture() -> bytes:
+    """One pixel, as PNG."""
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    head, data = struct.pack(">IIBBBBB", 1, 1, 8, 2, 0, 0, 0), zlib.compress(b"\0\1\2\3")
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
+
+
+@pytest.mark.parametrize(
+    "of_base", [(ASKING, "file"), (ASKING, "built"), (LOADING, "file"), (ASKING, "none")]
+)
+@pytest.mark.parametrize(
+    "of_part", [(ASKING, "file"), (ASKING, "built"), (LOADING, "file"), (LOADING, "none")]
+)
+def test_textures_stay_in_their_files_or_are_loaded_as_alone(
+    workshop: Workshop, picture: bytes, of_base: tuple[str, str], of_part: tuple[str, str]
+) -> None:
+    base, part = (textured(setting, TEXTURES[kind]) for setting, kind in (of_base, of_part))
+    linked = workshop.link(base, Piece(part, files={"t.png": picture}), files={"t.png": picture})
+    if of_base[1] == of_part[1] == "file" and of_base[0] != of_part[0]:
+        assert linked.fault.code == "compiler-setting"
+        assert len(linked.fault.notes) == 1
+    else:
+        linked.check()
+
+
+def test_a_model_of_one_unit_keeps_what_it_says(workshop: Workshop, picture: bytes) -> None:
+    linked = workshop.link(textured(ASKING, 'file="t.png"'), files={"t.png": picture})
+    assert np.array_equal(linked.alone(0).tex_data, linked.model().tex_data)

@@ -11,9 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from link.workshop import BASE, Linked, Piece, Workshop, hinge, placed
-
-from composer.link.bodies import effective_pose
-from composer.link.part import Joint, Place
+from mjcompose.link.bodies import effective_pose
+from mjcompose.link.linking import Joint, Place
 
 ARM = """
 <mujoco model="arm">

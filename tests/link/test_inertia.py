@@ -1,7 +1,69 @@
 from __future__ import annotations
 
 import pytest
-from link.workshop import BASE, Piece, Workshop, placed
+from link.workshop import BASE, Piece, Workshop, hinge, placed
+
+MESH = '<asset><mesh name="m" vertex="0 0 0 1 0 0 0 2 0 0 0 3 1 1 1"/></asset>'
+PRIMITIVES = ("sphere", "capsule", "cylinder", "box", "ellipsoid")
+
+
+def fitted(worldbody: str, fitaabb: str = "true") -> str:
+    return f"""
+    <mujoco><compiler fitaabb="{fitaabb}"/>
+      <default><default class="box"><geom type="box" mesh="m"/></default>
+        <default class="wide"><geom mesh="m" fitscale="2" type="capsule"/></default></default>{MESH}
+      <worldbody>{worldbody}</worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize("kind", PRIMITIVES)
+@pytest.mark.parametrize("pose", ["", 'pos="1 2 3" euler="10 20 30"', 'axisangle="0 1 1 20"'])
+def test_a_primitive_fitted_to_a_box_stays_as_large(workshop: Workshop, kind: str, pose: str) -> None:
+    part = fitted(f'<body name="b"><freejoint/><geom type="{kind}" mesh="m" {pose}/></body>')
+    workshop.link(BASE, Piece(part, place=placed(pos=(1.0, 0.0, 0.0)))).check()
+
+
+def test_geoms_are_counted_as_mujoco_counts_them(workshop: Workshop) -> None:
+    part = fitted("""
+      <geom name="0" class="box" euler="10 20 30"/>
+      <body name="b" pos="1 1 1">
+        <body name="c"><geom type="capsule" mesh="m" pos="1 0 0"/><geom type="mesh" mesh="m"/><geom size=".1"/></body>
+        <frame><geom type="sphere" mesh="m"/></frame>
+        <geom type="ellipsoid" mesh="m" mass="3"/>
+        <geom class="wide" fitscale="3"/>
+      </body>
+      <geom name="1" type="cylinder" mesh="m"/>""")
+    workshop.link(BASE, part).check()
+
+
+def test_a_frame_above_is_allowed_for(workshop: Workshop) -> None:
+    part = fitted("""
+      <body name="b"><frame pos="1 2 3" euler="4 5 6"><geom class="box" axisangle="1 0 0 20"/>
+        <frame quat="1 1 0 0"><geom class="wide"/><geom size=".1"/></frame></frame></body>""")
+    workshop.link(BASE, part).check(tolerance=1e-12)
+
+
+def test_the_base_is_fitted_too(workshop: Workshop) -> None:
+    base = fitted('<geom name="g" class="box"/>')
+    linked = workshop.link(base, fitted('<body name="b"><geom class="box"/></body>', "false"))
+    linked.check()
+    assert "fitaabb" not in linked.xml
+
+
+def test_a_model_without_fitted_primitives_is_not_measured(workshop: Workshop) -> None:
+    workshop.link(BASE, fitted('<body><geom type="mesh" mesh="m"/></body>'), measure=None).check()
+
+
+def test_copies_are_fitted_where_they_are_alike(workshop: Workshop) -> None:
+    body = '<replicate count="2" offset="1 0 0"><body name="b"><joint/><geom class="box" euler="1 2 3"/></body></replicate>'
+    workshop.link(BASE, fitted(body)).check()
+
+
+def test_copies_of_a_geom_on_one_body_cannot_be_measured(workshop: Workshop) -> None:
+    part = fitted('<replicate count="2" offset="1 0 0"><geom class="box"/></replicate>')
+    fault = workshop.link(BASE, part).fault
+    assert fault.code == "compiler-setting"
+    assert "copies" in fault.message
+
 
 BODIES = """
     <body name="a" pos="1 2 3" euler="10 20 30">
@@ -183,3 +245,84 @@ def test_one_massive_geom_is_enough_to_replace_an_inertial(workshop: Workshop) -
     </worldbody></mujoco>"""
     model = workshop.link(BASE, part).check()
     assert model.body("part/b").mass[0] == 2
+
+
+MUSCLES = """
+<mujoco>
+  <compiler>{rules}</compiler>
+  <worldbody>
+    <body name="b"><joint name="j" range="-30 50"/><geom size=".1"/><site name="p" pos=".2 0 0"/></body>
+    <site name="q" pos=".5 .5 0"/>
+  </worldbody>
+  <tendon><spatial name="t"><site site="p"/><site site="q"/></spatial></tendon>
+  <actuator>
+    <muscle tendon="t"/><motor joint="j"/><muscle joint="j"/><muscle joint="j" lengthrange="0 3"/>
+    <position joint="j"/>
+  </actuator>
+</mujoco>
+"""
+RULES = [
+    'mode="all"',
+    'mode="muscle" inttotal="3"',
+    'mode="muscleuser" useexisting="false"',
+    'uselimit="true"',
+]
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_muscles_keep_the_range_that_their_own_rules_give(workshop: Workshop, rule: str) -> None:
+    muscles = MUSCLES.format(rules=f"<lengthrange {rule}/>")
+    workshop.link(BASE, muscles).check()
+    linked = workshop.link(muscles, BASE)
+    linked.check()
+    assert "<lengthrange" not in linked.xml
+
+
+def test_the_rules_of_one_part_do_not_reach_another(workshop: Workshop) -> None:
+    plain, ruled = MUSCLES.format(rules=""), MUSCLES.format(rules='<lengthrange mode="all" uselimit="true"/>')
+    workshop.link(plain, ruled).check()
+
+
+def test_a_model_alone_keeps_its_rules_lengthranges(workshop: Workshop) -> None:
+    linked = workshop.link(MUSCLES.format(rules='<lengthrange mode="none"/>'))
+    assert '<lengthrange mode="none"/>' in linked.xml
+    linked.check()
+
+
+def test_a_muscle_without_any_range_cannot_be_kept(workshop: Workshop) -> None:
+    muscles = MUSCLES.format(rules='<lengthrange mode="none"/>')
+    fault = workshop.link(BASE, muscles).fault
+    assert fault.code == "compiler-setting"
+    assert "lengthrange" in fault.message
+
+
+def test_without_muscles_no_range_is_fine(workshop: Workshop) -> None:
+    part = """<mujoco><compiler><lengthrange mode="none"/></compiler><worldbody>
+      <body name="b"><joint name="j"/><geom size=".1"/></body></worldbody>
+      <actuator><motor joint="j"/></actuator></mujoco>"""
+    workshop.link(BASE, part).check()
+
+
+def test_actuators_that_mujoco_copies_cannot_be_measured(workshop: Workshop) -> None:
+    part = """<mujoco><compiler><lengthrange mode="all"/></compiler><worldbody><replicate count="2" offset="1 0 0">
+      <body name="b"><joint name="j" range="0 10"/><geom size=".1"/></body></replicate></worldbody>
+      <actuator><motor joint="j"/></actuator></mujoco>"""
+    fault = workshop.link(BASE, part).fault
+    assert fault.code == "compiler-setting"
+    assert "copies of actuators" in fault.message
+
+
+def test_muscles_keep_the_range_that_they_have_alone_where_something_hangs_on_them(
+    workshop: Workshop,
+) -> None:
+    arm = """<mujoco><worldbody><body name="b"><joint name="j" range="-30 50"/><geom size=".1"/><site name="p" pos=".2 0 0"/>
+        <body name="c" pos=".3 0 0"><joint name="k" axis="0 1 0" range="-30 50"/><geom size=".05" pos=".1 0 0"/>
+          <site name="r" pos=".1 .02 0"/></body></body>
+      <geom size=".1"/><site name="q" pos=".5 .5 0.2"/></worldbody>
+      <tendon><spatial name="t"><site site="p"/><site site="q"/></spatial>
+        <spatial name="u"><site site="r"/><site site="q"/></spatial></tendon>
+      <actuator><muscle name="m" tendon="t"/><muscle name="n" tendon="u"/><motor name="o" joint="j"/></actuator></mujoco>"""
+    load = '<mujoco><worldbody><body name="w"><geom size=".3" mass="9"/></body></worldbody></mujoco>'
+    workshop.link(arm, Piece(load, place=placed("body", "c"))).check()
+    workshop.link(BASE, Piece(arm, options={"joints": (hinge(name="part/"),)})).check()
+    assert "lengthrange" not in workshop.link(arm, load).xml

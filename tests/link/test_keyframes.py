@@ -4,10 +4,11 @@ import mujoco
 import numpy as np
 import pytest
 from link.workshop import BASE, OLDER, Linked, Piece, Workshop, hinge, placed
-
-from composer.compiled.keyframes import Keys
-from composer.link.part import Joint
-from composer.link.request import KeyPolicy
+from mjcompose.base.rotation import quat_from_axisangle
+from mjcompose.link.keyframes import part_keys
+from mjcompose.link.linking import Joint, KeyPolicy
+from mjcompose.model.unit import texts
+from mjcompose.mujoco.keyframes import Keys
 
 ARM = """
 <mujoco model="arm"><worldbody>
@@ -504,3 +505,44 @@ def test_the_state_that_classes_give_to_actuators_is_as_wide_as_in_mujoco(
 
 def test_the_judge_agrees_on_the_policies() -> None:
     assert {each.value for each in Keys} == {"merge", "prefix", "none"}
+
+
+HINGE = """
+<mujoco><worldbody><body name="b"><joint name="j"/><geom size=".1"/></body></worldbody>
+  <keyframe><key name="home" time="2" qpos="3"/><key qpos="4"/></keyframe></mujoco>
+"""
+LOOSE = """
+<mujoco><worldbody><body name="b"><freejoint name="j"/><geom size=".1"/></body></worldbody>
+  <keyframe><key name="home" qpos="1 0 0 1 0 0 0"/></keyframe></mujoco>
+"""
+
+
+def test_by_path_and_by_joint(workshop: Workshop) -> None:
+    turned = placed(pos=(0, 0, 5), quat=quat_from_axisangle((0, 0, 1), 3.141592653589793))
+    linking = workshop.link(HINGE, Piece(HINGE, "a/"), Piece(LOOSE, "b/", turned)).linking
+    found = part_keys(linking)
+    assert {path: keys.names for path, keys in found.items()} == {
+        "base": ["home"],
+        "a": ["home"],
+        "b": ["home"],
+    }
+    key = found["a"].named("home")
+    assert key is not None and key.time is not None and key.time.text == "2"
+    assert {node.get("name"): texts(row) for node, row in key.values["qpos"].items()} == {"a/j": ["3"]}
+    assert key.values["qpos"].popitem()[1][0].source.moved == ()
+    assert len(found["a"].keys) == 2
+    moved = found["b"].named("home")
+    assert moved is not None
+    (columns,) = moved.values["qpos"].values()
+    assert [round(float(number.text), 12) for number in columns[:3]] == [-1, 0, 5]
+    assert [len(number.source.moved) for number in columns] == [1] * 7
+    assert found["a"].named("other") is None
+
+
+def test_they_are_remembered_for_what_the_model_becomes_a_part_of(workshop: Workshop) -> None:
+    linking = workshop.link(BASE, Piece(HINGE, "a/")).linking
+    assert linking.base.part_keys["a"].depth == 1
+    assert (
+        "a"
+        not in workshop.link(BASE, Piece(HINGE, "a/", options={"keyframes": "none"})).linking.base.part_keys
+    )

@@ -7,10 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from link.workshop import BASE, Piece, Workshop, obj, placed
-
-from composer.link.names import rename
-from composer.tree.classes import MAIN
-from composer.tree.names import may_be_generated
+from mjcompose.link.names import rename
+from mjcompose.model.classes import MAIN
+from mjcompose.model.names import may_be_generated
 
 # Every attribute that refers to a name, and every kind of thing it may refer to.
 REFERRING = """

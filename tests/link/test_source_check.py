@@ -2,11 +2,10 @@ from __future__ import annotations
 
 import pytest
 from link.workshop import BASE, Piece, Workshop, placed
-
-from composer.diagnostics.sink import Sink
-from composer.link.source_check import STUMBLES, check_source, put_right
-from composer.tree.parse import parse_text
-from composer.tree.write import to_text
+from mjcompose.base.sink import Sink
+from mjcompose.link.source_check import STUMBLES, check_source, put_right
+from mjcompose.model.parse import parse_text
+from mjcompose.model.xml_text import to_text
 
 # What the linker reads, and what may stand there instead of a number.
 STUMBLING = [
@@ -147,5 +146,5 @@ def test_sections_may_be_written_several_times(workshop: Workshop) -> None:
 def test_attributes_that_a_newer_mujoco_may_have_are_left_to_it(
     workshop: Workshop, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("composer.link.source_check._is_newer", lambda: True)
+    monkeypatch.setattr("mjcompose.link.source_check._is_newer", lambda: True)
     assert check_source(workshop.unit('<mujoco><option gravitas="1"/></mujoco>'), Sink())

@@ -9,17 +9,16 @@ import pytest
 from link.test_files import skin
 from link.workshop import Workshop, obj
 from lxml import etree
+from mjcompose.base.sink import Sink
+from mjcompose.link.measure import measure_with
+from mjcompose.link.subtree import Subtree, take_subtree
+from mjcompose.model.parse import parse_file
+from mjcompose.model.unit import Unit
+from mjcompose.model.xml_text import write
+from mjcompose.mujoco.compare import compare
+from mjcompose.mujoco.match import Mount
+from mjcompose.sources.context import Context
 from sampling import rest_slow
-
-from composer.compiled.mount import Mount
-from composer.compiled.unchanged import compare
-from composer.context import Context
-from composer.diagnostics.sink import Sink
-from composer.link.measure import measure_with
-from composer.link.subtree import Subtree, take_subtree
-from composer.tree.parse import parse_file
-from composer.tree.unit import Unit
-from composer.tree.write import write
 
 CORPUS = os.environ.get("MJCOMPOSE_CORPUS")
 

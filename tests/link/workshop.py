@@ -9,25 +9,20 @@ from typing import Any
 
 import mujoco
 import pytest
-
-from composer.bundle.collect import collect
-from composer.compiled.difference import Difference
-from composer.compiled.keyframes import Keys
-from composer.compiled.mount import Mount
-from composer.compiled.unchanged import compare
-from composer.context import Context
-from composer.diagnostics.diagnostic import Diagnostic
-from composer.diagnostics.sink import Sink
-from composer.diagnostics.span import Span
-from composer.link.link import finish, link
-from composer.link.linking import Linking
-from composer.link.measure import measure_with
-from composer.link.part import Joint, Part, Place
-from composer.link.request import Request
-from composer.numerics.pose import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, normalise
-from composer.tree.parse import parse_file
-from composer.tree.unit import Unit
-from composer.tree.write import write
+from mjcompose.base.diagnostic import Diagnostic, Span
+from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, normalise
+from mjcompose.base.sink import Sink
+from mjcompose.build.bundle.collect import collect
+from mjcompose.link.link import finish, link
+from mjcompose.link.linking import Joint, Linking, Part, Place, Request
+from mjcompose.link.measure import measure_with
+from mjcompose.model.parse import parse_file
+from mjcompose.model.unit import Unit
+from mjcompose.model.xml_text import write
+from mjcompose.mujoco.compare import compare
+from mjcompose.mujoco.keyframes import Keys
+from mjcompose.mujoco.match import Difference, Mount
+from mjcompose.sources.context import Context
 
 BASE = '<mujoco model="base"><worldbody><site name="mark" pos="1 2 3"/></worldbody></mujoco>'
 """A base that says next to nothing."""

@@ -26,7 +26,7 @@ class Editor:
         self.folder = folder
         self.stderr = tempfile.TemporaryFile()  # noqa: SIM115  a pipe that nobody reads would hold the server up
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "composer", "lsp", "--stdio"],
+            [sys.executable, "-m", "mjcompose", "lsp", "--stdio"],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self.stderr, cwd=folder, env=environment,
         )  # fmt: skip
         self.messages: queue.Queue[Any] = queue.Queue()

@@ -10,8 +10,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 from lsp.client import Editor
-
-from composer.cli.main import main
+from mjcompose.cli.main import main
 
 TEXT = 'recipe: 1\nattach: {"🤖é": {model: ./none.xml, sitt: x}}\n'
 WORD = TEXT.splitlines()[1].index("sitt")
@@ -79,7 +78,7 @@ def test_help() -> None:
 
 @pytest.mark.parametrize("package", ["pygls", "lsprotocol"])
 def test_a_missing_extra(monkeypatch: pytest.MonkeyPatch, package: str) -> None:
-    ours = ("pygls", "lsprotocol", "composer.lsp.server", "composer.lsp.protocol")
+    ours = ("pygls", "lsprotocol", "mjcompose.lsp.server", "mjcompose.lsp.protocol")
     for name in [name for name in sys.modules if name.startswith(ours)]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, package, None)
@@ -93,6 +92,6 @@ def test_a_missing_extra(monkeypatch: pytest.MonkeyPatch, package: str) -> None:
 
 
 def test_no_other_command_imports_it() -> None:
-    code = "import sys; from composer.cli import check, view; print(any(name.startswith('pygls') for name in sys.modules))"
+    code = "import sys; from mjcompose.cli import check, view; print(any(name.startswith('pygls') for name in sys.modules))"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "False"

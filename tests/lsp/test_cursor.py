@@ -8,13 +8,12 @@ from typing import Any
 
 import pytest
 from lsp.client import MARK
-
-from composer.diagnostics.sink import Sink
-from composer.diagnostics.span import Span
-from composer.document import load
-from composer.document.node import Node, Scalar, Sequence
-from composer.lsp.cursor import Cursor, cursor_at
-from composer.lsp.lines import lines_of
+from mjcompose.base.diagnostic import Span
+from mjcompose.base.sink import Sink
+from mjcompose.lsp.analysis import lines_of
+from mjcompose.lsp.cursor import Cursor, cursor_at
+from mjcompose.text.load import load
+from mjcompose.text.node import Node, Scalar, Sequence
 
 RECIPES = sorted((Path(__file__).resolve().parents[2] / "recipes").glob("*.yaml"))
 

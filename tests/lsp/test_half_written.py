@@ -9,25 +9,14 @@ from pathlib import Path
 
 import pytest
 from lsp.conftest import RECIPES, ROBOTS
-
-from composer.diagnostics.span import Span
-from composer.lsp.actions.offer import Offer
-from composer.lsp.actions.table import actions
-from composer.lsp.analysis import Analysis
-from composer.lsp.completion.table import complete
-from composer.lsp.hover.table import hover
-from composer.lsp.lines import lines_of, units
-from composer.lsp.navigation.definition import definition
-from composer.lsp.navigation.folding import folds
-from composer.lsp.navigation.hints import hints
-from composer.lsp.navigation.layout import formatted
-from composer.lsp.navigation.lenses import lenses
-from composer.lsp.navigation.references import references
-from composer.lsp.navigation.rename import rename, renameable
-from composer.lsp.navigation.symbols import symbols
-from composer.lsp.question import Question
-from composer.lsp.reports import uses_of
-from composer.lsp.workspace import Workspace
+from mjcompose.base.diagnostic import Span
+from mjcompose.lsp.actions import Offer, actions
+from mjcompose.lsp.analysis import Analysis, Question, lines_of, units
+from mjcompose.lsp.completion import complete
+from mjcompose.lsp.desk import Workspace, uses_of
+from mjcompose.lsp.hover import hover
+from mjcompose.lsp.navigation import definition, folds, formatted, hints, lenses, references, symbols
+from mjcompose.lsp.rename import rename, renameable
 
 SHIPPED = sorted(RECIPES.glob("*.yaml"))
 QUICK = [RECIPES / name for name in ("demo.yaml", "payload_study.yaml", "hoist.yaml")]

@@ -145,8 +145,8 @@ def test_formatting_is_that_of_fmt_and_leaves_the_rest_alone(editor: Editor, end
         {"textDocument": params["textDocument"], "options": {"tabSize": 2, "insertSpaces": True}},
     )
     result = applied(text, edits)
-    from composer.diagnostics.sink import Sink
-    from composer.formatting.format import format_recipe
+    from mjcompose.base.sink import Sink
+    from mjcompose.text.layout import format_recipe
 
     assert result.encode() == format_recipe(text.encode(), "messy.yaml", Sink())
     assert len(edits) <= 3

@@ -9,8 +9,7 @@ import pytest
 from lsp.client import MARK, Editor, applied
 from lsp.conftest import RECIPES
 from lsp.test_hover import mark
-
-from composer.lsp.navigation.prefixes import NotSure, renamed
+from mjcompose.lsp.rename import NotSure, renamed
 
 DEMO = (RECIPES / "demo.yaml").read_text(encoding="utf-8")
 ARM = '<mujoco><worldbody><body name="b"><site name="tip"/><geom name="g" size="1"/></body></worldbody></mujoco>'

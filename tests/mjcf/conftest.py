@@ -9,8 +9,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-
-from composer import mjcf
+from mjcompose import mjcf
 
 _OF_PATHS = {"signature", "nbuffer", "paths", "npaths"}
 ARM = """

@@ -1,4 +1,4 @@
-"""What `composer.mjcf` promises its users: names, parameters, and an example in every docstring."""
+"""What `mjcompose.mjcf` promises its users: names, parameters, and an example in every docstring."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
-
-from composer import mjcf
+from mjcompose import mjcf
 
 SIGNATURES = {
     "from_xml_string": "xml_string assets base_dir",

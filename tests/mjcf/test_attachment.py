@@ -10,8 +10,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-
-from composer import mjcf
+from mjcompose import mjcf
 
 Compiled = Callable[[mjcf.RootElement], mujoco.MjModel]
 

@@ -4,8 +4,7 @@ import copy
 
 import numpy as np
 import pytest
-
-from composer import mjcf
+from mjcompose import mjcf
 
 
 @pytest.fixture

@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from lxml import etree
-
-from composer import mjcf
-from composer.grammar import GRAMMAR
-from composer.mjcf import Element, MjcfError, RootElement
+from mjcompose import mjcf
+from mjcompose.mjcf import Element, MjcfError, RootElement
+from mjcompose.model.grammar import GRAMMAR
 
 _SECTIONS = ("asset", "contact", "equality", "tendon", "actuator", "sensor", "keyframe", "custom")
 _ON_BODIES = ("body", "joint", "geom", "site", "camera", "light", "inertial", "frame")

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import mujoco
 import pytest
+from mjcompose import mjcf
 from sampling import rest_slow
-
-from composer import mjcf
 
 FOLDER = os.environ.get("MJCOMPOSE_CORPUS")
 

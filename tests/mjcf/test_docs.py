@@ -7,8 +7,7 @@ from pathlib import Path
 
 import mujoco
 import pytest
-
-from composer.mjcf import Physics
+from mjcompose.mjcf import Physics
 
 
 def test_the_examples_of_the_page(

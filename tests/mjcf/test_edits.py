@@ -14,11 +14,10 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 from lxml import etree
-
-from composer import mjcf
-from composer.mjcf import Element, MjcfError, Physics, RootElement
-from composer.mjcf.model import Model
-from composer.tree.name_index import NameIndex
+from mjcompose import mjcf
+from mjcompose.mjcf import Element, MjcfError, Physics, RootElement
+from mjcompose.mjcf.model import Model
+from mjcompose.model.names import NameIndex
 
 START = """
 <mujoco model="{name}">

@@ -4,10 +4,11 @@ import pickle
 from pathlib import Path
 
 import pytest
-
-from composer import mjcf
-from composer.diagnostics import MjcomposeError, Sink
-from composer.mjcf.errors import failure, raise_errors
+from mjcompose import mjcf
+from mjcompose.base.report import MjcomposeError
+from mjcompose.base.sink import Sink
+from mjcompose.mjcf import errors as elsewhere
+from mjcompose.mjcf.errors import failure, raise_errors
 
 
 def test_a_fault_is_a_value_error_with_diagnostics() -> None:
@@ -60,3 +61,44 @@ def test_only_errors_are_raised_and_all_of_them() -> None:
     with pytest.raises(mjcf.MjcfError) as caught:
         raise_errors(sink)
     assert [fault.message for fault in caught.value.diagnostics] == ["one", "two"]
+
+
+@pytest.fixture
+def body() -> mjcf.Element:
+    return mjcf.RootElement("m").worldbody.add("body", name="b")
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("pso", "did you mean `pos`"),
+        ("geoms", "did you mean `geom`"),
+        ("attch", "did you mean `attach`"),
+        ("ad", "`add`"),
+    ],
+)
+def test_what_was_probably_meant_is_told(body: mjcf.Element, name: str, said: str) -> None:
+    with pytest.raises(mjcf.MjcfError, match=said):
+        getattr(body, name)
+
+
+@pytest.mark.parametrize("name", elsewhere.ATTRIBUTES)
+def test_words_of_dm_control_are_told_as_what_they_are_here(body: mjcf.Element, name: str) -> None:
+    with pytest.raises(mjcf.MjcfError) as caught:
+        getattr(body, name)
+    assert caught.value.diagnostics[0].help == elsewhere.ATTRIBUTES[name]
+
+
+@pytest.mark.parametrize("tag", elsewhere.TAGS)
+def test_so_are_its_namespaces(body: mjcf.Element, tag: str) -> None:
+    with pytest.raises(mjcf.MjcfError) as caught:
+        body.root.find(tag, "x")
+    assert caught.value.diagnostics[0].help == elsewhere.TAGS[tag]
+
+
+def test_they_are_no_children(body: mjcf.Element) -> None:
+    with pytest.raises(mjcf.MjcfError, match="cannot have a `attachment_frame`"):
+        body.add("attachment_frame")
+    with pytest.raises(mjcf.MjcfError) as caught:
+        body.set_attributes(namescope=1)
+    assert caught.value.diagnostics[0].help is None

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import mujoco
 import pytest
-
-from composer import mjcf
+from mjcompose import mjcf
 
 
 def test_the_pendulum() -> None:

@@ -1,5 +1,8 @@
+"""The quick way to a model's text says what the linker says, or leaves it to the linker."""
+
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -7,15 +10,14 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-
-from composer import mjcf
-from composer.diagnostics.sink import Sink
-from composer.link.defaults import choose_classes
-from composer.link.link import finish, link
-from composer.link.linking import Linking
-from composer.mjcf import flat
-from composer.mjcf.flat import copied
-from composer.tree.write import to_text
+from mjcompose import mjcf
+from mjcompose.base.sink import Sink
+from mjcompose.link.defaults import choose_classes
+from mjcompose.link.link import finish, link
+from mjcompose.link.linking import Linking
+from mjcompose.mjcf import flat
+from mjcompose.mjcf.flat import copied, label, linked, name_files, relocated_text
+from mjcompose.model.xml_text import to_text
 
 Compiled = Callable[[mjcf.RootElement], mujoco.MjModel]
 
@@ -227,3 +229,139 @@ def test_the_second_text_is_not_linked_and_has_the_same_warnings(monkeypatch: py
     assert [str(each.message) for each in first] == [str(each.message) for each in second]
     with pytest.raises(TypeError):  # another policy is another text
         arm.to_xml_string(conflict="merge")
+
+
+def faults(model: mjcf.RootElement) -> list[str]:
+    with pytest.raises(mjcf.MjcfError) as caught:
+        model.to_xml_string()
+    return [fault.message for fault in caught.value.diagnostics]
+
+
+def test_every_loose_end_is_told_once(arm: mjcf.RootElement, gripper: mjcf.RootElement) -> None:
+    arm.attach(gripper)
+    for name in "ab":
+        arm.actuator.add("motor", name=name, joint="elbw_joint")
+    arm.worldbody.add("geom", size=[1], material="grye")
+    gripper.sensor.add("touch", name="t", site="pinhc")
+    assert sorted(faults(arm)) == [
+        "`<geom>` refers to the material `grye`, which does not exist",
+        "`<motor>` `a` refers to the joint `elbw_joint`, which does not exist",
+        "`<touch>` `t` refers to the site `pinhc`, which does not exist",
+    ]
+
+
+def test_what_was_meant_is_said(arm: mjcf.RootElement, gripper: mjcf.RootElement) -> None:
+    arm.attach(gripper)
+    arm.actuator.add("motor", name="m", joint="left")
+    with pytest.raises(mjcf.MjcfError, match="did you mean `gripper/left`"):
+        arm.to_xml_string()
+
+
+def test_what_a_class_refers_to_is_not_looked_up() -> None:
+    model = mjcf.RootElement()
+    model.default.geom.material = "nothing"
+    model.to_xml_string()
+
+
+def test_names_that_mujoco_makes_are_let_through() -> None:
+    model = mjcf.RootElement("many")
+    copies = model.worldbody.add("replicate", count=3, offset=[1, 0, 0], sep="_")
+    copies.add("body", name="b").add("geom", name="g", size=[0.1])
+    model.sensor.add("framepos", objtype="body", objname="b_2")
+    model.to_xml_string()
+    outer = mjcf.RootElement()
+    outer.attach(model)
+    outer.sensor.add("framepos", objtype="geom", objname="many/g_1")
+    assert 'objname="many/g_1"' in outer.to_xml_string()
+
+
+def test_many_referrers_are_counted() -> None:
+    model = mjcf.RootElement()
+    for _ in range(30):
+        model.sensor.add("touch", site="s")
+    with pytest.raises(mjcf.MjcfError) as caught:
+        model.to_xml_string()
+    notes = [note.message for note in caught.value.diagnostics[0].notes]
+    assert len(notes) == 22 and notes[20] == "and 10 more" and notes[21] == "there are no sites"
+
+
+FOLDER = os.environ.get("MJCOMPOSE_CORPUS")
+
+_QUICK = {
+    "two compilers": "<mujoco><compiler meshdir='m'/><compiler angle='radian'/></mujoco>",
+    "nothing": "<mujoco/>",
+    "no files": "<mujoco><compiler angle='radian'/><worldbody><geom name='a' size='1'/></worldbody></mujoco>",
+    "a folder": "<mujoco><compiler meshdir='m' angle='radian' assetdir='a'/><asset><mesh file='x.obj'/>"
+    "<mesh file='in/y.obj'/><texture type='2d' file='z.png'/></asset></mujoco>",
+    "text to escape": "<mujoco><!-- &lt; --><compiler texturedir='a&amp;\"&lt;' eulerseq='xyz'/>"
+    "<asset><mesh name='&lt;&quot;&gt;' file='&amp;.obj'/></asset></mujoco>",
+}
+_LEFT = {
+    "a comment like a file": "<mujoco><asset><!-- file=\"x\" --><mesh file='x.obj'/></asset></mujoco>",
+    "a comment like a compiler": "<mujoco><!-- <compiler/> --><compiler meshdir='m' angle='radian'/></mujoco>",
+    "a compiler of folders": "<mujoco><compiler meshdir='m'/></mujoco>",
+    "a compiler with children": "<mujoco><compiler meshdir='m'><lengthrange/></compiler></mujoco>",
+    "a compiler below": "<mujoco><option/><compiler angle='radian'/></mujoco>",
+    "strippath": "<mujoco><compiler strippath='true'/><asset><mesh file='a/b.obj'/></asset></mujoco>",
+    "a path to shorten": "<mujoco><asset><mesh file='../x.obj'/></asset></mujoco>",
+    "one file name twice": "<mujoco><asset><mesh file='a/x.obj'/><mesh name='y' file='b/X.obj'/></asset></mujoco>",
+    "sides": "<mujoco><asset><texture type='cube' fileright='r.png'/></asset></mujoco>",
+    "an empty section": "<mujoco><visual><global/></visual></mujoco>",
+}
+
+
+def by_linker(root: mjcf.RootElement) -> str:
+    flat = linked(root._model, "error", copied, check_keys=False)
+    name_files(flat)
+    return to_text(flat.unit.root)
+
+
+def quick(root: mjcf.RootElement) -> str | None:
+    return relocated_text(root._model, label(root._model))
+
+
+@pytest.mark.parametrize("xml", _QUICK.values(), ids=_QUICK)
+def test_the_quick_text_is_the_linkers(xml: str) -> None:
+    root = mjcf.from_xml_string(xml)
+    assert quick(root) == by_linker(root) == root.to_xml_string()
+
+
+@pytest.mark.parametrize("xml", _LEFT.values(), ids=_LEFT)
+def test_what_is_more_than_a_folder_is_left_to_the_linker(xml: str) -> None:
+    root = mjcf.from_xml_string(xml)
+    assert quick(root) is None
+    assert root.to_xml_string() == by_linker(root)
+
+
+def test_models_with_parts_and_files_from_memory_are_left_to_the_linker() -> None:
+    arm, tool = mjcf.RootElement("arm"), mjcf.RootElement("tool")
+    arm.attach(tool)
+    assert quick(arm) is None and quick(tool) is not None
+    tool.asset.add("mesh", name="m", file=mjcf.Asset(b"o m", ".obj", "m"))
+    assert quick(tool) is None
+
+
+def test_a_setting_that_is_written_later_counts() -> None:
+    root = mjcf.from_xml_string(
+        "<mujoco><compiler angle='radian' meshdir='m'/><asset><mesh file='a/x.obj'/></asset></mujoco>"
+    )
+    assert 'file="assets/unnamed_model/a/x.obj"' in root.to_xml_string()
+    root.compiler.strippath = "true"
+    assert quick(root) is None
+    assert 'file="assets/unnamed_model/x.obj"' in root.to_xml_string()
+
+
+@pytest.mark.skipif(FOLDER is None, reason="MJCOMPOSE_CORPUS is not set")
+def test_real_models() -> None:
+    assert FOLDER is not None
+    taken = 0
+    for path in sorted(Path(FOLDER, "models").glob("*/*.xml")):
+        try:
+            root = mjcf.from_path(path)
+            expected = by_linker(root)
+        except mjcf.MjcfError:
+            continue
+        found = quick(root)
+        assert found in (None, expected), path
+        taken += found is not None
+    assert taken > 50

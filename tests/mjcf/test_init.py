@@ -4,12 +4,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-from composer import mjcf
+from mjcompose import mjcf
 
 
 def test_importing_it_imports_nothing_heavy(repository: Path) -> None:
     code = (
-        "import sys; from composer import mjcf; m = mjcf.RootElement(); m.worldbody.add('geom', size=[1]); "
+        "import sys; from mjcompose import mjcf; m = mjcf.RootElement(); m.worldbody.add('geom', size=[1]); "
         "m.to_xml_string(); print([n for n in ('mujoco', 'pydantic', 'yaml', 'click') if n in sys.modules])"
     )
     run = subprocess.run(

@@ -6,11 +6,10 @@ from pathlib import Path
 
 import mujoco
 import pytest
-
-from composer import mjcf
-from composer.compiled.fields import ROUNDING
-from composer.compiled.keyframes import Keys
-from composer.compiled.unchanged import compare
+from mjcompose import mjcf
+from mjcompose.mujoco.arrays import ROUNDING
+from mjcompose.mujoco.compare import compare
+from mjcompose.mujoco.keyframes import Keys
 
 _MOVED = ("key_qpos", "key_qvel", "key_mpos", "key_mquat")
 

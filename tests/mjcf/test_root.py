@@ -3,9 +3,8 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-
-from composer import mjcf
-from composer.grammar import GRAMMAR
+from mjcompose import mjcf
+from mjcompose.model.grammar import GRAMMAR
 
 
 def test_every_section_is_an_attribute() -> None:

@@ -7,9 +7,8 @@ from collections.abc import Callable
 from types import FrameType
 
 import pytest
-
-from composer import mjcf
-from composer.mjcf import RootElement
+from mjcompose import mjcf
+from mjcompose.mjcf import RootElement
 
 _FEW, _MANY = 50, 1000
 

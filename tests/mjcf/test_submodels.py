@@ -7,8 +7,7 @@ from pathlib import Path
 
 import mujoco
 import pytest
-
-from composer import mjcf
+from mjcompose import mjcf
 
 OBJ = b"v 0 0 0\nv %d 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 TOOL = b"""

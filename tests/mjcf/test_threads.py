@@ -10,9 +10,8 @@ from threading import Barrier
 from typing import TypeVar
 
 import pytest
-
-from composer import mjcf
-from composer.mjcf import RootElement
+from mjcompose import mjcf
+from mjcompose.mjcf import RootElement
 
 _Result = TypeVar("_Result")
 _THREADS = 8

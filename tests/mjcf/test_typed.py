@@ -8,16 +8,15 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
+import mjcompose
 import pytest
-
-import composer
-from composer import mjcf, worlds
-from composer.mjcf import elements, stub
+from mjcompose import mjcf, worlds
+from mjcompose.mjcf import elements, stub
 
 _GOOD = """\
-from composer import mjcf
-from composer.mjcf import elements
-import composer
+from mjcompose import mjcf
+from mjcompose.mjcf import elements
+import mjcompose
 
 model = mjcf.RootElement()
 pendulum = model.worldbody.add("body", name="pendulum", pos=[0, 0, 1])
@@ -49,14 +48,14 @@ def lift(body: elements.Body, parent: mjcf.Element) -> mjcf.Element:
 
 try:
     lift(pendulum, model.worldbody)
-    composer.load("nowhere")
-except composer.MjcomposeError as error:
+    mjcompose.load("nowhere")
+except mjcompose.MjcomposeError as error:
     print(error.diagnostics[0].code)
-print(composer.mjcf.PREFIX_SEPARATOR, composer.worlds.Worlds, composer.__version__)
+print(mjcompose.mjcf.PREFIX_SEPARATOR, mjcompose.worlds.Worlds, mjcompose.__version__)
 """
 
 _BAD = """\
-from composer import mjcf
+from mjcompose import mjcf
 model = mjcf.RootElement()
 body = model.worldbody.add("body", name="arm")
 body.poss = [0, 0, 1]
@@ -102,7 +101,7 @@ def test_the_program_that_passes_runs(tmp_path: Path) -> None:
     assert "file-not-found" in run.stdout
 
 
-@pytest.mark.parametrize("module", [composer, mjcf, worlds], ids=["composer", "mjcf", "worlds"])
+@pytest.mark.parametrize("module", [mjcompose, mjcf, worlds], ids=["mjcompose", "mjcf", "worlds"])
 def test_dir_shows_what_is_public_and_each_of_it_has_a_docstring(module: ModuleType) -> None:
     assert sorted(dir(module)) == sorted(module.__all__)
     for name in dir(module):
@@ -113,18 +112,18 @@ def test_dir_shows_what_is_public_and_each_of_it_has_a_docstring(module: ModuleT
 def test_every_error_has_one_base_class() -> None:
     errors = [
         value
-        for module in (composer, mjcf, worlds)
+        for module in (mjcompose, mjcf, worlds)
         for name in dir(module)
         if isinstance(value := getattr(module, name), type) and issubclass(value, Exception)
         if not issubclass(value, Warning)
     ]
-    assert len(errors) > 5 and all(issubclass(each, composer.MjcomposeError) for each in errors)
+    assert len(errors) > 5 and all(issubclass(each, mjcompose.MjcomposeError) for each in errors)
 
 
 def test_the_import_brings_nothing_and_finds_everything() -> None:
     code = (
-        "import sys, composer; early = [n for n in sys.modules if n.startswith('composer.')];"
-        "print(early, composer.mjcf.RootElement.__name__, composer.worlds.load.__name__)"
+        "import sys, mjcompose; early = [n for n in sys.modules if n.startswith('mjcompose.')];"
+        "print(early, mjcompose.mjcf.RootElement.__name__, mjcompose.worlds.load.__name__)"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "[] RootElement load"

@@ -9,10 +9,7 @@ from typing import TypeVar
 
 from lxml import etree
 from lxml.etree import _Element as Node
-
-from composer.grammar import GRAMMAR
-from composer.grammar.attribute import Attribute
-from composer.grammar.element import ElementType
+from mjcompose.model.grammar import GRAMMAR, Attribute, ElementType
 
 T = TypeVar("T")
 

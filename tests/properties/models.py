@@ -10,12 +10,10 @@ import mujoco
 from hypothesis import strategies as st
 from lxml import etree
 from lxml.etree import _Element as Node
+from mjcompose.model.grammar import GRAMMAR, ElementType
 from properties.elements import Maker, element
 from properties.mending import mended
 from properties.scattering import scatter
-
-from composer.grammar import GRAMMAR
-from composer.grammar.element import ElementType
 
 _MOST = 4
 """Optional attributes of one element."""

@@ -12,9 +12,8 @@ from pathlib import Path
 
 import mujoco
 import pytest
-
-from composer.context import Context
-from composer.stages import Request, build
+from mjcompose.build.stages import Request, build
+from mjcompose.sources.context import Context
 
 POLICIES = ("merge", "prefix", "none")
 Row = dict[str, float]

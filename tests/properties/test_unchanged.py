@@ -15,14 +15,13 @@ import pytest
 from feature_cases.judging import differences
 from feature_cases.members import members
 from hypothesis import HealthCheck, given, reject, settings
+from mjcompose.build.bundle.assemble import assemble
+from mjcompose.build.compose.compose import Composer
+from mjcompose.build.plan.planner import make_plan
+from mjcompose.model.unit import Unit
+from mjcompose.model.xml_text import write
+from mjcompose.sources.context import Context
 from properties.compositions import Composition, compositions
-
-from composer.bundle.assemble import assemble
-from composer.compose.compose import Composer
-from composer.context import Context
-from composer.plan.planner import make_plan
-from composer.tree.unit import Unit
-from composer.tree.write import write
 
 EXAMPLES = int(os.environ.get("MJCOMPOSE_EXAMPLES", "60"))
 

@@ -9,8 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 from click.testing import CliRunner
-
-from composer.cli.main import main
+from mjcompose.cli.main import main
 
 RECIPES = Path(__file__).resolve().parents[2] / "recipes"
 

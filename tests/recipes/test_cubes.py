@@ -7,9 +7,8 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-
-from composer.context import Context
-from composer.stages import Request, build
+from mjcompose.build.stages import Request, build
+from mjcompose.sources.context import Context
 
 FOLDER = Path(__file__).resolve().parents[2] / "recipes"
 

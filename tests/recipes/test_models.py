@@ -6,8 +6,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-
-from composer.sources import licence
+from mjcompose.sources import licence
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "recipes" / "models"

@@ -14,11 +14,10 @@ import numpy as np
 import pytest
 from lxml import etree
 from lxml.etree import _Element as Node
+from mjcompose.build.bundle.write import write
+from mjcompose.build.stages import Request, build
+from mjcompose.sources.context import Context
 from sampling import rest_slow
-
-from composer.bundle.write import write
-from composer.context import Context
-from composer.stages import Request, build
 
 RECIPES = Path(__file__).resolve().parents[2] / "recipes"
 HANDS: dict[str, tuple[str, Callable[[Node], None]]] = {}

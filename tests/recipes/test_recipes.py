@@ -8,11 +8,10 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from mjcompose.build.bundle.write import write
+from mjcompose.build.stages import Request, build
+from mjcompose.sources.context import Context
 from sampling import rest_slow
-
-from composer.bundle.write import write
-from composer.context import Context
-from composer.stages import Request, build
 
 ROOT = Path(__file__).resolve().parents[2]
 RECIPES = sorted((ROOT / "recipes").glob("*.yaml"))

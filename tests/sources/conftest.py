@@ -11,10 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from composer.sources import SourceError
-from composer.sources.fetching import Fetching
-from composer.sources.resolve import resolve
+from mjcompose.sources.fetching import Fetching
+from mjcompose.sources.lock import resolve
+from mjcompose.sources.reference import SourceError
 
 MODEL = (
     '<mujoco model="{name}"><worldbody><body name="{name}"><geom size="0.1"/></body></worldbody></mujoco>\n'
@@ -153,5 +152,5 @@ def answer() -> Callable[..., None]:
 
 @pytest.fixture(autouse=True)
 def no_pauses(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("composer.sources.download._PAUSE", 0.01)
-    monkeypatch.setattr("composer.sources.git_command._PAUSE", 0.01)
+    monkeypatch.setattr("mjcompose.sources.download._PAUSE", 0.01)
+    monkeypatch.setattr("mjcompose.sources.git_command._PAUSE", 0.01)

@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from composer.sources import SourceError
-from composer.sources.lock import Lock, Locked
+from mjcompose.sources.lock import Lock, Locked
+from mjcompose.sources.reference import SourceError
 
 MODEL = b"<mujoco/>\n"
 

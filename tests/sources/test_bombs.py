@@ -17,18 +17,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from composer.limits import MIB, allow
-from composer.sources import SourceError
+from mjcompose.base.limits import MIB, allow
+from mjcompose.sources.reference import SourceError
 
 PEAK = 512 * MIB
 TAKES = """
 import json, resource, sys
 from pathlib import Path
-from composer.limits import allow
-from composer.sources.error import SourceError
-from composer.sources.fetching import Fetching
-from composer.sources.resolve import resolve
+from mjcompose.base.limits import allow
+from mjcompose.sources.reference import SourceError
+from mjcompose.sources.fetching import Fetching
+from mjcompose.sources.lock import resolve
 
 reference, store, limits = sys.argv[1:]
 said = "taken"

@@ -6,10 +6,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-
-from composer.sources import SourceError
-from composer.sources.fetching import Fetching
-from composer.sources.resolve import resolve
+from mjcompose.sources.fetching import Fetching
+from mjcompose.sources.lock import resolve
+from mjcompose.sources.reference import SourceError
 
 
 @pytest.fixture
@@ -115,7 +114,7 @@ def test_says_why_a_fetch_failed() -> None:
 
 
 def test_without_the_package(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("composer.sources.descriptions.folders", lambda _: [])
+    monkeypatch.setattr("mjcompose.sources.descriptions.folders", lambda _: [])
     error = fail("descriptions:arm_mj_description")
     assert error.code == "source-not-found"
     assert error.help == "run `pip install robot_descriptions`"

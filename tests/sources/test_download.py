@@ -12,11 +12,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from composer.limits import allow
-from composer.sources.download import Version, download
-from composer.sources.error import SourceError
-from composer.sources.reach import is_private
+from mjcompose.base.limits import allow
+from mjcompose.sources.download import Version, download
+from mjcompose.sources.reference import SourceError
+from mjcompose.sources.trust import is_private
 
 NOTHING = Version()
 CONTENT = bytes(range(256)) * 64
@@ -166,8 +165,8 @@ def test_a_server_that_says_nothing(web: Any, get: Callable[..., Any]) -> None:
 def test_a_silent_server_takes_no_more_than_the_time_that_it_may_be_silent(
     web: Any, get: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("composer.sources.waiting._FIRST", 0.2)
-    monkeypatch.setattr("composer.sources.waiting._EVERY", 0.2)
+    monkeypatch.setattr("mjcompose.sources.fetching._FIRST", 0.2)
+    monkeypatch.setattr("mjcompose.sources.fetching._EVERY", 0.2)
     release = threading.Event()
     web.pages["/a"] = lambda handler: release.wait(20)
     told: list[str] = []
@@ -246,7 +245,7 @@ def test_a_name_that_cannot_be_resolved_is_asked_for_once(
     def wait(seconds: float) -> None:
         raise AssertionError("it is tried again")
 
-    monkeypatch.setattr("composer.sources.download.time.sleep", wait)
+    monkeypatch.setattr("mjcompose.sources.download.time.sleep", wait)
     for proxy in ({}, {"https_proxy": "http://proxy.invalid:3128"}):
         with pytest.raises(SourceError, match="the name of its server cannot be resolved") as caught:
             get("https://nobody.invalid/a.zip", **proxy)
@@ -338,9 +337,9 @@ def test_a_detour_leads_to_no_name_of_this_network(
     found: tuple[str, ...],
 ) -> None:
     """Nor is one asked that had no address when its reference was read."""
-    monkeypatch.setattr("composer.sources.reach._addresses", lambda name: tuple(map(ip_address, found)))
+    monkeypatch.setattr("mjcompose.sources.trust._addresses", lambda name: tuple(map(ip_address, found)))
     monkeypatch.setattr(
-        "composer.sources.download.is_private", lambda host: "127.0.0.1" not in host and is_private(host)
+        "mjcompose.sources.download.is_private", lambda host: "127.0.0.1" not in host and is_private(host)
     )
     web.pages["/a"] = lambda handler: answer(
         handler, b"", status=302, Location="https://robots.example.org/b"

@@ -5,11 +5,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from composer.sources import SourceError
-from composer.sources.fetching import Fetching
-from composer.sources.lock import Lock, Locked
-from composer.sources.resolve import resolve
+from mjcompose.sources.fetching import Fetching
+from mjcompose.sources.lock import Lock, Locked, resolve
+from mjcompose.sources.reference import SourceError
 
 
 def lock_with(id: str, commit: str) -> Lock:

@@ -10,12 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from composer.diff.revision import check_out
-from composer.sources import SourceError
-from composer.sources.fetching import Fetching, quiet
-from composer.sources.git_command import Git, GitFailure
-from composer.sources.resolve import resolve
+from mjcompose.sources.fetching import Fetching, quiet
+from mjcompose.sources.git_command import Git, GitFailure
+from mjcompose.sources.lock import resolve
+from mjcompose.sources.reference import SourceError
+from mjcompose.tools.diff.sides import check_out
 
 MODEL = '<mujoco model="arm"><worldbody><body name="arm"><geom size="0.1"/></body></worldbody></mujoco>\n'
 HOOKS = "post-checkout post-merge reference-transaction pre-auto-gc post-index-change upload-pack pre-receive".split()

@@ -17,10 +17,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from composer.sources import SourceError
-from composer.sources.fetching import Fetching
-from composer.sources.resolve import resolve
+from mjcompose.sources.fetching import Fetching
+from mjcompose.sources.lock import resolve
+from mjcompose.sources.reference import SourceError
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs a POSIX shell")
 
@@ -165,7 +164,7 @@ def mute() -> Iterator[int]:
 def test_an_ssh_server_that_says_nothing_is_given_up(
     mute: int, own_environment: dict[str, str], command: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("composer.sources.git_command._TRIES", 1)
+    monkeypatch.setattr("mjcompose.sources.git_command._TRIES", 1)
     environment = {**own_environment, "MJCOMPOSE_TIMEOUT": "1", "GIT_SSH_COMMAND": command}
     began = time.monotonic()
     with pytest.raises(SourceError) as caught:

@@ -8,25 +8,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import mjcompose.sources
 import pytest
-
-from composer import sources
-from composer.sources import SourceError, kinds, parse, path
-from composer.sources.fetching import Lookup
-from composer.sources.kind import PINS, Form
-from composer.sources.kinds import KINDS
-from composer.sources.lock import Locked
-from composer.sources.origin import Origin
-from composer.sources.reference import Reference
-from composer.sources.resolve import resolve
-from composer.sources.source import Source
-from composer.sources.source_kind import SourceKind
+from mjcompose.sources import kinds, path
+from mjcompose.sources.fetching import Lookup
+from mjcompose.sources.kinds import KINDS, parse
+from mjcompose.sources.lock import Locked, resolve
+from mjcompose.sources.reference import PINS, Form, Origin, Reference, Source, SourceError, SourceKind
 
 
 def test_every_row_is_listed() -> None:
     modules = [
-        importlib.import_module(f"composer.sources.{each.name}")
-        for each in pkgutil.iter_modules(sources.__path__)
+        importlib.import_module(f"mjcompose.sources.{each.name}")
+        for each in pkgutil.iter_modules(mjcompose.sources.__path__)
     ]
     rows = [row for module in modules if isinstance(row := getattr(module, "KIND", None), SourceKind)]
     assert sorted(row.name for row in rows) == sorted(row.name for row in KINDS)

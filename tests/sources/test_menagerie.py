@@ -5,10 +5,9 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-
-from composer.sources import Source, SourceError
-from composer.sources.fetching import Fetching
-from composer.sources.resolve import resolve
+from mjcompose.sources.fetching import Fetching
+from mjcompose.sources.lock import resolve
+from mjcompose.sources.reference import Source, SourceError
 
 needs_library = pytest.mark.skipif(
     find_spec("mujoco_menagerie") is None, reason="mujoco-menagerie is missing"

@@ -4,10 +4,9 @@ import sys
 from pathlib import Path
 
 import pytest
-
-from composer.sources import SourceError
-from composer.sources.fetching import Fetching
-from composer.sources.resolve import resolve
+from mjcompose.sources.fetching import Fetching
+from mjcompose.sources.lock import resolve
+from mjcompose.sources.reference import SourceError
 
 METADATA = "Metadata-Version: 2.1\nName: {}\nVersion: {}\n"
 

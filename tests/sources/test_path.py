@@ -4,10 +4,9 @@ import os
 from pathlib import Path
 
 import pytest
-
-from composer.sources import Source, SourceError
-from composer.sources.path import KIND
-from composer.sources.resolve import resolve
+from mjcompose.sources.lock import resolve
+from mjcompose.sources.path import KIND
+from mjcompose.sources.reference import Source, SourceError
 
 
 @pytest.fixture

@@ -1,9 +1,8 @@
 from __future__ import annotations
 
 import pytest
-
-from composer.sources import Reference, SourceError, parse
-from composer.sources.kinds import kind_called
+from mjcompose.sources.kinds import kind_called, parse
+from mjcompose.sources.reference import Reference, SourceError, take_apart
 
 
 @pytest.mark.parametrize(
@@ -146,3 +145,24 @@ def test_unknown_kinds_say_what_to_write(text: str, fix: str) -> None:
         parse(text)
     assert caught.value.code == "source-kind"
     assert caught.value.help == fix
+
+
+@pytest.mark.parametrize(
+    "url",
+    [
+        "https://[::1/a.zip",
+        "https://℀.com/a.zip",
+        "https://host:port/a",
+        "https://host:0/a",
+        "https:///a",
+        "",
+    ],
+)
+def test_what_is_no_address(url: str) -> None:
+    assert take_apart(url) is None
+
+
+def test_relative_ones() -> None:
+    found = take_apart("../b.zip", "https://host:8080/x/y/a.zip")
+    assert found is not None and found.geturl() == "https://host:8080/x/b.zip"
+    assert take_apart("//[::1/b", "https://host/a") is None

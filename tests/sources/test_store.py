@@ -9,11 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from composer.sources.error import SourceError
-from composer.sources.fetching import quiet
-from composer.sources.lease import let_go
-from composer.sources.store import Store
+from mjcompose.sources.blobs import let_go
+from mjcompose.sources.fetching import quiet
+from mjcompose.sources.reference import SourceError
+from mjcompose.sources.store import Store
 
 KEY = "a" * 40
 
@@ -68,7 +67,7 @@ def test_a_killed_process_leaves_no_entry_and_no_lock(tmp_path: Path, repository
     program = f"""
 import sys, time
 from pathlib import Path
-from composer.sources.store import Store
+from mjcompose.sources.store import Store
 store = Store(Path({str(tmp_path)!r}))
 def fill(folder):
     (folder / "half").write_text("")
@@ -94,7 +93,7 @@ with store.lock({KEY!r}, print):
 def test_many_processes_make_one_entry(tmp_path: Path, repository: Path) -> None:
     program = f"""
 from pathlib import Path
-from composer.sources.store import Store
+from mjcompose.sources.store import Store
 store = Store(Path({str(tmp_path)!r}))
 def fill(folder):
     print("filled")

@@ -16,17 +16,14 @@ import mujoco
 if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from mjcompose.base.dataclass import dataclass
+from mjcompose.targets.checks import READERS, Reader, placed, read_back
+from mjcompose.targets.export import export
+from mjcompose.targets.judge import FEATURES, differences, facts_of, questions
+from mjcompose.targets.table import READ_BACK, TARGETS
+from mjcompose.targets.target import Loss, Outcome
 from targets.environments import is_ready, python_of
 from targets.models import PROBES
-
-from composer.dataclass import dataclass
-from composer.targets.checks import placed
-from composer.targets.export import export
-from composer.targets.judging import FEATURES, differences, facts_of, questions
-from composer.targets.loss import Loss, Outcome
-from composer.targets.markdown import READ_BACK
-from composer.targets.reading import READERS, Reader, read_back
-from composer.targets.table import TARGETS
 
 READ_WITH: dict[str, Reader] = {**READERS, "urdf in pybullet": READERS["pybullet"]}
 

@@ -6,15 +6,13 @@ import sys
 from pathlib import Path
 
 import pytest
+from mjcompose.build.bundle.bundle import Bundle
+from mjcompose.build.stages import Request, build
+from mjcompose.sources.context import Context
+from mjcompose.targets import checks
+from mjcompose.targets.checks import READERS, Reader, interpreter, placed
+from mjcompose.targets.names import CONSUMERS
 from targets.models import PROBE, SELDOM
-
-from composer.bundle.bundle import Bundle
-from composer.context import Context
-from composer.stages import Request, build
-from composer.targets import reading
-from composer.targets.checks import placed
-from composer.targets.names import CONSUMERS
-from composer.targets.reading import READERS, Reader, interpreter
 
 READER = """
 import sys
@@ -41,7 +39,7 @@ def moved(start, steps):
     return data.qpos
 write_facts("1", model, lambda name: getattr(model, name), placed, moved)
 """
-SHARED = Path(reading.__file__).parent / "readers" / "shared"
+SHARED = Path(checks.__file__).parent / "readers" / "shared"
 
 
 def reader(**changed: float) -> str:
@@ -73,9 +71,9 @@ def with_reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A program that is MuJoCo itself reads for MJX."""
     folder = tmp_path / "readers"
     folder.mkdir()
-    monkeypatch.setattr(reading, "_READERS", folder)
+    monkeypatch.setattr(checks, "_READERS", folder)
     monkeypatch.setattr(
-        "composer.targets.checks.READERS", {"mjx": Reader("mjx", "it", "mujoco", ("mujoco",))}
+        "mjcompose.targets.checks.READERS", {"mjx": Reader("mjx", "it", "mujoco", ("mujoco",))}
     )
     return folder / "it.py"
 
@@ -178,5 +176,5 @@ def test_a_package_stands_in_a_folder_of_its_name(tmp_path: Path) -> None:
 
 
 def test_each_reader_has_its_program() -> None:
-    folder = Path(reading.__file__).with_name("readers")
+    folder = Path(checks.__file__).with_name("readers")
     assert {each.program for each in READERS.values()} == {path.stem for path in folder.glob("*.py")}

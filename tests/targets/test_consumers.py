@@ -8,12 +8,11 @@ from pathlib import Path
 
 import mujoco
 import pytest
+from mjcompose.cli.main import main
+from mjcompose.targets.table import READ_BACK
 from targets.environments import is_ready
 from targets.models import PROBES, RECIPES
 from targets.read_back import READ_WITH, Found, read_in, row
-
-from composer.cli.main import main
-from composer.targets.markdown import READ_BACK
 
 pytestmark = pytest.mark.slow
 

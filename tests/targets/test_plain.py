@@ -8,16 +8,15 @@ from pathlib import Path
 import mujoco
 import pytest
 from lxml import etree
+from mjcompose.build.bundle.write import write
+from mjcompose.build.stages import Request, build
+from mjcompose.sources.context import Context
+from mjcompose.targets.names import MUJOCO, NAMES
+from mjcompose.targets.plain import plain
+from mjcompose.targets.same import differences
 from sampling import rest_slow
 from targets.models import RECIPES, SELDOM
 from targets.writing import codes, compiled, written
-
-from composer.bundle.write import write
-from composer.context import Context
-from composer.stages import Request, build
-from composer.targets.names import MUJOCO, NAMES
-from composer.targets.plain.plain import plain
-from composer.targets.same import differences
 
 GONE = ("frame", "default", "replicate", "include", "attach", "flexcomp", "composite")
 # Worlds are one model and a table for batched simulation, which no other program reads.

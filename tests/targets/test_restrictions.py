@@ -8,15 +8,19 @@ import mujoco
 import numpy as np
 import pytest
 from lxml import etree
+from mjcompose.targets.judge import questions
+from mjcompose.targets.plain import plain
+from mjcompose.targets.restrictions import (
+    CARRIED_FORCES,
+    NAME,
+    NO_HIDDEN_SHAPES,
+    NO_REFERENCES,
+    no_shapes,
+    one_root,
+)
+from mjcompose.targets.target import Limit
 from targets.models import SELDOM
 from targets.writing import compiled, written
-
-from composer.targets.judging import questions
-from composer.targets.limit import Limit
-from composer.targets.plain.plain import plain
-from composer.targets.restrictions.actuators import CARRIED_FORCES
-from composer.targets.restrictions.tree import NAME, NO_REFERENCES, one_root
-from composer.targets.restrictions.unread import NO_HIDDEN_SHAPES, no_shapes
 
 
 @pytest.mark.parametrize("limit", [NO_REFERENCES, one_root(with_free=False)], ids=lambda limit: limit.feature)

@@ -8,10 +8,9 @@ from pathlib import Path
 import mujoco
 import pytest
 from lxml import etree
+from mjcompose.targets.same import differences
 from targets.refused import ALL, CARRIED, ELASTIC, model
 from targets.writing import codes, compiled, losses, written
-
-from composer.targets.same import differences
 
 _POLYNOMIALS = 3_007_000  # of mj_version(): damping and stiffness of several numbers
 

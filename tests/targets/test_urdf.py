@@ -7,12 +7,11 @@ from pathlib import Path
 import mujoco
 import pytest
 from lxml import etree
+from mjcompose.build.bundle.staging import write_folder
+from mjcompose.targets.judge import differences, facts_of, questions
+from mjcompose.targets.target import Loss
 from targets.models import SELDOM
 from targets.writing import written
-
-from composer.bundle.folder import write_folder
-from composer.targets.judging import differences, facts_of, questions
-from composer.targets.loss import Loss
 
 SETTINGS = '<mujoco><compiler fusestatic="false" discardvisual="false" strippath="false"/></mujoco></robot>'
 MASS = ('<mass value="0"/>', '<mass value="1e-12"/>')

@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import mujoco
-
-from composer.bundle.bundle import Bundle
-from composer.bundle.folder import write_folder
-from composer.context import Context
-from composer.stages import Request, build
+from mjcompose.build.bundle.bundle import Bundle
+from mjcompose.build.bundle.staging import write_folder
+from mjcompose.build.stages import Request, build
+from mjcompose.sources.context import Context
 
 
 def written(model: str, target: str | None, folder: Path) -> tuple[Bundle | None, Context]:

@@ -4,14 +4,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-
-from composer.diagnostics.sink import Sink
-from composer.engine import Session
-from composer.reading.door import Door
-from composer.sources.path import KIND
-from composer.sources.source import Source
-from composer.sources.urdf_choices import UrdfChoices
-from composer.urdf.read import UrdfReader
+from mjcompose.base.access import Door
+from mjcompose.base.sink import Sink
+from mjcompose.mujoco.engine import Session
+from mjcompose.sources.path import KIND
+from mjcompose.sources.reference import Source
+from mjcompose.sources.ros import UrdfChoices
+from mjcompose.urdf.read import UrdfReader
 
 
 @pytest.fixture(scope="session")

@@ -19,18 +19,17 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 
+from mjcompose.base.access import Door  # noqa: E402
+from mjcompose.base.sink import Sink  # noqa: E402
+from mjcompose.link.measure import folder_of  # noqa: E402
+from mjcompose.model.xml_text import write  # noqa: E402
+from mjcompose.mujoco.engine import Session  # noqa: E402
+from mjcompose.sources.path import KIND  # noqa: E402
+from mjcompose.sources.reference import Source  # noqa: E402
+from mjcompose.sources.ros import UrdfChoices  # noqa: E402
+from mjcompose.targets.checks import READERS, read_back  # noqa: E402
+from mjcompose.urdf.read import UrdfReader  # noqa: E402
 from targets.environments import FOLDER, is_ready, python_of  # noqa: E402
-
-from composer.diagnostics.sink import Sink  # noqa: E402
-from composer.engine import Session  # noqa: E402
-from composer.link.measure import folder_of  # noqa: E402
-from composer.reading.door import Door  # noqa: E402
-from composer.sources.path import KIND  # noqa: E402
-from composer.sources.source import Source  # noqa: E402
-from composer.sources.urdf_choices import UrdfChoices  # noqa: E402
-from composer.targets.reading import READERS, read_back  # noqa: E402
-from composer.tree.write import write  # noqa: E402
-from composer.urdf.read import UrdfReader  # noqa: E402
 
 POSES = 50
 PAGE = ROOT / "docs" / "urdf.md"

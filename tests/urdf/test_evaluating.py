@@ -8,9 +8,8 @@ import time
 from typing import Any
 
 import pytest
-
-from composer.urdf import evaluating
-from composer.urdf.evaluating import DEEPEST, LONGEST, METHODS, Evaluator, Function, Space, Stopped
+from mjcompose.urdf import evaluating
+from mjcompose.urdf.evaluating import DEEPEST, LONGEST, METHODS, Evaluator, Function, Space, Stopped
 
 NAMES = {
     "x": 3,

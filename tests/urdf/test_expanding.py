@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from composer.urdf import expanding
-from composer.urdf.expanding import expand
+from mjcompose.urdf import expanding
+from mjcompose.urdf.expanding import expand
 
 pytest.importorskip("xacro")
 HEAD = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">\n'

@@ -6,10 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from mjcompose.urdf.inertia import eigen
+from mjcompose.urdf.read import UrdfReader
 from urdf.parts import ARM, joint, link, robot
-
-from composer.urdf.inertia import eigen
-from composer.urdf.read import UrdfReader
 
 Reader = Callable[..., UrdfReader]
 

@@ -9,10 +9,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from mjcompose.mujoco.shapes import is_flat
+from mjcompose.urdf.read import UrdfReader
 from urdf.parts import ARM, INERTIAL, link, robot
-
-from composer.meshes.plausible import is_flat
-from composer.urdf.read import UrdfReader
 
 Reader = Callable[..., UrdfReader]
 DATA = Path(__file__).parent / "data"

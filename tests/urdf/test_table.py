@@ -6,13 +6,12 @@ import json
 from pathlib import Path
 from typing import Any
 
+from mjcompose.build.compose.load import Library
+from mjcompose.build.stages import Request, build
+from mjcompose.sources.context import Context
+from mjcompose.sources.fetching import Fetching
+from mjcompose.tools.importing.propose import of_urdf, table
 from urdf.parts import ARM, joint, link, robot
-
-from composer.compose.load import Library
-from composer.context import Context
-from composer.importing.of_urdf import of_urdf, table
-from composer.sources.fetching import Fetching
-from composer.stages import Request, build
 
 URDF = robot(
     *ARM,

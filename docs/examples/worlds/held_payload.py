@@ -14,8 +14,7 @@ import argparse
 import time
 
 import numpy as np
-
-from composer import LoadError, worlds
+from mjcompose import LoadError, worlds
 
 STEPS, CYCLES = 40, 8  # steps of physics for one of the controller, and of these in a trial
 ROUNDS, TRIED, KEPT = 6, 12, 4

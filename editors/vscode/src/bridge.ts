@@ -1,5 +1,5 @@
 // In the page, before its own program: what it asks for goes to the extension. The page calls this `Host`
-// (composer/view/page/src/wire.ts).
+// (composer/viewer/src/wire.ts).
 import type { FromPage, ToPage } from "./messages";
 import type { Place } from "./surroundings";
 

@@ -18,8 +18,8 @@ export function candidates({ setting, interpreter, folders, windows }: Places): 
   const at = windows ? path.win32 : path.posix;
   const program = windows ? at.join("Scripts", "mjcompose.exe") : at.join("bin", "mjcompose");
   const found: Candidate[] = [];
-  // -P: a folder called `composer` in the workspace is not the package.
-  if (interpreter) found.push({ words: [interpreter, "-P", "-m", "composer"], from: `Python ${interpreter}` });
+  // -P: a folder called `mjcompose` in the workspace is not the package.
+  if (interpreter) found.push({ words: [interpreter, "-P", "-m", "mjcompose"], from: `Python ${interpreter}` });
   for (const folder of folders)
     for (const name of [".venv", "venv"]) found.push({ words: [at.join(folder, name, program)], from: at.join(folder, name) });
   found.push({ words: ["mjcompose"], from: "the PATH" });

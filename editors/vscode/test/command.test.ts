@@ -12,7 +12,7 @@ test("the setting is the only candidate", () => {
 test("the interpreter comes first, then the folders' environments, then the PATH", () => {
   const found = candidates({ ...NOTHING, interpreter: "/env/bin/python", folders: ["/lab"] });
   assert.deepEqual(found.map((each) => each.words), [
-    ["/env/bin/python", "-P", "-m", "composer"], ["/lab/.venv/bin/mjcompose"], ["/lab/venv/bin/mjcompose"], ["mjcompose"],
+    ["/env/bin/python", "-P", "-m", "mjcompose"], ["/lab/.venv/bin/mjcompose"], ["/lab/venv/bin/mjcompose"], ["mjcompose"],
   ]);
   assert.deepEqual(candidates({ ...NOTHING, folders: ["C:\\lab"], windows: true })[0].words, ["C:\\lab\\.venv\\Scripts\\mjcompose.exe"]);
 });

@@ -8,16 +8,15 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import mjcompose
 from fuzz.mutation import json_changed, zip_changed
 from fuzz.target import RECIPES, Seed, Target, Tools
-
-import composer
-from composer.bundle.archive import write_archive
-from composer.bundle.folder import write_folder
-from composer.bundle.shared import write_shared
-from composer.context import Context
-from composer.stages import Request, build
-from composer.verify.stored import verify_stored
+from mjcompose.build.bundle.remote import write_shared
+from mjcompose.build.bundle.staging import write_folder
+from mjcompose.build.bundle.write import write_archive
+from mjcompose.build.stages import Request, build
+from mjcompose.build.verify.stored import verify_stored
+from mjcompose.sources.context import Context
 
 _RECIPE = RECIPES / "arm_gripper.yaml"
 
@@ -46,8 +45,8 @@ def _manifests(corpus: Path | None) -> Iterator[Seed]:
 def check(path: Path, tools: Tools) -> str | None:
     verify_stored(path, Context(environment={}, folder=path.parent), tools.session)
     try:
-        composer.load(path)
-    except composer.LoadError:
+        mjcompose.load(path)
+    except mjcompose.LoadError:
         return None
     return None
 

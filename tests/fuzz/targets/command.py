@@ -10,8 +10,7 @@ from random import Random
 
 from click.testing import CliRunner
 from fuzz.target import RECIPES, Seed, Target, Tools
-
-from composer.cli.main import _VERBS, main
+from mjcompose.cli.main import _VERBS, main
 
 _WORDS = (
     "arm_gripper.yaml", "cubes.yaml", "models/props/cube.xml", "missing.yaml", "out.zip", "out/", "out.mjz", "out.xml", "-",

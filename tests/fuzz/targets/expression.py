@@ -9,10 +9,8 @@ from random import Random
 
 from fuzz.mutation import flipped
 from fuzz.target import Seed, Target, Tools
-
-from composer.expr.error import ExpressionError
-from composer.expr.evaluate import evaluate
-from composer.expr.parse import parse
+from mjcompose.text.evaluate import evaluate
+from mjcompose.text.expression import ExpressionError, parse
 
 _SEEDS = (
     "1 + 2 * 3", "-x / 2 ** 0.5", "a if b and not c else v[0]", "clamp(x, 0, 1) + sin(deg(pi))", "9 ** 9 ** 9",

@@ -8,9 +8,8 @@ from pathlib import Path
 
 from fuzz.mutation import json_changed
 from fuzz.target import Seed, Target, Tools
-
-from composer.diagnostics import Sink
-from composer.sources.lock_file import Disputed, from_text, to_text
+from mjcompose.base.sink import Sink
+from mjcompose.sources.lock import Disputed, from_text, to_text
 
 _LOCK = {
     "lock": 1,

@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from fuzz.target import Tools, without_a_place
-
-from composer import engine
-from composer.context import Context
-from composer.stages import Request, build
+from mjcompose.build.stages import Request, build
+from mjcompose.mujoco import engine
+from mjcompose.sources.context import Context
 
 # Where mjcompose is stricter than MuJoCo, on purpose: docs/security.md says why.
 STRICTER = frozenset({

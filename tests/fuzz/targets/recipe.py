@@ -7,11 +7,10 @@ from pathlib import Path
 
 from fuzz.mutation import yaml_changed
 from fuzz.target import RECIPES, Seed, Target, Tools, without_a_place
-
-from composer.context import Context
-from composer.diagnostics import Sink
-from composer.formatting.format import format_recipe
-from composer.stages import Request, build
+from mjcompose.base.sink import Sink
+from mjcompose.build.stages import Request, build
+from mjcompose.sources.context import Context
+from mjcompose.text.layout import format_recipe
 
 
 def _seeds(corpus: Path | None) -> Iterator[Seed]:

@@ -8,9 +8,8 @@ from pathlib import Path
 
 from fuzz.mutation import json_changed
 from fuzz.target import Seed, Target, Tools, without_a_place
-
-from composer.context import Context
-from composer.stages import Request, build
+from mjcompose.build.stages import Request, build
+from mjcompose.sources.context import Context
 
 _MODEL = """<mujoco><default><default class="pad"><geom friction="1"/></default></default><asset><mesh name="m"
   vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset><worldbody><body name="left/a"><joint name="j"/><geom class="pad" size=".1"/>

@@ -20,9 +20,8 @@ from typing import Any, cast
 from fuzz.mutation import ODD_TEXT, flipped, json_changed
 from fuzz.target import Seed, Target, Tools
 from lsp.client import Editor
-
-from composer.view.server import Server
-from composer.view.workshop import Shown, Workshop
+from mjcompose.tools.view.builder import Shown, Workshop
+from mjcompose.tools.view.server import Server
 
 _SECRET = b"only its owner may read this"
 _ESCAPES = (
@@ -244,8 +243,8 @@ def _give_up(editor: Editor) -> None:
 
 def check_frames(path: Path, tools: Tools) -> str | None:
     """Everything that is no message is answered here, and every request that is one by the server."""
-    from composer.lsp.frames import Frames
-    from composer.lsp.server import _structured
+    from mjcompose.lsp.protocol import Frames
+    from mjcompose.lsp.server import _structured
 
     answers: list[tuple[Any, int, str]] = []
     frames = Frames(io.BytesIO(path.read_bytes()), _structured, lambda *answer: answers.append(answer))

@@ -11,8 +11,7 @@ from typing import Any
 
 from fuzz.mutation import flipped
 from fuzz.target import Seed, Target, Tools
-
-from composer.urdf.evaluating import METHODS, Evaluator, Space, Stopped
+from mjcompose.urdf.evaluating import METHODS, Evaluator, Space, Stopped
 
 _NAMES: dict[str, Any] = {
     "x": 0.5, "n": 7, "flag": True, "name": "left_arm_2", "words": ["a", "b", ""], "size": {"a": 1, "b": [1, 2.5, {"c": "d"}]},

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import pytest
-
-from composer import mjcf
-from composer.mjcf import Physics, RootElement
+from mjcompose import mjcf
+from mjcompose.mjcf import Physics, RootElement
 
 EVERYTHING = """
 <mujoco model="everything">

@@ -2,8 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from composer.mjcf import MjcfAttributeError, MjcfError, Physics, RootElement
+from mjcompose.mjcf import MjcfAttributeError, MjcfError, Physics, RootElement
 
 
 def test_what_is_read_is_mujocos_memory_and_follows_it(model: RootElement, physics: Physics) -> None:

@@ -2,9 +2,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from composer.mjcf import MjcfError, Physics, RootElement
-from composer.mjcf.physics.columns import names
+from mjcompose.mjcf import MjcfError, Physics, RootElement
+from mjcompose.mjcf.binding import names
 
 
 @pytest.mark.parametrize(

@@ -5,9 +5,8 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-
-from composer import mjcf
-from composer.mjcf import MjcfError, RootElement
+from mjcompose import mjcf
+from mjcompose.mjcf import MjcfError, RootElement
 
 
 def test_what_mujoco_refuses_is_told_at_the_element(tmp_path: Path) -> None:

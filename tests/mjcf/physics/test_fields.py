@@ -8,11 +8,10 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-
-from composer import mjcf
-from composer.compiled.kinds import KINDS
-from composer.mjcf import Binding, Element, MjcfError, Physics, RootElement
-from composer.mjcf.physics.fields import fields
+from mjcompose import mjcf
+from mjcompose.mjcf import Binding, Element, MjcfError, Physics, RootElement
+from mjcompose.mjcf.binding import fields
+from mjcompose.mujoco.attributes import KINDS
 
 # of 3.12 have rows of others for the rest.
 _OTHERWISE = {

@@ -6,12 +6,11 @@ import copy
 from pathlib import Path
 
 import pytest
+from mjcompose import mjcf
+from mjcompose.mjcf import MjcfError, RootElement
+from mjcompose.mujoco.attributes import NameTable
+from mjcompose.mujoco.order import compiled_kind
 from sampling import rest_slow
-
-from composer import mjcf
-from composer.compiled.kinds import NameTable
-from composer.compiled.order import compiled_kind
-from composer.mjcf import MjcfError, RootElement
 
 _TAGS = (
     "body joint geom site camera light mesh texture material hfield skin flex pair exclude equality tendon actuator "

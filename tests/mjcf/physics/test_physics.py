@@ -9,10 +9,9 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-
-from composer import mjcf
-from composer.limits import allow
-from composer.mjcf import MjcfError, Physics, RootElement
+from mjcompose import mjcf
+from mjcompose.base.limits import allow
+from mjcompose.mjcf import MjcfError, Physics, RootElement
 
 PENDULUM = """
 <mujoco model="pendulum"><worldbody><camera name="eye"/>
@@ -375,6 +374,6 @@ def test_an_error_about_a_limit_says_what_a_program_writes(tmp_path: Path) -> No
     (help,) = {each.help for each in caught.value.diagnostics}
     assert (
         help is not None
-        and "`with composer.limits.allow(elements=" in help
+        and "`with mjcompose.base.limits.allow(elements=" in help
         and "--limit" not in str(caught.value)
     )

@@ -7,9 +7,8 @@ import pickle
 import mujoco
 import numpy as np
 import pytest
-
-from composer import mjcf
-from composer.mjcf import MjcfError, Physics, RootElement
+from mjcompose import mjcf
+from mjcompose.mjcf import MjcfError, Physics, RootElement
 
 UP = np.array([0, 0, 0.5])
 TURNED = [0.5, 0.5, 0.5, 0.5]

@@ -8,14 +8,13 @@ from pathlib import Path
 
 import mujoco
 import pytest
-
-from composer import mjcf
-from composer.mjcf import MjcfError
+from mjcompose import mjcf
+from mjcompose.mjcf import MjcfError
 
 _SCENE = """
 import numpy as np
-from composer import mjcf
-from composer.mjcf import MjcfError
+from mjcompose import mjcf
+from mjcompose.mjcf import MjcfError
 model = mjcf.from_xml_string('''
 <mujoco><visual><global offwidth="64" offheight="64"/></visual><worldbody><light pos="0 0 5"/>
   <camera name="top" pos="0 0 3"/><camera name="away" pos="0 0 3" xyaxes="1 0 0 0 -1 0"/>

@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import basic_indices, integer_array_indices
-
-from composer.mjcf.physics.scattered import Home, Scattered
+from mjcompose.mjcf.compile import Home, Scattered
 
 
 @pytest.fixture

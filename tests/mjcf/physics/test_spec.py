@@ -5,9 +5,8 @@ from pathlib import Path
 
 import mujoco
 import pytest
-
-from composer import mjcf
-from composer.mjcf import MjcfError, RootElement
+from mjcompose import mjcf
+from mjcompose.mjcf import MjcfError, RootElement
 
 
 def test_a_composition_as_a_spec(arm: RootElement, gripper: RootElement) -> None:

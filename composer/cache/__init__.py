@@ -1,1 +1,0 @@
-"""Build many models of one recipe, with a cache."""

@@ -1,1 +1,0 @@
-"""Carry out a plan. Each kind of step has its own file."""

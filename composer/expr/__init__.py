@@ -1,1 +1,0 @@
-"""Numeric expressions, `${…}` in a recipe: always ending, bounded, and limited to arithmetic."""

@@ -1,1 +1,0 @@
-"""Apply the fixes of diagnostics in memory, until nothing is left to fix."""

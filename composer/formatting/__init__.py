@@ -1,1 +1,0 @@
-"""The canonical layout of recipes, written by `mjcompose fmt`."""

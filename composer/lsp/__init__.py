@@ -1,1 +1,0 @@
-"""A language server: completion, hover, navigation and actions for recipes that are being edited."""

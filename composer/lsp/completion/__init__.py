@@ -1,1 +1,0 @@
-"""Completion. Each kind has one file and one row in `table`."""

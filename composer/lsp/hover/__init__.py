@@ -1,1 +1,0 @@
-"""Hover: information about what is at the cursor. Each kind has one file and one row in `table`."""

@@ -1,1 +1,0 @@
-"""Navigation through recipes and models: definitions, references, symbols and renaming."""

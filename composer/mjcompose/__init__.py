@@ -1,0 +1,65 @@
+"""Compose MuJoCo models from a YAML recipe into one verified bundle.
+
+    import mjcompose
+
+    robot = mjcompose.load("build/robot/")               # a bundle: its model, its manifest, an index of names
+    arm = mjcompose.mjcf.from_path("arm.xml")            # a model to read, edit, attach and write
+    study = mjcompose.worlds.load("build/study/")        # one model and the numbers that differ between its samples
+
+What these refuse is a `MjcomposeError`, but for an index out of range. All of it is imported on first use, so
+that the import costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mjcompose import mjcf as mjcf
+    from mjcompose import worlds as worlds
+    from mjcompose.base.report import MjcomposeError as MjcomposeError
+    from mjcompose.base.version import __version__ as __version__
+    from mjcompose.tools.worlds.load import load as load
+    from mjcompose.tools.worlds.many import load_many as load_many
+    from mjcompose.tools.worlds.names import BundleWarning as BundleWarning
+    from mjcompose.tools.worlds.names import LoadError as LoadError
+    from mjcompose.tools.worlds.names import UnknownNameError as UnknownNameError
+
+_MODULES = {"mjcf": "mjcompose.mjcf", "worlds": "mjcompose.worlds"}
+_HOMES = {
+    "BundleWarning": "mjcompose.tools.worlds.names",
+    "LoadError": "mjcompose.tools.worlds.names",
+    "MjcomposeError": "mjcompose.base.report",
+    "UnknownNameError": "mjcompose.tools.worlds.names",
+    "__version__": "mjcompose.base.version",
+    "load": "mjcompose.tools.worlds.load",
+    "load_many": "mjcompose.tools.worlds.many",
+}
+
+__all__ = [
+    "BundleWarning",
+    "LoadError",
+    "MjcomposeError",
+    "UnknownNameError",
+    "__version__",
+    "load",
+    "load_many",
+    "mjcf",
+    "worlds",
+]
+
+
+def __getattr__(name: str) -> object:
+    if name in _MODULES:
+        return import_module(_MODULES[name])
+    home = _HOMES.get(name)
+    if home is None:
+        raise AttributeError(f"module `{__name__}` has no attribute `{name}`", name=name)
+    value: object = getattr(import_module(home), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,0 +1,267 @@
+"""Every code of a diagnostic with its summary, and the page that explains it."""
+
+from __future__ import annotations
+
+import os
+import re
+import textwrap
+from collections.abc import Iterable, Iterator
+from functools import cache
+from pathlib import Path
+
+from mjcompose.base.report import Paint
+
+CODES: dict[str, str] = {
+    "archive-refused": "an archive or repository is broken, too large, or contains something harmful",
+    "asset-missing": "a mesh, texture or other file that a model names does not exist",
+    "attach-cycle": "parts are attached to each other in a circle",
+    "attach-place": "the place to attach a part to is not usable",
+    "bad-name": "a name has characters or a form that it cannot have",
+    "bare-angle": "an angle is written without its unit",
+    "bundle-changed": "a file of a bundle is not what its manifest says",
+    "bundle-manifest": "the manifest of a bundle is missing, broken or about another model",
+    "cannot-format": "a file has a form that has no canonical layout",
+    "cells-not-checked": "a recipe has a matrix, and only one model of it was checked",
+    "check-failed": "the model does not meet a check of the recipe",
+    "class-clash": "two default classes would have the same name",
+    "cluster-missing": "`--cluster` needs a package that is not installed",
+    "cluster-unreachable": "a cluster does not answer, or the connection to it is lost",
+    "cluster-worker": "a worker of a cluster would build other models than this machine",
+    "compiler-setting": "a compiler setting cannot be kept or may not be set",
+    "consumer-missing": "a program that should read the model is not installed",
+    "convert-loss": "an actuator is converted to a kind that cannot do all that it did",
+    "draw-at-run-time": "a compiled model cannot take everything that is drawn",
+    "expression": "an expression cannot be read or has no value",
+    "file-not-found": "a file or folder does not exist",
+    "file-unreadable": "a file exists but cannot be read",
+    "freejoint-on-body": "a free joint would be below another body",
+    "git-revision": "a git revision cannot be read",
+    "keyframe-conflict": "two keyframes disagree about the same entry",
+    "keyframe-wrong": "a number of a key in the compiled model is not the one that is meant",
+    "licence-missing": "nothing says under which licence a part may be passed on",
+    "limit-exceeded": "something would take more than a limit allows",
+    "lock-invalid": "a lock cannot be read",
+    "lock-stale": "the lock does not have what the recipe uses",
+    "mesh-look": "a colour or texture of a mesh cannot be kept",
+    "mesh-shape": "a mesh is flat or open where that matters",
+    "mesh-size": "a mesh is implausibly large or small",
+    "mesh-tools-missing": "a package that works on meshes is not installed",
+    "mesh-unreadable": "a mesh cannot be read or converted",
+    "mesh-unusable": "no shape can be made from a mesh",
+    "migrate-cannot": "a model has something that another version of MuJoCo cannot express",
+    "migrate-changed": "a migrated model does not do everything as it did before",
+    "migrate-differs": "a migrated model does not compile to what it was",
+    "migrate-python": "the MuJoCo that a model was written for cannot be run",
+    "migrate-version": "nothing says for which MuJoCo a model is written",
+    "missing-key": "a required key is missing",
+    "mocap-on-body": "a mocap body would be below another body",
+    "mujoco-crash": "MuJoCo crashed while it read or compiled the model",
+    "mujoco-missing": "MuJoCo is not installed where mjcompose runs",
+    "mujoco-rejects": "MuJoCo does not accept the model",
+    "mujoco-timeout": "MuJoCo took longer than the limit",
+    "mujoco-warning": "MuJoCo accepts the model and warns about it",
+    "name-clash": "two elements of one kind would have the same name",
+    "no-rendering": "pictures cannot be made on this machine",
+    "no-server": "the page cannot be served at this address",
+    "no-video": "films cannot be made on this machine",
+    "not-a-world": "a model cannot be one of the worlds of another one",
+    "not-held": "no control holds the pose of a key",
+    "not-installed": "a package that a simulator needs is not installed, or is too old",
+    "not-mjcf": "an XML file is not an MJCF model",
+    "not-per-world": "a simulator has a number once for all worlds that differs between them",
+    "not-supported": "valid MJCF or a valid recipe that mjcompose cannot handle yet",
+    "not-urdf": "a file with the name of a URDF is not URDF",
+    "option-conflict": "two parts ask for different values of one global setting",
+    "out-of-range": "a number is outside of what is allowed",
+    "output-full": "the disk of the output is full",
+    "output-kind": "the kind of output is not clear from its name",
+    "output-unwritable": "the output cannot be written",
+    "part-changed": "a part is not what its source is alone",
+    "part-not-compared": "a part cannot be compared with its source",
+    "part-order": "`before` and `after` ask for an impossible order",
+    "plane-on-body": "a plane would be on a moving body",
+    "recipe-version": "the recipe names no version of the language, or an unknown one",
+    "reserved-prefix": "a prefix has a meaning of its own and cannot be used",
+    "scale-of-zero": "a factor is applied to zero",
+    "selector": "a selector selects nothing, or another number of elements than expected",
+    "separator-mismatch": "nested recipes use different prefix separators",
+    "source-changed": "a source has other bytes than the lock pins",
+    "source-cycle": "a recipe or model uses itself, directly or through others",
+    "source-fetch": "a repository or archive cannot be fetched",
+    "source-kind": "a model reference has an unknown form or file type",
+    "source-not-found": "the model of a reference does not exist",
+    "source-offline": "a source is not in the store and nothing may be fetched",
+    "source-outside": "a model, recipe or bundle names a file that it may not read",
+    "source-revision": "a repository has no such branch, tag or commit",
+    "stiff-actuator": "a servo is stiffer at its joint than any drive",
+    "still-referred-to": "other elements refer to something that an edit removes",
+    "store-unusable": "the folder of fetched and built models cannot be used",
+    "subtree-cut": "something refers to a subtree and to the rest, and is left out",
+    "target-cannot": "a target cannot express the model",
+    "target-failed": "a model could not be written for a target",
+    "target-loss": "a target cannot express all of the model",
+    "unknown-attribute": "an element has no attribute of that name",
+    "unknown-element": "MJCF has no element of that name in that place",
+    "unknown-key": "a key has no meaning in its place",
+    "unknown-name": "a name refers to nothing in the model",
+    "unstable": "a simulation diverges, so a film of it cannot be made",
+    "unused-allow": "`allow` names a warning that does not appear",
+    "urdf-inertia": "a link of a URDF has an inertia that no body can have",
+    "urdf-roots": "a URDF has several links without a parent",
+    "urdf-unread": "elements of a URDF are not in the model",
+    "usd-loss": "USD does not contain all of the model",
+    "usd-missing": "the converter to USD is not installed",
+    "worker-died": "a process that builds models of a matrix ended without an answer",
+    "world-frame": "an element of a moved part is about the axes or the origin of the world",
+    "wrong-keyword": "a word is not one of the allowed ones",
+    "wrong-length": "a list has too few or too many entries",
+    "wrong-type": "a value has another type than expected",
+    "xacro": "a template for xacro cannot be expanded",
+    "xml-include": "an `<include>` does not work",
+    "xml-syntax": "a file is not well-formed XML",
+    "yaml-alias": "an alias names nothing; most often a glob that lacks its quotes",
+    "yaml-alias-bomb": "aliases expand to far more than what is written",
+    "yaml-documents": "a file contains more than one YAML document",
+    "yaml-duplicate-key": "a mapping has the same key twice",
+    "yaml-empty": "a file is empty",
+    "yaml-key": "a mapping key is not plain text",
+    "yaml-merge-key": "the merge key `<<` is not part of the language",
+    "yaml-not-utf8": "a file is not UTF-8 text",
+    "yaml-syntax": "a file is not well-formed YAML",
+    "yaml-tag": "a YAML tag does not belong to the language",
+    "yaml-template-unquoted": "an expression inside `[ ]` or `{ }` lacks its quotes",
+    "yaml-too-deep": "a file is nested too deeply",
+    "yaml-too-large": "a file is too large",
+}
+
+OF_FILES = ("source-", "archive-", "store-", "lock-", "file-")
+"""Prefixes of the codes about files and addresses that do not exist or are out of reach."""
+
+
+_PASTED = re.compile(r"(?:(?:error|warning|note)?\[)?([\w-]+)\]?:?")
+_LINK = re.compile(r"\[([^]]+)\]\((?!\))[^)]*\)")
+_CODE = re.compile(r"`([^`]+)`")
+_ITEM = re.compile(r"(?:[-*]|\d+\.) ")
+
+
+def code_of(text: str) -> str | None:
+    """Return the code in a text, also in the form that messages show; None if there is no such code.
+
+    >>> code_of("error[bare-angle]:"), code_of("bare-angle"), code_of("arm.yaml")
+    ('bare-angle', 'bare-angle', None)
+    """
+    found = _PASTED.fullmatch(text)
+    return found[1] if found and found[1] in CODES else None
+
+
+def page(code: str) -> str:
+    """Return the page as Markdown: the copy beside this file in an installed package, `docs/errors` in a clone."""
+    here = Path(__file__).resolve()
+    name = f"{code}.md"
+    installed = here.with_name("pages") / name
+    path = installed if os.path.exists(installed) else here.parents[3] / "docs" / "errors" / name
+    return path.read_text(encoding="utf-8")
+
+
+def address(code: str, urls: Iterable[str] | None = None) -> str | None:
+    """Return the address of the page on the published site; None if the package names no site.
+
+    `urls` are addresses in the form of a package's metadata, by default those of this package, which `pyproject.toml`
+    has under `[project.urls]`.
+
+    >>> address("bare-angle", ["Documentation, https://example.org/latest/"])
+    'https://example.org/latest/errors/bare-angle.html'
+    >>> address("bare-angle", [])
+    """
+    for each in _urls() if urls is None else urls:
+        label, _, url = each.partition(", ")
+        if label.lower() == "documentation":
+            return f"{url.rstrip('/')}/errors/{code}.html"
+    return None
+
+
+@cache
+def _urls() -> tuple[str, ...]:
+    from importlib import metadata  # takes longer to import than a page takes to print
+
+    try:
+        return tuple(metadata.metadata("mjcompose").get_all("Project-URL") or ())
+    except metadata.PackageNotFoundError:
+        return ()
+
+
+def in_terminal(markdown: str, width: int = 100, color: bool = False) -> str:
+    r"""Return the page formatted for a terminal, without a final line break.
+
+    >>> print(in_terminal("# bare-angle\n\nAn angle\nwithout `deg`, see [here](x.md).\n\n```yaml\nrecipe: 1\n```\n"))
+    bare-angle
+    <BLANKLINE>
+    An angle without `deg`, see here.
+    <BLANKLINE>
+        recipe: 1
+    """
+    paint = Paint(color)
+    return "\n\n".join("\n".join(_shown(block, width, paint)) for block in _blocks(markdown))
+
+
+def _blocks(markdown: str) -> Iterator[list[str]]:
+    """Yield the lines of each paragraph, heading, list or table, and of each code block with its fences."""
+    block: list[str] = []
+    for line in markdown.splitlines():
+        fenced = bool(block) and block[0].startswith("```")
+        if fenced:
+            block.append(line)
+            if line.startswith("```"):
+                yield block
+                block = []
+        elif line.startswith(("```", "#")) or not line.strip():
+            if block:
+                yield block
+            block = [line] if line.strip() else []
+        else:
+            block.append(line)
+    if block:
+        yield block
+
+
+def _shown(block: list[str], width: int, paint: Paint) -> Iterator[str]:
+    first = block[0]
+    if first.startswith("```"):
+        yield from (paint("code", f"    {line}") if line else "" for line in block[1:-1])
+    elif first.startswith("#"):
+        yield paint("bold", first.lstrip("# "))
+    elif first.startswith("|"):
+        yield from _table(block, paint)
+    else:
+        for text, indent in _paragraphs(block):
+            # Text between backticks is not broken, because it may be a line to paste.
+            whole = _CODE.sub(lambda found: found[0].replace(" ", "\0"), _LINK.sub(r"\1", text))
+            for line in textwrap.wrap(whole, width, subsequent_indent=indent, break_long_words=False,
+                                      break_on_hyphens=False):  # fmt: skip
+                yield _colored(line.replace("\0", " "), paint)
+
+
+def _paragraphs(block: list[str]) -> Iterator[tuple[str, str]]:
+    """Yield each item of a list, or the one paragraph, with the indentation of its further lines."""
+    text, indent = "", ""
+    for line in block:
+        if (item := _ITEM.match(line)) is not None:
+            if text:
+                yield text, indent
+            text, indent = line, " " * len(item[0])
+        else:
+            text = f"{text} {line.strip()}" if text else line.strip()
+    yield text, indent
+
+
+def _table(block: list[str], paint: Paint) -> Iterator[str]:
+    rows = [[cell.strip() for cell in _LINK.sub(r"\1", line).strip("|").split("|")] for line in block]
+    head, _, *body = rows
+    widths = [max(len(row[column]) for row in (head, *body)) for column in range(len(head))]
+    for number, row in enumerate((head, *body)):
+        line = "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        yield paint("bold", line) if number == 0 else _colored(line, paint)
+
+
+def _colored(line: str, paint: Paint) -> str:
+    return _CODE.sub(lambda found: paint("code", found[0]), line)

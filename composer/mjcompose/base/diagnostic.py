@@ -1,0 +1,271 @@
+"""A finding about the user's input, as data: its place, its notes, its fix, and the exceptions that carry it.
+
+A fault in a value of a recipe, or a finding of a check, by its path.
+
+It becomes a diagnostic once its place is known.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Callable, Iterable
+from dataclasses import field, replace
+from enum import StrEnum
+
+from mjcompose.base.dataclass import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """A stretch of characters in a file.
+
+    Lines and columns count from 1, columns in characters (not bytes or screen cells). The end is exclusive; without
+    an end the span is a single position. `file` is the path that the user can open.
+    """
+
+    file: str
+    line: int
+    column: int
+    end_line: int | None = None
+    end_column: int | None = None
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}:{self.column}"
+
+
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """A replacement for a stretch of text.
+
+    If `replaces` is set, it is the name to replace, without quotes; the new name gets quotes if it needs them.
+    Otherwise `replacement` is verbatim text. `span` is None for the place of the diagnostic; an empty span is a
+    place to insert at.
+    """
+
+    replacement: str
+    replaces: str | None = None
+    span: Span | None = None
+
+
+_LOGIN = re.compile(r"(?<=://)([^/\s@:]*:|(?=gh[opsur]_|github_pat_|glpat-))([^/\s@]+)(?=@)")
+_PARAMETER = re.compile(r"""([?&;]([^=&;#?\s"'`]+)=)((?:(?!@sha256:)[^&;#\s"'`])+)""")
+_NAME = re.compile(
+    r".*(token|secret|password|passwd|passphrase|signature|(api|access|private)[-_]?key|credentials?|authorization)"
+    r"|(.*[-_])?(sig|pwd|pass|auth|jwt)",
+    re.IGNORECASE,
+)
+
+
+def hide(text: str, shown: Callable[[str], str] = lambda secret: "…") -> str:
+    """Return a text with each secret of an address replaced by `shown` of it. No I/O.
+
+    >>> hide("https://me:1234@host/a.zip?raw=1&Access_Token=5678#x.xml")
+    'https://me:…@host/a.zip?raw=1&Access_Token=…#x.xml'
+    """
+
+    def parameter(found: re.Match[str]) -> str:
+        from urllib.parse import unquote  # few texts have a query
+
+        is_secret = _NAME.fullmatch(unquote(found[2]))
+        return found[1] + shown(found[3]) if is_secret else found[0]
+
+    if "=" in text:
+        text = _PARAMETER.sub(parameter, text)
+    return _LOGIN.sub(lambda found: found[1] + shown(found[2]), text) if "://" in text else text
+
+
+def masked(line: str) -> str:
+    """Return a source line with secrets as asterisks, so that its length stays the same. No I/O."""
+    return hide(line, lambda secret: "*" * len(secret))
+
+
+def call_site(package: str = "mjcompose.mjcf") -> Span:
+    """Return the innermost line of the call stack outside of a package."""
+    inside, frame = f"{package}.", sys._getframe(1)
+    while frame.f_back is not None and f"{frame.f_globals.get('__name__', '')}.".startswith(inside):
+        frame = frame.f_back
+    return Span(frame.f_code.co_filename, frame.f_lineno, 1)
+
+
+@dataclass(frozen=True, slots=True)
+class CellName:
+    """A model of a recipe; `name` is its argument for `--pick`.
+
+    `cell` is the cell of the matrix, None without a matrix. `sample` is its number, None if nothing is drawn.
+    """
+
+    name: str
+    cell: str | None = None
+    sample: int | None = None
+
+
+def listed(cells: Iterable[CellName]) -> str:
+    """Return all of them on one line; consecutive samples of one cell become a range.
+
+    >>> listed([CellName("a-1kg", "a-1kg"), CellName("a-2kg", "a-2kg")])
+    'a-1kg, a-2kg'
+    >>> listed([CellName(f"a-s000{n}", None, n) for n in (0, 1, 2, 4)])
+    'a-s0000 … a-s0002, a-s0004'
+    """
+    ranges: list[list[CellName]] = []
+    for each in cells:
+        if ranges and _follows(ranges[-1][-1], each):
+            ranges[-1].append(each)
+        else:
+            ranges.append([each])
+    return ", ".join(_named(each) for each in ranges)
+
+
+def _follows(before: CellName, after: CellName) -> bool:
+    return (
+        before.cell == after.cell
+        and before.sample is not None
+        and after.sample is not None
+        and after.sample == before.sample + 1
+    )
+
+
+def _named(cells: list[CellName]) -> str:
+    names = [each.name for each in cells]
+    return ", ".join(names) if len(names) < 3 else f"{names[0]} … {names[-1]}"
+
+
+class Severity(StrEnum):
+    """The severity of a diagnostic. Only an `ERROR` stops the work."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    NOTE = "note"
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """A remark that helps to understand a diagnostic, with the place that it is about, if any."""
+
+    message: str
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """Merges findings into one diagnostic: those with the same code, severity and `key`.
+
+    `subject` names in a few words what this finding is about; it is listed if this one is not the first.
+    """
+
+    key: str
+    subject: str
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """A message with its code, its place, what exists instead (`notes`) and what to write (`help`).
+
+    `code` is one of `CODES`. The first line of `help` is a sentence; further lines are text to paste into the file.
+    `others` lists further places with the same cause. `cells` are the models that it is about, in a run over
+    several models of a recipe; it is empty if the diagnostic is about the recipe as a whole. `recipes` are those that
+    it was found for, in a run over several. `subjects` are the
+    names that it is about: if an earlier error removed one of them, this error only follows from that one. `fix` is
+    the exact change that `help` describes, if there is one.
+    """
+
+    code: str
+    message: str
+    span: Span | None = None
+    severity: Severity = Severity.ERROR
+    notes: tuple[Note, ...] = ()
+    help: str | None = None
+    others: tuple[Note, ...] = ()
+    cells: tuple[CellName, ...] = ()
+    recipes: tuple[str, ...] = ()
+    subjects: frozenset[str] = field(default=frozenset(), compare=False)
+    fix: Fix | None = field(default=None, compare=False)
+
+    def listed(self) -> tuple[Note, ...]:
+        """Return the notes, with one that lists the first of the `others`, one on each line."""
+        if not self.others:
+            return self.notes
+        lines = [f"{len(self.others)} more like this:"]
+        lines += [
+            f"{each.span}: {each.message}" if each.span else each.message for each in self.others[:_SHOWN]
+        ]
+        if len(self.others) > _SHOWN:
+            lines.append(f"… and {len(self.others) - _SHOWN} more")
+        return (*self.notes, Note("\n".join(lines)))
+
+
+_SHOWN = 8
+
+
+class DiagnosticError(Exception):
+    """An error in the input that the caller reports; `code` is one of `CODES`.
+
+    >>> error = DiagnosticError("bad-name", "no", notes=["why"])
+    >>> str(error), error.at(Span("a.yaml", 1, 2)).span
+    ('no', Span(file='a.yaml', line=1, column=2, end_line=None, end_column=None))
+    """
+
+    def __init__(
+        self, code: str, message: str, help: str | None = None, *, notes: Iterable[str | Note] = ()
+    ) -> None:
+        super().__init__(message)
+        self.diagnostic = Diagnostic(
+            code,
+            message,
+            notes=tuple(Note(each) if isinstance(each, str) else each for each in notes),
+            help=help,
+        )
+
+    @property
+    def code(self) -> str:
+        return self.diagnostic.code
+
+    @property
+    def message(self) -> str:
+        return self.diagnostic.message
+
+    @property
+    def help(self) -> str | None:
+        return self.diagnostic.help
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """The messages of the notes."""
+        return tuple(note.message for note in self.diagnostic.notes)
+
+    def at(self, span: Span, notes: Iterable[Note] = ()) -> Diagnostic:
+        """Return the diagnostic at the caller's place, with the caller's notes after its own."""
+        return replace(self.diagnostic, span=span, notes=(*self.diagnostic.notes, *notes))
+
+
+Path = tuple[str | int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """A diagnostic whose place in the file is not looked up yet.
+
+    `at` is the path from the validated value; with `key` the fault lies in the key at the end of `at`. `related`
+    are further notes, each with a path from the same value. `within` has line, column and width of the fault in a
+    text of several lines. `lacks` is the key that is missing in the mapping at `at`, or with `beside` in the
+    mapping that has the key at the end of `at`. `names` are the missing or superfluous keys. A `fix` without a span
+    applies to the place of the fault.
+    """
+
+    code: str
+    message: str
+    at: Path = ()
+    key: bool = False
+    notes: tuple[Note, ...] = ()
+    help: str | None = None
+    related: tuple[tuple[str, Path], ...] = ()
+    within: tuple[int, int, int] | None = None
+    lacks: str | None = None
+    beside: bool = False
+    names: tuple[str, ...] = ()
+    fix: Fix | None = None
+
+    def all_notes(self) -> list[Note]:
+        """Return the notes, followed by the related ones without their places."""
+        return [*self.notes, *(Note(message) for message, _ in self.related)]

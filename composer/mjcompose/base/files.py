@@ -1,0 +1,587 @@
+"""Files that a run reads: ordinary ones only, each remembered, none replaced by an output of the run.
+
+Resolve and list folders, cached until a folder changes.
+
+Each model has its own door. Resolving the links of six folders and searching each for markers of a project takes
+longer than the rest of reading a 3 kB model; one `stat` of a folder shows whether it is unchanged.
+
+The files that a run reads: no output of the run takes the place of one of them.
+
+Every reader notes its files here, and the one writer (`bundle/staging.py`) asks here. Paths are resolved when something
+is written, and not before. A file that the run itself wrote does not count as a source.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+import stat
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from io import BufferedReader
+from itertools import islice
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.limits import in_force, written
+from mjcompose.base.scratch import is_scratch
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from mjcompose.base.diagnostic import Note, Span
+    from mjcompose.base.sink import Sink
+
+_MOST = 4096
+"""The maximum number of paths in one memory; beyond it, all are looked up again."""
+_SETTLED = 2_000_000_000
+"""Nanoseconds: changes closer to each other than this may have the same time, as on FAT."""
+
+T = TypeVar("T")
+
+
+class Memory(Generic[T]):
+    """Caches what `look_up` returns for paths, until `stat` shows a change, as git does.
+
+    `missing` returns the value for a path without a `stat`.
+    """
+
+    def __init__(self, look_up: Callable[[str], T], missing: Callable[[str], T]) -> None:
+        self._look_up, self._missing = look_up, missing
+        self._known: dict[str, tuple[tuple[int, ...], T]] = {}
+
+    def ask(self, path: str) -> T:
+        try:
+            status = os.stat(path)
+        except (OSError, ValueError):
+            return self._missing(path)
+        changed = max(status.st_mtime_ns, status.st_ctime_ns)
+        state = (
+            status.st_dev, status.st_ino, status.st_nlink, status.st_size, status.st_mtime_ns, status.st_ctime_ns
+        )  # fmt: skip
+        known = self._known.get(path)
+        if known is not None and known[0] == state:
+            return known[1]
+        found = self._look_up(path)
+        if time.time_ns() - changed > _SETTLED:
+            if len(self._known) >= _MOST:
+                self._known.clear()
+            self._known[path] = state, found
+        return found
+
+
+_FEW, _LISTED = 4, 16
+"""The least number of files for which a folder is listed, and how many entries are looked at for each of them."""
+_real = Memory(os.path.realpath, os.path.realpath)
+
+
+def real_folder(folder: str) -> str:
+    """Return the real path of a folder, which need not exist."""
+    return _real.ask(folder)
+
+
+def parted(path: str) -> tuple[str, str]:
+    """Split a path into its folder, including the separator, and the name."""
+    if os.altsep is not None:
+        return os.path.split(path)
+    at = path.rfind(os.sep) + 1
+    return path[:at], path[at:]
+
+
+def files_among(paths: Iterable[str]) -> Iterator[tuple[str, list[str]]]:
+    """Yield folders, and those of the paths in them that one look at the folder shows to be ordinary files.
+
+    It misses links, single files in a folder, and files far down in a long folder. Asking for sixty files one by
+    one takes ten times as long.
+    """
+    wanted: dict[str, dict[str, str]] = {}
+    for path in paths:
+        folder, name = parted(path)
+        wanted.setdefault(folder, {})[name] = path
+    for folder, names in wanted.items():
+        if len(names) < _FEW:
+            continue
+        found: list[str] = []
+        try:
+            with os.scandir(folder) as entries:
+                for each in islice(entries, _LISTED * len(names)):
+                    if (name := each.name) in names and each.is_file(follow_symlinks=False):
+                        found.append(names[name])
+        except (OSError, ValueError):
+            continue
+        yield folder, found
+
+
+def real_path(path: str | os.PathLike[str]) -> str:
+    """Return the real path of a path, which need not exist."""
+    text = os.fspath(path)
+    folder, name = os.path.split(text)
+    if name in ("", os.curdir, os.pardir) or os.path.islink(text):
+        return os.path.realpath(text)
+    return os.path.join(real_folder(folder), name)
+
+
+def memory_of(names: tuple[str, ...]) -> Callable[[str], bool]:
+    """Return a cached function that says whether a folder has an entry with one of these names."""
+
+    def holds_any(folder: str) -> bool:
+        # `exists` raises and catches an exception for each missing name.
+        return any(os.access(f"{folder}{os.sep}{name}", os.F_OK) for name in names)
+
+    return Memory(holds_any, lambda _: False).ask
+
+
+CODE = "source-outside"
+OUTSIDE = "is outside {}"
+
+
+class Refused(OSError):
+    """A file that a door does not admit; `why` follows its name in a message, `help` says what to do."""
+
+    def __init__(self, path: str, why: str, help: str | None = None, real: str | None = None) -> None:
+        super().__init__(errno.EACCES, why, path)
+        self.path, self.why, self.help, self.real = path, why, help, real
+
+    def message(self, shown: Callable[[Path], str] | None = None) -> str:
+        """Return one sentence; `shown` returns the file's name in messages."""
+        from pathlib import Path
+
+        call = shown or str
+        leads = ""
+        if self.real is not None and Path(self.path).is_symlink():
+            leads = f", a link to `{call(Path(self.real))}`,"
+        return f"the file `{call(Path(self.path))}`{leads} {self.why}"
+
+    def report(
+        self,
+        sink: Sink,
+        span: Span | None,
+        notes: Iterable[Note] = (),
+        shown: Callable[[Path], str] | None = None,
+    ) -> None:
+        """Report it to the sink, at the place that names the file."""
+        from pathlib import Path
+
+        from mjcompose.base.diagnostic import Cause
+
+        cause = None
+        if self.real is not None:  # all files of one folder have one cause
+            folder = os.path.dirname(self.real)
+            cause = Cause(
+                f"{span.file if span else ''} {folder} {self.why}", f"`{(shown or str)(Path(self.path))}`"
+            )
+        sink.error(CODE, self.message(shown), span, notes=tuple(notes), help=self.help, cause=cause)
+
+
+# Opening does not wait for the other end of a pipe, and does not acquire a controlling terminal.
+_FLAGS = (
+    os.O_RDONLY
+    | getattr(os, "O_BINARY", 0)
+    | getattr(os, "O_NONBLOCK", 0)
+    | getattr(os, "O_NOCTTY", 0)
+    | getattr(os, "O_CLOEXEC", 0)
+)
+_KINDS = (
+    (stat.S_ISFIFO, "a named pipe"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+    (stat.S_ISSOCK, "a socket"),
+)
+
+
+class TooLarge(OSError):
+    """A file with more bytes than allowed; `size` is its size, or how many bytes were read."""
+
+    def __init__(self, size: int, most: int, what: str = "it is", path: str | None = None) -> None:
+        super().__init__(f"{what} larger than {written('xml-size', most)}")
+        self.size, self.path = size, path
+
+
+def is_irregular(path: str) -> str | None:
+    """Return why a path is neither a file nor a folder; None if it is one or does not exist."""
+    try:
+        return _irregular(os.stat(path).st_mode)
+    except (OSError, ValueError):  # reported where it is read
+        return None
+
+
+def _irregular(mode: int) -> str | None:
+    if stat.S_ISREG(mode) or stat.S_ISDIR(mode):
+        return None
+    what = next((words for test, words in _KINDS if test(mode)), "no file")
+    return f"is {what}, not an ordinary file"
+
+
+def read_regular(path: str | os.PathLike[str], most: int | None = None, *, is_source: bool = True) -> bytes:
+    """Return the bytes of an ordinary file, or the text of an editor that has not saved it.
+
+    A source of the run is noted: no output takes its place. Raises Refused for other kinds of files, and OSError, also
+    for more than `most` bytes; without `most` the limit is that of a whole bundle.
+    """
+    most = in_force().output_size if most is None else most
+    if (kept := unsaved_text(path)) is not None:
+        _bound(len(kept), most, path)
+        return kept
+    file, size = _opened(path, most, is_source)
+    try:
+        pieces = [os.read(file, size + 1)]
+        while (
+            pieces[-1] and (so_far := sum(map(len, pieces))) != size
+        ):  # it is growing, or too large for one call
+            _bound(so_far, most, path)
+            pieces.append(os.read(file, 1 << 24))
+    finally:
+        os.close(file)
+    return pieces[0] if len(pieces) == 1 else b"".join(pieces)
+
+
+def read_argument(path: str | os.PathLike[str], most: int) -> bytes:
+    """Read a file that an argument of the command names: standard input and `<(command)` are no files, and are meant.
+
+    Returns at most one byte more than `most` of them.
+    """
+    text = os.fspath(path)
+    if text == "/dev/stdin" or os.path.dirname(text) in ("/dev/fd", "/proc/self/fd"):
+        with open(text, "rb") as stream:
+            return keep_piped(text, stream.read(most + 1))
+    return read_regular(path, most)
+
+
+def open_regular(
+    path: str | os.PathLike[str], most: int | None = None, *, is_source: bool = True
+) -> BufferedReader:
+    """Open an ordinary file, as `read_regular` reads it."""
+    file, _ = _opened(path, in_force().output_size if most is None else most, is_source)
+    return os.fdopen(file, "rb")
+
+
+def _opened(path: str | os.PathLike[str], most: int, is_source: bool) -> tuple[int, int]:
+    text = os.fspath(path)
+    if is_source:
+        current().note((text,))
+    if (what := is_irregular(text)) is not None:
+        raise Refused(text, what)
+    file = os.open(text, _FLAGS)
+    try:
+        status = os.fstat(file)
+        if (what := _irregular(status.st_mode)) is not None:  # replaced since the first check
+            raise Refused(text, what)
+        if stat.S_ISDIR(status.st_mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), text)
+        _bound(status.st_size, most, text)
+    except BaseException:
+        os.close(file)
+        raise
+    return file, status.st_size
+
+
+def _bound(size: int, most: int, path: str | os.PathLike[str]) -> None:
+    if size > most:
+        raise TooLarge(size, most, path=os.fspath(path))
+
+
+_NAMES = re.compile(
+    rb"""[^\s\0"'<>|{}\[\],;:#]+\.\w{2,5}|"[^"\n\0]+"|'[^'\n\0]+'|(?<=[:-] )[^\s"'{\[][^\n\0#]*"""
+)
+"""What may name a file in a recipe: a word with a suffix, a quoted text, the rest of a line."""
+_FOLDERS = re.compile(rb"""(?:mesh|texture|asset)dir\s*=\s*["']([^"'\n\0]+)["']""")
+_COMMENT = re.compile(rb"(?m)(?:^|(?<=[ \t]))#[^\n]*")
+_FILES = re.compile(rb"""\bfile\w*\s*=\s*["']([^"'\n\0]+)["']""")
+_RECIPES = (".yaml", ".yml")
+_MODELS = (*_RECIPES, ".xml", ".urdf", ".xacro")
+_NOWHERE = {errno.ENOENT, errno.ENOTDIR, errno.EACCES, errno.ENAMETOOLONG, errno.ELOOP}
+Identity = tuple[int, int]
+"""The device and the inode of a file, which are the same under each of its names."""
+
+
+class Run:
+    """The sources of one run."""
+
+    def __init__(self) -> None:
+        self._noted: dict[str, None] = {}
+        self._resolved = 0
+        self._paths: set[str] = set()
+        self._files: dict[Identity, str] = {}
+        self._above: dict[str, str] = {}
+        self._named: dict[Identity, str] = {}
+        self._unscanned: list[str] = []
+        self._scanned: set[Identity] = set()
+        self._written: set[str] = set()
+
+    def note(self, paths: Iterable[str | os.PathLike[str]]) -> None:
+        """Note files that are read."""
+        for path in paths:
+            text = os.fspath(path)
+            if text not in self._noted and not is_scratch(text):
+                self._noted[text] = None
+
+    def noted(self) -> tuple[str, ...]:
+        """Return all that was noted, for a process that makes a part of the run."""
+        return tuple(self._noted)
+
+    def wrote(self, path: str) -> None:
+        """Note a file or a folder that the run has written."""
+        self._written.add(os.path.realpath(path))
+
+    def taken(self, target: str, *, more: Iterable[str | os.PathLike[str]] = ()) -> str | None:
+        """Return the source whose place `target` would take, or that is in the folder `target`; None for a free place.
+
+        `more` are sources whoever wrote them. Raises OSError and ValueError: then nobody knows, and nothing is written.
+        """
+        self._resolve()
+        real = os.path.realpath(target)
+        at, identity = os.path.normcase(real), _identity(real)
+        for path in more:
+            source = os.path.normcase(real_path(path))
+            is_same = identity is not None and identity == _identity(source)
+            if is_same or source == at or source.startswith(_folder(at)):
+                return os.fspath(path)
+        if real in self._written:
+            return None
+        if at in self._paths:
+            return real
+        if identity is not None and identity in self._files:
+            return self._files[identity]
+        if identity is None:
+            return None
+        named = self._all_named()
+        if not os.path.isdir(real):
+            return named.get(identity)
+        inside = (
+            source for above, source in self._above.items() if above == at or identity == _identity(above)
+        )
+        below = (path for path in named.values() if real_path(path).startswith(_folder(real)))
+        return next(inside, None) or next(below, None)
+
+    def _resolve(self) -> None:
+        """Resolve what was noted since the last time."""
+        for path in list(self._noted)[self._resolved :]:
+            self._resolved += 1
+            real = real_path(path)
+            if any(each in self._written for each in _with_above(real)):
+                continue
+            self._paths.add(os.path.normcase(real))
+            if (identity := _identity(real)) is not None:
+                self._files[identity] = path
+                if path.lower().endswith(_RECIPES):
+                    self._unscanned.append(path)
+            for above in _with_above(os.path.dirname(os.path.normcase(real))):
+                if above in self._above:
+                    break
+                self._above[above] = path
+
+    def _all_named(self) -> Mapping[Identity, str]:
+        """Return the files that recipes name, and those that recipes and models name that are only named.
+
+        A variant that is not chosen has sources, too.
+        """
+        while self._unscanned:
+            path = self._unscanned[-1]  # until it is scanned
+            own = _identity(path)
+            is_recipe = path.lower().endswith(_RECIPES)
+            text, folder = b"" if own is None or own in self._scanned else _text(path), os.path.dirname(path)
+            folders = [folder, *(os.path.join(folder, os.fsdecode(each)) for each in _FOLDERS.findall(text))]
+            names = dict.fromkeys(
+                os.fsdecode(word.strip(b" \t\r\"'"))
+                for word in (_NAMES if is_recipe else _FILES).findall(
+                    _COMMENT.sub(b"", text) if is_recipe else text
+                )
+            )
+            more = []
+            for named in (os.path.join(each, name) for each in folders for name in names):
+                found = _identity(named)
+                if found is not None and found not in self._files and os.path.isfile(named):
+                    self._named[found] = named
+                    if named.lower().endswith(_MODELS):
+                        more.append(named)
+            if own is not None:
+                self._scanned.add(own)
+            self._unscanned[-1:] = more
+        return self._named
+
+
+class _NoRun(Run):
+    """A program of somebody else, which reads and writes as it likes."""
+
+    def note(self, paths: Iterable[str | os.PathLike[str]]) -> None:
+        """Note nothing."""
+
+
+_runs: list[Run] = [_NoRun()]
+
+
+def current() -> Run:
+    """Return the run of this process that began last."""
+    return _runs[-1]
+
+
+@contextmanager
+def run() -> Iterator[Run]:
+    """Begin a run for the block, which starts without sources."""
+    _runs.append(Run())
+    try:
+        yield _runs[-1]
+    finally:
+        _runs.pop()
+
+
+def _folder(path: str) -> str:
+    return path.rstrip(os.sep) + os.sep
+
+
+def _with_above(path: str) -> Iterator[str]:
+    """Yield a path and the folders above it."""
+    while True:
+        yield path
+        above = os.path.dirname(path)
+        if above == path:
+            return
+        path = above
+
+
+def _identity(path: str) -> Identity | None:
+    """Return what a file is under each of its names; None if it does not exist. Raises OSError and ValueError."""
+    try:
+        found = os.stat(path)
+    except OSError as error:
+        if error.errno in _NOWHERE:
+            return None
+        raise
+    return found.st_dev, found.st_ino
+
+
+def _text(path: str) -> bytes:
+
+    try:
+        return read_regular(path, in_force().xml_size, is_source=False) if os.path.isfile(path) else b""
+    except TooLarge:  # which no run reads
+        return b""
+
+
+_TEXTS: ContextVar[Mapping[str, bytes] | None] = ContextVar("mjcompose.base.files", default=None)
+
+
+_piped: dict[str, bytes] = {}
+
+
+def keep_piped(path: str, text: bytes) -> bytes:
+    """Return what a pipe gave, which gives it only once."""
+    if text or path not in _piped:
+        _piped[path] = text
+    return _piped[path]
+
+
+@contextmanager
+def unsaved(texts: Mapping[str, bytes]) -> Iterator[None]:
+    """Within the block, read `texts`, by real path, in place of files.
+
+    >>> import tempfile
+    >>> with tempfile.NamedTemporaryFile() as file, unsaved({os.path.realpath(file.name): b"new"}):
+    ...     unsaved_text(file.name)
+    b'new'
+    """
+    token = _TEXTS.set({**(_TEXTS.get() or {}), **texts})
+    try:
+        yield
+    finally:
+        _TEXTS.reset(token)
+
+
+def unsaved_text(path: str | os.PathLike[str]) -> bytes | None:
+    """Return the text to read in place of a file, or None if there is none."""
+    if _piped and (kept := _piped.get(os.fspath(path))) is not None:
+        return kept
+    texts = _TEXTS.get()
+    return texts.get(os.path.realpath(path)) if texts else None
+
+
+def untrusted(folder: str | os.PathLike[str]) -> str | None:
+    """Return why a private folder is not trusted; None if it is, or if it does not exist.
+
+    >>> untrusted("/no/such/folder") is None
+    True
+    """
+    try:
+        status = _status(folder)
+    except Exception as error:
+        return _unknown(error)
+    if status is None:
+        return None
+    if status.st_uid != os.geteuid():
+        return "it belongs to another user"
+    return "every user may write to it" if status.st_mode & stat.S_IWOTH else None
+
+
+def untrusted_for_temporary(folder: str | os.PathLike[str] | None = None) -> str | None:
+    """Return why a folder for temporary files is not trusted. It may be the system's if its sticky bit is set."""
+    if folder is None:
+        import tempfile  # the store, whose owner is asked by every build, is elsewhere
+
+        folder = tempfile.gettempdir()
+    try:
+        status = _status(folder)
+    except Exception as error:
+        return _unknown(error)
+    if status is None:
+        return None
+    if status.st_uid not in (os.geteuid(), 0):
+        return "it belongs to another user"
+    is_open = status.st_mode & stat.S_IWOTH and not status.st_mode & stat.S_ISVTX
+    return "every user may remove what others have in it" if is_open else None
+
+
+def _status(folder: str | os.PathLike[str]) -> os.stat_result | None:
+    """Return the status; None also on systems without such owners, as on Windows. Raises OSError and ValueError."""
+    if not hasattr(os, "geteuid"):
+        return None
+    try:
+        return os.stat(folder)
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+
+
+def _unknown(error: Exception) -> str:
+    return (
+        f"nobody can tell whose it is: {(getattr(error, 'strerror', None) or type(error).__name__).lower()}"
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Foreign:
+    """A format by its name; `advice` has `{file}` and `{stem}` for the path of a file with and without its suffix."""
+
+    name: str
+    advice: str
+
+    def message(self, text: str) -> str:
+        return f"`{text}` is {self.name}, which mjcompose does not read"
+
+    def help(self, text: str) -> str:
+        """Return what to do about a file.
+
+        >>> SDF.help("world/arm.sdf")
+        'convert it with Gazebo: `sdf2mjcf world/arm.sdf world/arm.xml`, of the package `sdformat-mjcf`'
+        """
+        suffix = PurePath(text).suffix
+        return self.advice.format(file=text, stem=text.removesuffix(suffix) + "_mjcf" * (suffix == ".xml"))
+
+
+SDF = Foreign(
+    "SDFormat", "convert it with Gazebo: `sdf2mjcf {file} {stem}.xml`, of the package `sdformat-mjcf`"
+)
+USD = Foreign(
+    "USD", "take the MJCF or URDF that it was made from, or let the program that made it export URDF"
+)
+_FORMATS = {
+    **dict.fromkeys((".sdf", ".world"), SDF),
+    **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), USD),
+}
+
+
+def foreign_format(path: PurePath) -> Foreign | None:
+    """Return the format of a file by its suffix, if it is one of these. No I/O."""
+    return _FORMATS.get(path.suffix.lower())

@@ -1,0 +1,191 @@
+"""What one run may cost: every limit with its name, its default, and what it bounds.
+
+Each is checked before the work that it bounds. `--limit NAME=VALUE` raises it on the command line, `allow` in Python.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import field, fields, replace
+from typing import Any
+
+from mjcompose.base.dataclass import dataclass
+
+KIB, MIB, GIB = 1 << 10, 1 << 20, 1 << 30
+_UNITS = {"": 1, "K": KIB, "M": MIB, "G": GIB, "T": 1 << 40}
+
+
+def _limit(default: float, unit: str, bounds: str) -> Any:
+    return field(default=default, metadata={"unit": unit, "bounds": bounds})
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Every limit of a run. A field is called as in `--limit`, with `_` for `-`.
+
+    >>> Limits().copies, replace(Limits(), copies=20).copies
+    (10000, 20)
+    """
+
+    time: float = _limit(300.0, "seconds", "the work of MuJoCo on one model")
+    memory: int = _limit(8 * GIB, "bytes", "the memory of mjcompose, and of MuJoCo's process (POSIX)")
+    mesh_time: float = _limit(1800.0, "seconds", "the work on one mesh that a recipe asks for")
+    mesh_faces: int = _limit(1_000_000, "", "the faces of a mesh that is worked on")
+    elements: int = _limit(100_000, "", "the elements of a model as it is written")
+    bodies: int = _limit(15_000, "", "the bodies of a model once it is expanded")
+    dofs: int = _limit(
+        15_000,
+        "",
+        "the degrees of freedom of a model: 6 of a free joint, 3 of a ball or a point of a flex, 1 of others",
+    )
+    mass_matrix: int = _limit(
+        2_000_000,
+        "",
+        "the numbers in the mass matrix: one for each pair of degrees of freedom of which one carries the other",
+    )
+    mesh_points: int = _limit(
+        1_000_000,
+        "",
+        "the points of all meshes of a model; those of meshes that collide with nothing count a tenth",
+    )
+    expansion: int = _limit(
+        20_000, "", "the elements that `<replicate>`, `<flexcomp>`, `<composite>` and `<attach>` make"
+    )
+    reserved: int = _limit(
+        100_000_000,
+        "",
+        "the numbers that textures, height fields and `<size>` reserve in a model, and the pixels of PNG files",
+    )
+    parts: int = _limit(10_000, "", "the parts of a recipe, with those of nested recipes and all copies")
+    copies: int = _limit(10_000, "", "the copies that one `replicate` of a recipe makes")
+    attributes: int = _limit(1000, "", "the attributes of one element")
+    faults: int = _limit(1000, "", "the errors that mjcompose looks for")
+    nesting: int = _limit(50, "", "how deep recipes, or the files of a model, include one another")
+    submodels: int = _limit(1000, "", "the models that a model attaches, with those that they attach")
+    xml_size: int = _limit(64 * MIB, "bytes", "the XML files of one model together")
+    text_size: int = _limit(16 * MIB, "bytes", "one attribute, comment or text in XML")
+    recipe_size: int = _limit(16 * MIB, "bytes", "one recipe file")
+    edits: int = _limit(200_000, "", "the values that edits write, and what selecting and drawing cost")
+    yaml_values: int = _limit(500_000, "", "the values in one YAML file, with those of aliases")
+    yaml_depth: int = _limit(100, "", "how deep lists and mappings nest in one YAML file")
+    string: int = _limit(10_000, "", "the characters of a text that an expression gives")
+    cells: int = _limit(100_000, "", "the cells of a matrix")
+    samples: int = _limit(100_000, "", "the samples of one `randomize`")
+    models: int = _limit(1_000_000, "", "the models that one command builds")
+    output_files: int = _limit(20_000, "", "the files of one bundle")
+    output_size: int = _limit(4 * GIB, "bytes", "the files of one bundle together")
+    source_files: int = _limit(200_000, "", "the files of one repository or archive")
+    source_size: int = _limit(8 * GIB, "bytes", "one repository or archive, as fetched and as unpacked")
+    git_memory: int = _limit(448 * MIB, "bytes", "the memory of git while it fetches and unpacks (POSIX)")
+    source_ratio: int = _limit(
+        300, "", "how many times its packed size an archive or repository above 64 MiB unpacks to"
+    )
+
+    def __post_init__(self) -> None:
+        for name, value in self.items():
+            if not value > 0:
+                raise ValueError(f"the limit `{name}` must be greater than zero")
+
+    def items(self) -> Iterator[tuple[str, float]]:
+        for each in fields(self):
+            yield each.name.replace("_", "-"), getattr(self, each.name)
+
+
+NAMES = {each.name.replace("_", "-"): each for each in fields(Limits)}
+"""What each limit is called on the command line."""
+_DEFAULTS = Limits()
+_IN_FORCE: ContextVar[Limits] = ContextVar("mjcompose.base.limits", default=_DEFAULTS)
+
+
+def in_force() -> Limits:
+    """The limits of the work that is being done: the defaults, but for those that `allow` changes."""
+    return _IN_FORCE.get()
+
+
+@contextmanager
+def allow(**changed: float) -> Iterator[Limits]:
+    """Other limits for what is done in the block. Raises ValueError for one that is not greater than zero.
+
+    >>> with allow(expansion=1_000_000):
+    ...     in_force().expansion
+    1000000
+    """
+    token = _IN_FORCE.set(replace(in_force(), **changed))  # type: ignore[arg-type]  # the names are the caller's
+    try:
+        yield in_force()
+    finally:
+        _IN_FORCE.reset(token)
+
+
+class Advice(str):
+    """The help of an error about a limit, and the same for a program."""
+
+    __slots__ = ("in_python",)
+    in_python: str
+
+
+def advice(name: str, needed: float | None = None) -> Advice:
+    """The help of an error about a limit: how to raise it to what is `needed`, where that is known.
+
+    >>> advice("copies", 12000)
+    'if that is meant, raise the limit: `--limit copies=12000`'
+    >>> advice("copies", 12000).in_python
+    'if that is meant, raise the limit: `with mjcompose.base.limits.allow(copies=12000):`'
+    """
+    attribute = name.replace("-", "_")
+    value = 2 * getattr(in_force(), attribute) if needed is None else needed
+    given = Advice(f"if that is meant, raise the limit: `--limit {name}={written(name, value)}`")
+    given.in_python = (
+        f"if that is meant, raise the limit: `with mjcompose.base.limits.allow({attribute}={value:.12g}):`"
+    )
+    return given
+
+
+def written(name: str, value: float) -> str:
+    """A limit's value as a person writes it.
+
+    >>> written("xml-size", 64 * 2**20), written("copies", 10000), written("time", 300.0)
+    ('64M', '10000', '300')
+    """
+    if NAMES[name].metadata["unit"] != "bytes":
+        return f"{value:g}" if value != int(value) else str(int(value))
+    unit = next((each for each in "TGMK" if value >= _UNITS[each]), "")
+    return f"{math.ceil(value / _UNITS[unit])}{unit}"
+
+
+def read(name: str, text: str) -> float | None:
+    """The value that a text gives a limit; None for what is none.
+
+    >>> read("memory", "2G"), read("copies", "10"), read("copies", "-1"), read("time", "0.5")
+    (2147483648, 10, None, 0.5)
+    """
+    unit = NAMES[name].metadata["unit"]
+    if unit == "bytes":
+        return parse_size(text) or None
+    try:
+        value = float(text)
+        if unit != "seconds" and value != int(value):
+            return None
+    except (ValueError, OverflowError):
+        return None
+    if not 0 < value < math.inf:
+        return None
+    return value if unit == "seconds" else int(value)
+
+
+def parse_size(text: str) -> int | None:
+    """A number of bytes, as `500M` or `2.5G`; None for what is none. No I/O.
+
+    >>> parse_size("2K"), parse_size("0"), parse_size("many")
+    (2048, 0, None)
+    """
+    digits = text.strip().upper().removesuffix("B").removesuffix("I")
+    unit = digits[-1:] if digits[-1:] in _UNITS else ""
+    try:
+        value = float(digits.removesuffix(unit)) * _UNITS[unit]
+        return int(value) if value >= 0 else None
+    except (ValueError, OverflowError):
+        return None

@@ -1,0 +1,408 @@
+"""Diagnostics for people and programs: terminal, JSON lines, GitHub, JUnit."""
+
+from __future__ import annotations
+
+import json
+import re
+import unicodedata
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, replace
+from functools import lru_cache
+from typing import Any
+from xml.etree import ElementTree as Xml
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import CellName, Diagnostic, Note, Severity, Span, listed, masked
+from mjcompose.base.limits import Advice
+
+_COLOR = {
+    "error": "\x1b[1;31m",
+    "warning": "\x1b[1;33m",
+    "note": "\x1b[1;36m",
+    "cell": "\x1b[1;36m",
+    "cells": "\x1b[1;36m",
+    "help": "\x1b[1;32m",
+    "bold": "\x1b[1m",
+    "gutter": "\x1b[34m",
+    "code": "\x1b[36m",
+    "dim": "\x1b[2m",
+    "added": "\x1b[32m",
+    "removed": "\x1b[31m",
+}
+
+
+class Paint:
+    """Wraps text in a colour if enabled. The styles are the keys of `_COLOR`."""
+
+    def __init__(self, enabled: bool) -> None:
+        self._enabled = enabled
+
+    def __call__(self, style: str, text: str) -> str:
+        return f"{_COLOR[style]}{text}\x1b[0m" if self._enabled else text
+
+
+ReadSource = Callable[[str], str | None]
+
+_LINE_BREAK = re.compile(r"\r\n|\n|\r")
+_TAB = " " * 4
+_WINDOW = 160  # screen columns of source shown at most
+_BEFORE = 60  # of these, columns before the span
+_NEAR = 2000  # characters on each side of a span that are read: a line may be as long as a file
+_BIDIRECTIONAL = "\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
+_CONTROL = f"\\x00-\\x08\\x0b-\\x1a\\x1c-\\x1f\\x7f-\\x9f\u2028\u2029{_BIDIRECTIONAL}"
+_UNSAFE = re.compile(f"[\\x1b\ud800-\udfff{_CONTROL}]")
+_UNSAFE_WITH_COLORS = re.compile(f"\\x1b(?!\\[[0-9;]*m)|[{_CONTROL}]")
+
+
+def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color: bool = False) -> str:
+    """Return the diagnostic as several lines of text, without a final line break.
+
+    `read_source(file)` returns the text of a file, or None if there is none to show; without it, no source lines
+    are shown. `color` adds ANSI colours. No I/O of its own.
+    """
+    excerpts = [_excerpt(span, read_source) for span in _spans(diagnostic)]
+    margin = max((len(str(each.number)) for each in excerpts if each), default=1)
+    paint = Paint(color)
+    edge = paint("gutter", " " * (margin + 1) + "|")
+
+    def shown(excerpt: _Excerpt | None, style: str, mark: str) -> list[str]:
+        if excerpt is None:
+            return []
+        number = paint("gutter", f"{excerpt.number:>{margin}} |")
+        underline = " " * excerpt.offset + paint(style, mark * excerpt.width)
+        return [edge, f"{number} {excerpt.text}".rstrip(), f"{edge} {underline}"]
+
+    def remark(kind: str, text: str) -> list[str]:
+        first, *rest = _printable_lines(text)
+        head = " " * (margin + 1) + "= "
+        indent = " " * (len(head) + len(kind) + 2)
+        return [f"{head}{paint(kind, kind)}: {first}", *(f"{indent}{line}".rstrip() for line in rest)]
+
+    kind = diagnostic.severity.value
+    place = "" if diagnostic.span is None else paint("bold", f"{_printable(str(diagnostic.span))}:") + " "
+    message = paint("bold", " ".join(_printable_lines(diagnostic.message)))
+    lines = [f"{place}{paint(kind, f'{kind}[{diagnostic.code}]')}: {message}"]
+
+    following = iter(excerpts)
+    if diagnostic.span is not None:
+        lines += shown(next(following), kind, "^")
+    if cells := diagnostic.cells:
+        lines += remark("cell" if len(cells) == 1 else "cells", listed(cells))
+    if recipes := diagnostic.recipes:
+        lines += remark("recipe" if len(recipes) == 1 else "recipes", ", ".join(recipes))
+    for note in diagnostic.listed():
+        if note.span is None:
+            lines += remark("note", note.message)
+        else:
+            lines += remark("note", f"{note.span}: {note.message}")
+            lines += shown(next(following), "note", "-")
+    if diagnostic.help is not None:
+        lines += remark("help", diagnostic.help)
+    return "\n".join(lines)
+
+
+def printable(text: str, colors: bool = False) -> str:
+    r"""Return a text in which no character acts on a terminal, a log or the order of others; lines and tabs stay.
+
+    With `colors`, codes of colours stay too, and bytes of file names that are no text in this locale.
+
+    >>> printable("a\x9b2Jb\u202ec")
+    'a\ufffd2Jb\ufffdc'
+    """
+    unsafe = _UNSAFE_WITH_COLORS if colors else _UNSAFE
+    return unsafe.sub(lambda found: _stand_in(found[0]), text.replace("\r\n", "\n"))
+
+
+def summary(diagnostics: Iterable[Diagnostic]) -> str:
+    """Return how many diagnostics of each severity there are.
+
+    >>> summary([Diagnostic("bad-name", "a"), Diagnostic("bad-name", "b", severity=Severity.WARNING)])
+    '1 error, 1 warning'
+    >>> summary([])
+    'no errors'
+    """
+    found = [each.severity for each in diagnostics]
+    counts = [(severity.value, found.count(severity)) for severity in Severity]
+    listed = [f"{count} {name}{'s' * (count != 1)}" for name, count in counts if count]
+    return ", ".join(listed) or "no errors"
+
+
+@dataclass(frozen=True, slots=True)
+class _Excerpt:
+    """A source line for display: `offset` and `width` of the underline are in screen columns."""
+
+    number: int
+    text: str
+    offset: int
+    width: int
+
+
+def _spans(diagnostic: Diagnostic) -> Iterable[Span]:
+    if diagnostic.span is not None:
+        yield diagnostic.span
+    for note in diagnostic.notes:
+        if note.span is not None:
+            yield note.span
+
+
+@lru_cache(maxsize=4)
+def _lines(source: str) -> tuple[str, ...]:
+    """Split a text into lines; cached because many diagnostics may be about one text."""
+    return tuple(_LINE_BREAK.split(source.removeprefix("\ufeff")))
+
+
+def _excerpt(span: Span, read_source: ReadSource | None) -> _Excerpt | None:
+    source = None if read_source is None else read_source(span.file)
+    if source is None:
+        return None
+    lines = _lines(source)
+    if not 1 <= span.line <= len(lines):
+        return None
+    whole = lines[span.line - 1].rstrip()
+    skipped = max(span.column - 1 - _NEAR, 0)
+    line = masked(whole[skipped : max(span.column, 1) + _NEAR])
+    cells = [_cell(character) for character in line]
+    widths = [width for _, width in cells]
+
+    start = min(max(span.column - 1 - skipped, 0), len(line))
+    if span.end_line is not None and span.end_line > span.line:
+        end = len(line)
+    else:
+        end = start if span.end_column is None else min(span.end_column - 1 - skipped, len(line))
+    end = max(end, start + 1)  # an empty span, or one past the end of the line, gets one caret
+
+    left, right = _window(widths, start)
+    text = "".join(shown for shown, _ in cells[left:right])
+    offset = sum(widths[left:start])
+    width = max(sum(widths[start : min(end, right)]), 1)
+    if left + skipped > 0:
+        text, offset = "…" + text, offset + 1
+    if right < len(cells) or skipped + len(line) < len(whole):
+        text += "…"
+    return _Excerpt(span.line, text, offset, width=width)
+
+
+def _window(widths: list[int], start: int) -> tuple[int, int]:
+    """Return the slice of a line to show: all of it, or about `_WINDOW` columns around the character `start`."""
+    if sum(widths) <= _WINDOW:
+        return 0, len(widths)
+    left, used = start, 0
+    while left > 0 and used + widths[left - 1] <= _BEFORE:
+        left -= 1
+        used += widths[left]
+    right = start
+    while right < len(widths) and used + widths[right] <= _WINDOW:
+        used += widths[right]
+        right += 1
+    while left > 0 and used + widths[left - 1] <= _WINDOW:
+        left -= 1
+        used += widths[left]
+    return left, right
+
+
+def _cell(character: str) -> tuple[str, int]:
+    """Return what is shown for a character, and how many screen columns that takes."""
+    if " " <= character <= "~":
+        return character, 1
+    if character == "\t":
+        return _TAB, len(_TAB)
+    category = unicodedata.category(character)
+    if category in ("Cc", "Cs", "Zl", "Zp") or character in _BIDIRECTIONAL:
+        return _stand_in(character), 1
+    if category in ("Mn", "Me", "Cf"):
+        return character, 0
+    return character, 2 if unicodedata.east_asian_width(character) in "WF" else 1
+
+
+def _stand_in(character: str) -> str:
+    """Return a visible character in place of a control character."""
+    return chr(0x2400 + ord(character)) if character < " " else "\ufffd"
+
+
+def _printable(text: str) -> str:
+    return "".join(_TAB if character == "\t" else _cell(character)[0] for character in text)
+
+
+def _printable_lines(text: str) -> list[str]:
+    return [_printable(line) for line in _LINE_BREAK.split(text)]
+
+
+def render_json_format(diagnostic: Diagnostic) -> str:
+    """Return one JSON object on one line, ASCII only, with the same keys for every diagnostic.
+
+    >>> render_json_format(Diagnostic("bad-name", "no"))[:68]
+    '{"severity": "error", "code": "bad-name", "message": "no", "span": n'
+    """
+    return json.dumps(
+        {
+            "severity": diagnostic.severity.value,
+            "code": diagnostic.code,
+            "message": diagnostic.message,
+            "span": _span(diagnostic.span),
+            "notes": [_note(note) for note in diagnostic.notes],
+            "help": diagnostic.help,
+            "fix": _fix(diagnostic),
+            "others": [_note(each) for each in diagnostic.others],
+            "cells": [asdict(cell) for cell in diagnostic.cells],
+            "recipes": list(diagnostic.recipes),
+        }
+    )
+
+
+def _note(note: Note) -> dict[str, Any]:
+    return {"message": note.message, "span": _span(note.span)}
+
+
+def _fix(diagnostic: Diagnostic) -> dict[str, Any] | None:
+    """Return a fix as replacement text for a span.
+
+    A fix of a name gets its quotes once its file is known: see `mjcompose.tools.fix.exact`.
+    """
+    fix = diagnostic.fix
+    if fix is None or fix.replaces is not None:
+        return None
+    return {"replacement": fix.replacement, "span": _span(fix.span or diagnostic.span)}
+
+
+def _span(span: Span | None) -> dict[str, Any] | None:
+    if span is None:
+        return None
+    return {
+        "file": span.file,
+        "line": span.line,
+        "column": span.column,
+        "end_line": span.end_line,
+        "end_column": span.end_column,
+    }
+
+
+_COMMAND = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
+
+
+def render_github(diagnostic: Diagnostic) -> str:
+    """Return one workflow command on one line; notes and help follow the message.
+
+    >>> render_github(Diagnostic("bad-name", "100% wrong"))
+    '::error title=bad-name::100%25 wrong'
+    """
+    span = diagnostic.span
+    properties: dict[str, str | int] = {}
+    if span is not None:
+        properties |= {"file": span.file, "line": span.line, "col": span.column}
+        if span.end_line is not None:
+            properties["endLine"] = span.end_line
+        # GitHub accepts columns only within one line.
+        if span.end_column is not None and span.end_line in (None, span.line):
+            properties["endColumn"] = span.end_column
+    cells = diagnostic.cells
+    properties["title"] = diagnostic.code if not cells else f"{diagnostic.code} in {_counted(cells)}"
+
+    lines = [diagnostic.message]
+    for note in diagnostic.listed():
+        lines.append(f"note: {note.span}: {note.message}" if note.span else f"note: {note.message}")
+    if len(cells) > 1:
+        lines.append(f"cells: {listed(cells)}")
+    if diagnostic.recipes:
+        lines.append(f"recipes: {', '.join(diagnostic.recipes)}")
+    if diagnostic.help is not None:
+        lines.append(f"help: {diagnostic.help}")
+    return command(_COMMAND[diagnostic.severity], "\n".join(lines), properties)
+
+
+def command(kind: str, message: str, properties: Mapping[str, str | int]) -> str:
+    r"""Return a workflow command of a kind such as `error`, with everything escaped.
+
+    >>> command("notice", "a%b", {"title": "c, d"})
+    '::notice title=c%2C d::a%25b'
+    """
+    about = ",".join(f"{name}={_property(str(value))}" for name, value in properties.items())
+    return f"::{kind} {about}::{_data(message)}"
+
+
+def _counted(cells: Sequence[CellName]) -> str:
+    return cells[0].name if len(cells) == 1 else f"{len(cells)} cells"
+
+
+def _data(text: str) -> str:
+    return printable(text).replace("%", "%25").replace("\n", "%0A")
+
+
+def _property(text: str) -> str:
+    return _data(text).replace(":", "%3A").replace(",", "%2C")
+
+
+_NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One test: `kind` says what it tests, `errors` are its failures; none means that it passes."""
+
+    name: str
+    kind: str
+    errors: Sequence[Diagnostic] = ()
+    file: str | None = None
+    line: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Suite:
+    """The tests of one file, or of one of its cells."""
+
+    name: str
+    cases: Sequence[Case]
+    cell: CellName | None = None
+
+    def properties(self) -> dict[str, str]:
+        """Return the cell and its components by name."""
+        found = {} if self.cell is None else asdict(self.cell)
+        return {name: str(value) for name, value in found.items() if value is not None}
+
+
+def report(suites: Iterable[Suite], read: ReadSource) -> str:
+    """Return the text of the whole file. No I/O except `read`."""
+    root = Xml.Element("testsuites", {"name": "mjcompose"})
+    for suite in suites:
+        failures = sum(bool(case.errors) for case in suite.cases)
+        counts = {"tests": str(len(suite.cases)), "failures": str(failures), "errors": "0", "skipped": "0"}
+        element = Xml.SubElement(root, "testsuite", {"name": _text(suite.name), **counts})
+        if properties := suite.properties():
+            listed = Xml.SubElement(element, "properties")
+            for name, value in properties.items():
+                Xml.SubElement(listed, "property", {"name": name, "value": _text(value)})
+        for case in suite.cases:
+            place = {"file": case.file, "line": None if case.line is None else str(case.line)}
+            about = {"classname": f"{suite.name}.{case.kind}", "name": case.name, **place}
+            row = Xml.SubElement(
+                element, "testcase", {key: _text(value) for key, value in about.items() if value is not None}
+            )
+            if case.errors:
+                first = case.errors[0]
+                failure = Xml.SubElement(
+                    row, "failure", {"type": first.code, "message": _text(first.message)}
+                )
+                failure.text = _text("\n\n".join(render(each, read) for each in case.errors))
+    Xml.indent(root)
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{Xml.tostring(root, encoding="unicode")}\n'
+
+
+def _text(text: str) -> str:
+    """Replace characters that act on whoever shows them, and those that XML does not allow."""
+    return _NO_XML.sub("\ufffd", printable(text))
+
+
+class MjcomposeError(Exception):
+    """Raised to Python callers if the input has errors; carries every diagnostic of the run.
+
+    `str()` renders them without source lines. Can be pickled.
+    """
+
+    def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
+        self.diagnostics: tuple[Diagnostic, ...] = tuple(
+            replace(each, help=each.help.in_python) if isinstance(each.help, Advice) else each
+            for each in diagnostics
+        )
+        super().__init__(self.diagnostics)
+
+    def __str__(self) -> str:
+        return "\n".join(render(each) for each in self.diagnostics)

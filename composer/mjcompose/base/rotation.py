@@ -1,0 +1,158 @@
+"""Rotations and poses as MuJoCo computes them, in plain floats.
+
+Quaternions are ``(w, x, y, z)``, positions are in metres, angles in radians. The arithmetic follows MuJoCo's own
+order of operations, so that a quaternion written in place of Euler angles compiles to the same bits.
+
+No numpy: its import does not pay off for a few floats.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from mjcompose.base.dataclass import dataclass
+
+Vec3 = tuple[float, float, float]
+Quat = tuple[float, float, float, float]
+
+IDENTITY_QUAT: Quat = (1.0, 0.0, 0.0, 0.0)
+_NOWHERE = (math.nan, math.nan, math.nan, math.nan)  # MuJoCo's result for infinite angles
+ORIGIN: Vec3 = (0.0, 0.0, 0.0)
+_AXES = {"x": 1, "y": 2, "z": 3}
+_NEARLY_UNIT = 1e-14
+_TINY = 1e-14
+_PARALLEL = 1e-7
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """A rigid transform: rotate by ``quat``, then translate by ``pos``."""
+
+    pos: Vec3 = ORIGIN
+    quat: Quat = IDENTITY_QUAT
+
+    @property
+    def is_identity(self) -> bool:
+        return self.pos == ORIGIN and self.quat == IDENTITY_QUAT
+
+    @property
+    def is_finite(self) -> bool:
+        return all(map(math.isfinite, (*self.pos, *self.quat)))
+
+    def __matmul__(self, inner: Pose) -> Pose:
+        """Return the pose of ``inner``, given in this frame, in the frame that this one is given in."""
+        if self.is_identity:
+            return inner
+        x, y, z = rotate(self.quat, inner.pos)
+        pos = (self.pos[0] + x, self.pos[1] + y, self.pos[2] + z)
+        return Pose(pos, normalise(multiply(self.quat, inner.quat)))
+
+    def inverse(self) -> Pose:
+        w, x, y, z = self.quat
+        back: Quat = (w, -x, -y, -z)
+        a, b, c = rotate(back, self.pos)
+        return Pose((-a, -b, -c), back)
+
+
+def multiply(a: Quat, b: Quat) -> Quat:
+    """Return the Hamilton product: the rotation ``b`` followed by ``a``."""
+    return (
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+    )
+
+
+def normalise(quat: Sequence[float]) -> Quat:
+    """Return ``quat`` at unit length; unchanged if it has that already, as in MuJoCo, so that no bit changes."""
+    w, x, y, z = quat
+    norm = math.sqrt(w * w + x * x + y * y + z * z)
+    if norm < _TINY:
+        return IDENTITY_QUAT
+    if abs(norm - 1.0) > _NEARLY_UNIT:
+        return (w / norm, x / norm, y / norm, z / norm)
+    return (w, x, y, z)
+
+
+def rotate(quat: Quat, vec: Sequence[float]) -> Vec3:
+    """``vec`` turned by ``quat``, by way of its matrix: so MuJoCo puts one frame into another, to the bit."""
+    w, x, y, z = quat
+    a, b, c = vec
+    if quat == IDENTITY_QUAT:
+        return (a, b, c)
+    ww, xx, yy, zz = w * w, x * x, y * y, z * z
+    wx, wy, wz, xy, xz, yz = w * x, w * y, w * z, x * y, x * z, y * z
+    return (
+        (ww + xx - yy - zz) * a + 2 * (xy - wz) * b + 2 * (xz + wy) * c,
+        2 * (xy + wz) * a + (ww - xx + yy - zz) * b + 2 * (yz - wx) * c,
+        2 * (xz - wy) * a + 2 * (yz + wx) * b + (ww - xx - yy + zz) * c,
+    )
+
+
+def quat_from_euler(euler: Sequence[float], sequence: str) -> Quat:
+    """Convert Euler angles in radians; lower-case letters rotate about moving axes, upper-case about fixed ones."""
+    quat = IDENTITY_QUAT
+    for angle, letter in zip(euler, sequence, strict=True):
+        if not math.isfinite(angle):
+            return _NOWHERE
+        turn = [math.cos(angle / 2), 0.0, 0.0, 0.0]
+        turn[_AXES[letter.lower()]] = math.sin(angle / 2)
+        step: Quat = (turn[0], turn[1], turn[2], turn[3])
+        quat = multiply(quat, step) if letter.islower() else multiply(step, quat)
+    return normalise(quat)
+
+
+def quat_from_axisangle(axis: Sequence[float], angle: float) -> Quat:
+    """Return a rotation of ``angle`` radians about ``axis`` (any length)."""
+    x, y, z = unit(axis)
+    if not math.isfinite(angle):
+        return _NOWHERE
+    half = math.sin(angle / 2)
+    return (math.cos(angle / 2), x * half, y * half, z * half)
+
+
+def quat_from_xyaxes(axes: Sequence[float]) -> Quat:
+    """Return the frame whose x axis is ``axes[:3]`` and whose y axis is ``axes[3:]``, made orthogonal to it."""
+    x = unit(axes[:3])
+    along = x[0] * axes[3] + x[1] * axes[4] + x[2] * axes[5]
+    y = unit([axes[3] - x[0] * along, axes[4] - x[1] * along, axes[5] - x[2] * along])
+    return _quat_from_columns(x, y, cross(x, y))
+
+
+def quat_from_zaxis(axis: Sequence[float]) -> Quat:
+    """Return the smallest rotation that takes the z axis to ``axis``."""
+    x, y, z = unit(axis)
+    turn = (-y, x, 0.0)
+    sine = math.sqrt(y * y + x * x)
+    if sine < _PARALLEL:
+        turn, sine = (1.0, 0.0, 0.0), 0.0
+    return quat_from_axisangle(turn, math.atan2(sine, z))
+
+
+def unit(vec: Sequence[float]) -> Vec3:
+    """Return `vec` at unit length; unchanged if it has that already."""
+    x, y, z = vec
+    norm = math.sqrt(x * x + y * y + z * z)
+    if norm < _TINY:
+        return (1.0, 0.0, 0.0)
+    return (x / norm, y / norm, z / norm) if abs(norm - 1.0) > _NEARLY_UNIT else (x, y, z)
+
+
+def cross(a: Sequence[float], b: Sequence[float]) -> Vec3:
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def _quat_from_columns(x: Vec3, y: Vec3, z: Vec3) -> Quat:
+    if x[0] + y[1] + z[2] > 0:
+        w = 0.5 * math.sqrt(1 + x[0] + y[1] + z[2])
+        return normalise((w, (y[2] - z[1]) / (4 * w), (z[0] - x[2]) / (4 * w), (x[1] - y[0]) / (4 * w)))
+    if x[0] > y[1] and x[0] > z[2]:
+        a = 0.5 * math.sqrt(1 + x[0] - y[1] - z[2])
+        return normalise(((y[2] - z[1]) / (4 * a), a, (y[0] + x[1]) / (4 * a), (z[0] + x[2]) / (4 * a)))
+    if y[1] > z[2]:
+        b = 0.5 * math.sqrt(1 - x[0] + y[1] - z[2])
+        return normalise(((z[0] - x[2]) / (4 * b), (y[0] + x[1]) / (4 * b), b, (z[1] + y[2]) / (4 * b)))
+    c = 0.5 * math.sqrt(1 - x[0] - y[1] + z[2])
+    return normalise(((x[1] - y[0]) / (4 * c), (z[0] + x[2]) / (4 * c), (z[1] + y[2]) / (4 * c), c))

@@ -1,0 +1,260 @@
+"""The sink that collects the diagnostics of all stages, so that one run reports all of them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+from mjcompose.base.codes import CODES
+from mjcompose.base.diagnostic import Cause, CellName, Diagnostic, Fix, Note, Severity, Span
+from mjcompose.base.limits import advice, in_force
+
+_STEP = re.compile(r"[/:.\s]")
+_SEVERITIES = tuple(Severity)
+_OF_MODELS = (".xml", ".mjcf", ".urdf", ".xacro")
+"""File name endings of models, which mostly come from somebody else."""
+
+
+class TooManyFaults(Exception):
+    """There are more errors than the limit, because each takes a search for its place.
+
+    `sink` has those found so far.
+    """
+
+    def __init__(self, sink: Sink) -> None:
+        super().__init__(f"more than {in_force().faults} errors; the first one is: {sink.errors[0].message}")
+        self.sink = sink
+
+
+class Sink:
+    """Collects diagnostics in the order they are found; equal diagnostics are kept once.
+
+    A code that is not in `CODES` is a bug of the caller and raises `KeyError`. Exceeding the limit `faults` raises
+    `TooManyFaults`.
+    """
+
+    def __init__(self) -> None:
+        # A dict keeps the order of insertion and finds repetitions in constant time. Its values are the further
+        # findings with the same cause.
+        self._found: dict[Diagnostic, dict[Note, None]] = {}
+        self._causes: dict[tuple[str, Severity, str], Diagnostic] = {}
+        self._cells: dict[Diagnostic, dict[CellName, None]] = {}
+        self._kin: dict[tuple[str, Severity, Span | str], list[Diagnostic]] = {}
+        self._recipes: dict[Diagnostic, dict[str, None]] = {}
+        self.error_count = 0
+        """How often there was an error, those reported before and those suppressed included."""
+        self._lost: set[str] = set()
+        self._errors = 0
+
+    def suppress_about(self, names: Iterable[str]) -> None:
+        """Suppress errors about these names, and about names below them, from now on.
+
+        An earlier error removed these names, so an element that misses one of them may be correct. Suppressed
+        errors still stop the work.
+        """
+        self._lost.update(names)
+
+    def marked(self) -> Callable[[], None]:
+        """Return a function that forgets all that is added from now on."""
+        found = {each: dict(notes) for each, notes in self._found.items()}
+        cells = {each: dict(names) for each, names in self._cells.items()}
+        kin = {key: list(each) for key, each in self._kin.items()}
+        causes, lost = dict(self._causes), set(self._lost)
+        count, errors = self.error_count, self._errors
+
+        def forget() -> None:
+            self._found, self._causes, self._cells, self._kin = found, causes, cells, kin
+            self._lost, self.error_count, self._errors = lost, count, errors
+
+        return forget
+
+    def fork(self) -> Sink:
+        """Return an empty sink that suppresses the same names."""
+        sink = Sink()
+        sink.suppress_about(self._lost)
+        return sink
+
+    def suppresses(self, name: str) -> bool:
+        """Return whether an earlier error may be the reason that this name does not exist."""
+        return name in self._lost or not self._lost.isdisjoint(_STEP.split(name))
+
+    def _is_suppressed(self, diagnostic: Diagnostic) -> bool:
+        return diagnostic.severity is not Severity.ERROR or any(map(self.suppresses, diagnostic.subjects))
+
+    def add(self, diagnostic: Diagnostic, cause: Cause | None = None) -> None:
+        if diagnostic.code not in CODES:
+            raise KeyError(diagnostic.code)
+        if diagnostic.severity is Severity.ERROR:
+            self.error_count += 1
+        if diagnostic in self._found or (self._lost and self._is_suppressed(diagnostic)):
+            return
+        if cause is not None:
+            first = self._causes.setdefault((diagnostic.code, diagnostic.severity, cause.key), diagnostic)
+            if first is not diagnostic:
+                self._found[first][Note(cause.subject, diagnostic.span)] = None
+                return
+        self._found[diagnostic] = {}
+        if diagnostic.severity is Severity.ERROR:
+            self._bound()
+
+    def _bound(self) -> None:
+        self._errors += 1
+        most = in_force().faults
+        if self._errors == most + 1:
+            message = f"there are more than {most} errors; others were not looked for"
+            last = Diagnostic("limit-exceeded", message, None, help=advice("faults"))
+            self._found[last] = {}
+            raise TooManyFaults(self)
+
+    def drop(self, diagnostic: Diagnostic) -> None:
+        """Forget a warning or a note, with all findings of the same cause, because the user has acknowledged it."""
+        if diagnostic.severity is Severity.ERROR:
+            raise ValueError("an error cannot be dropped")
+        for found in [each for each in self._found if self._whole(each) == diagnostic]:
+            del self._found[found]
+            self._causes = {key: first for key, first in self._causes.items() if first is not found}
+
+    def promote(self) -> None:
+        """Turn all warnings into errors."""
+        found, self._found = self._found, {}
+        for diagnostic, others in found.items():
+            if diagnostic.severity is not Severity.WARNING:
+                self._found[diagnostic] = others
+                continue
+            self.error_count += 1
+            promoted = replace(diagnostic, severity=Severity.ERROR)
+            self._found[promoted] = others
+            self._causes = {
+                key: promoted if first is diagnostic else first for key, first in self._causes.items()
+            }
+            if diagnostic in self._cells:
+                self._cells[promoted] = self._cells.pop(diagnostic)
+
+    def add_of_cell(self, cell: CellName, diagnostic: Diagnostic) -> None:
+        """Add a finding of one cell; those of several cells with one code and place become one that lists the cells.
+
+        Its `others` have what is said of a cell in other words, such as with another number. Diagnostics about the
+        recipe as a whole stay without a cell.
+        """
+        if diagnostic in self._found and diagnostic not in self._cells:
+            return
+        place = diagnostic.span or diagnostic.help  # without a place, what helps says what it is about
+        kin = [] if place is None else self._kin.setdefault((diagnostic.code, diagnostic.severity, place), [])
+        first = next((each for each in kin if cell not in self._cells.get(each, ())), None)
+        if diagnostic in self._found or first is None:
+            self.add(diagnostic)
+            if diagnostic in self._found:
+                if diagnostic not in self._cells:
+                    kin.append(diagnostic)
+                self._cells.setdefault(diagnostic, {})[cell] = None
+            return
+        self.error_count += diagnostic.severity is Severity.ERROR
+        self._cells[first][cell] = None
+        said = diagnostic.message
+        if said == first.message:  # what exists instead may be something else there
+            said = "; ".join(note.message for note in diagnostic.notes if note not in first.notes)
+        more = [Note(f"{cell.name}: {said}")] if said else []
+        self._found[first].update(dict.fromkeys([*more, *diagnostic.others]))
+
+    def add_of_recipe(self, recipe: str, diagnostic: Diagnostic) -> None:
+        """Add a finding of one of several recipes; equal findings become one that lists the recipes."""
+        self.add(diagnostic)
+        if diagnostic in self._found:
+            self._recipes.setdefault(diagnostic, {})[recipe] = None
+
+    def error(
+        self,
+        code: str,
+        message: str,
+        span: Span | None = None,
+        *,
+        notes: Iterable[Note] = (),
+        help: str | None = None,
+        cause: Cause | None = None,
+        subjects: Iterable[str | None] = (),
+        fix: Fix | None = None,
+    ) -> None:
+        names = frozenset(name for name in subjects if name)
+        found = Diagnostic(
+            code,
+            message,
+            span,
+            severity=Severity.ERROR,
+            notes=tuple(notes),
+            help=help,
+            subjects=names,
+            fix=fix,
+        )
+        self.add(found, cause)
+
+    def warning(
+        self,
+        code: str,
+        message: str,
+        span: Span | None = None,
+        *,
+        notes: Iterable[Note] = (),
+        help: str | None = None,
+        cause: Cause | None = None,
+        fix: Fix | None = None,
+    ) -> None:
+        self.add(
+            Diagnostic(
+                code, message, span, severity=Severity.WARNING, notes=tuple(notes), help=help, fix=fix
+            ),
+            cause,
+        )
+
+    def note(
+        self,
+        code: str,
+        message: str,
+        span: Span | None = None,
+        *,
+        notes: Iterable[Note] = (),
+        help: str | None = None,
+        cause: Cause | None = None,
+    ) -> None:
+        self.add(
+            Diagnostic(code, message, span, severity=Severity.NOTE, notes=tuple(notes), help=help), cause
+        )
+
+    @property
+    def diagnostics(self) -> list[Diagnostic]:
+        """All diagnostics, in the order they were added."""
+        return [self._whole(each) for each in self._found]
+
+    def sorted(self) -> list[Diagnostic]:
+        """Return errors, then warnings, then notes.
+
+        Within each, files that a person wrote for this run (recipes, options, a program) come before files of
+        models, by file, line and column. Diagnostics without a place come last, in the order they were found.
+        """
+        return sorted(self.diagnostics, key=_rank)
+
+    @property
+    def errors(self) -> list[Diagnostic]:
+        """The reported errors, in the order they were added."""
+        return [each for each in self.diagnostics if each.severity is Severity.ERROR]
+
+    def _whole(self, diagnostic: Diagnostic) -> Diagnostic:
+        """Return the diagnostic with all findings of the same cause, and its cells."""
+        others, cells = self._found[diagnostic], self._cells.get(diagnostic)
+        if recipes := self._recipes.get(diagnostic):
+            diagnostic = replace(diagnostic, recipes=tuple(recipes))
+        if others:
+            diagnostic = replace(diagnostic, others=(*diagnostic.others, *others))
+        return replace(diagnostic, cells=tuple(cells)) if cells else diagnostic
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether the work must stop."""
+        return self.error_count > 0
+
+
+def _rank(diagnostic: Diagnostic) -> tuple[int, bool, bool, str, int, int]:
+    severity, span = _SEVERITIES.index(diagnostic.severity), diagnostic.span
+    if span is None:
+        return severity, True, True, "", 0, 0
+    return severity, False, span.file.lower().endswith(_OF_MODELS), span.file, span.line, span.column

@@ -1,0 +1,348 @@
+"""The wording of "X does not exist": what exists, and what was probably meant."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from functools import lru_cache
+from os.path import commonprefix
+
+from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Span
+
+_SHOWN = 8
+_PREFIX = re.compile(r"[/:.]")
+_CLEAR = 0.8  # nearly one typo
+
+
+def closest(name: str, candidates: Iterable[str], n: int = 1) -> list[str]:
+    """Return at most `n` candidates that `name` probably means, the likeliest first.
+
+    Handles typos (a missing, extra or wrong character, or two swapped), case, `-` for `_`, plurals, synonyms
+    (`SYNONYMS`), a missing or superfluous prefix, and a missing end. Empty if nothing is similar.
+
+    >>> closest("left_pad", ["gripper/left_pad", "gripper/right_pad"])
+    ['gripper/left_pad']
+    >>> closest("Sensors", ["sensor", "section"])
+    ['sensor']
+    >>> closest("colours", ["material", "rgba"])
+    ['rgba']
+    """
+    return [candidate for _, _, candidate in _ranked(name, candidates)[:n]]
+
+
+def clearly_meant(name: str, candidates: Iterable[str]) -> str | None:
+    """Return the candidate most similar to `name`, unless another one is nearly as similar.
+
+    >>> clearly_meant("elbw", ["elbow", "wrist"]), clearly_meant("joint3", ["joint1", "joint2"])
+    ('elbow', None)
+    """
+    ranked = _ranked(name, candidates)[:2]
+    if not ranked or (len(ranked) == 2 and ranked[1][0] - ranked[0][0] < _CLEAR):
+        return None
+    return ranked[0][2]
+
+
+def _ranked(name: str, candidates: Iterable[str]) -> tuple[tuple[float, int, str], ...]:
+    """Return the distance of each candidate that may be meant, its position among them, and the candidate."""
+    return _ranked_once(name, tuple(dict.fromkeys(candidates)))
+
+
+@lru_cache(maxsize=256)
+def _ranked_once(name: str, candidates: tuple[str, ...]) -> tuple[tuple[float, int, str], ...]:
+    """Rank the candidates; cached because one mistake may occur thousands of times in a file."""
+    found = []
+    for position, candidate in enumerate(candidates):
+        score = _score(name, candidate)
+        if score is not None:
+            found.append((score, position, candidate))
+    return tuple(sorted(found))
+
+
+def renaming(name: str, candidates: Iterable[str]) -> Fix | None:
+    """Return the fix of a misspelled name, or None if several candidates are possible.
+
+    >>> renaming("senser", ["sensor", "section"])
+    Fix(replacement='sensor', replaces='senser', span=None)
+    >>> renaming("pad", ["left/pad", "right/pad"])
+    """
+    meant = clearly_meant(name, candidates)
+    return None if meant is None else Fix(meant, name)
+
+
+def advised(name: str, candidates: Iterable[str]) -> tuple[str | None, Fix | None]:
+    """Return the help for a misspelled word, and its fix if only one candidate is possible.
+
+    >>> advised("gem", ["geom", "site"])
+    ('write `geom`', Fix(replacement='geom', replaces='gem', span=None))
+    """
+    known = list(candidates)
+    near = closest(name, known)
+    return (f"write `{near[0]}`", renaming(name, known)) if near else (None, None)
+
+
+def did_you_mean(name: str, candidates: Iterable[str], written: str = "{}") -> str | None:
+    """Return the help with the candidate most similar to a name, formatted with `written`; None if none is similar.
+
+    >>> did_you_mean("senser", ["sensor", "section"], "type: {}")
+    'did you mean `type: sensor`?'
+    """
+    near = closest(name, candidates)
+    return f"did you mean `{written.replace('{}', near[0])}`?" if near else None
+
+
+def exists_note(kind: str, candidates: Iterable[str], near: str | None = None) -> Note:
+    """Return a note that lists what exists, cut if it is long; with `near`, the most similar names come first.
+
+    `kind` is a singular noun.
+
+    >>> exists_note("body", ["base", "link1"]).message
+    'bodies that exist: base, link1'
+    >>> exists_note("joint", []).message
+    'there are no joints'
+    """
+    names = list(dict.fromkeys(candidates))
+    kinds = _plural(kind)
+    if not names:
+        return Note(f"there are no {kinds}")
+    if near is not None and len(names) > _SHOWN:
+        names = list(dict.fromkeys([*closest(near, names, _SHOWN), *names]))
+    listed = ", ".join(_quoted(each) for each in names[:_SHOWN])
+    if len(names) > _SHOWN:
+        listed += f", … ({len(names)} in all)"
+    return Note(f"{kinds} that exist: {listed}")
+
+
+def _score(name: str, candidate: str) -> float | None:
+    """Return the distance of a candidate from the written name, or None if it is too far."""
+    if name == candidate:
+        return 0.0
+    written, known = _folded(name), _folded(candidate)
+    if written == known:
+        return 0.1
+    if _singular(written) == _singular(known):
+        return 0.2
+    meant = SYNONYMS.get(_singular(written), SYNONYMS.get(written, ()))
+    if known in meant:
+        return 0.3 + 0.01 * meant.index(known)
+    bare, known_bare = _PREFIX.split(written)[-1], _PREFIX.split(known)[-1]
+    prefixed = len(bare) != len(written) or len(known_bare) != len(known)
+    if bare and prefixed and _is_tail(written, known):
+        return 0.3
+    if bare and prefixed and bare == known_bare:
+        return 0.5
+    if len(written) == len(known) == 2:  # a different letter makes a different word
+        return 1.0 if written == known[::-1] else None
+    distance = _distance(written, known, _tolerance(written))
+    if distance is not None:
+        return 1.0 + distance
+    if prefixed and bare and known_bare:
+        distance = _distance(bare, known_bare, _tolerance(bare))
+        if distance is not None:
+            return 1.5 + distance
+    return 6.0 if len(written) > 3 and known.startswith(written) else None
+
+
+def _is_tail(written: str, known: str) -> bool:
+    """Return whether one of the names is the other one with a prefix."""
+    longer, shorter = sorted((written, known), key=len, reverse=True)
+    return longer.endswith(shorter) and longer[-len(shorter) - 1] in "/:."
+
+
+def _folded(name: str) -> str:
+    return name.casefold().replace("-", "_").strip()
+
+
+def _singular(word: str) -> str:
+    if len(word) > 4 and word.endswith("ies"):
+        return word[:-3] + "y"
+    if len(word) > 4 and word.endswith(("ses", "xes", "shes", "ches")):
+        return word[:-2]
+    return word[:-1] if len(word) > 2 and word.endswith("s") and not word.endswith("ss") else word
+
+
+def _plural(word: str) -> str:
+    if word.endswith("s") and not word.endswith(("ss", "is")):
+        return word
+    if word.endswith("y") and word[-2:-1] not in "aeiou":
+        return word[:-1] + "ies"
+    if word.endswith("is"):
+        return word[:-2] + "es"
+    return word + ("es" if word.endswith(("ss", "x", "sh", "ch")) else "s")
+
+
+def _quoted(name: str) -> str:
+    return name if name and not re.search(r"[\s,`]", name) else f"`{name}`"
+
+
+def _tolerance(word: str) -> int:
+    """Return how many typos a word of this length may have."""
+    return 0 if len(word) < 2 else 1 if len(word) < 6 else 2 if len(word) < 9 else 3
+
+
+def _distance(a: str, b: str, limit: int) -> int | None:
+    """Return the number of edits from `a` to `b`, with swapped neighbours as one; None if more than `limit`."""
+    if abs(len(a) - len(b)) > limit:
+        return None
+    # Common prefixes and suffixes cost nothing, and names of one model have long ones.
+    head = len(commonprefix((a, b)))
+    a, b = a[head:], b[head:]
+    tail = len(commonprefix((a[::-1], b[::-1])))
+    a, b = a[: len(a) - tail], b[: len(b) - tail]
+    # Each edit accounts for at most one letter that the other word lacks: a cheap bound for most candidates.
+    if len(set(a) - set(b)) > limit or len(set(b) - set(a)) > limit:
+        return None
+    before: list[int] = []
+    row = list(range(len(b) + 1))
+    for i, left in enumerate(a, 1):
+        above, before, row = before, row, [i]
+        for j, right in enumerate(b, 1):
+            cost = min(before[j] + 1, row[j - 1] + 1, before[j - 1] + (left != right))
+            if i > 1 and j > 1 and left == b[j - 2] and a[i - 2] == right:
+                cost = min(cost, above[j - 2] + 1)
+            row.append(cost)
+        if min(row) > limit and (not before or min(before) > limit):
+            return None
+    return row[-1] if row[-1] <= limit else None
+
+
+_BY_NAME: dict[str, str] = {
+    # attributes of MJCF
+    "rgba": "color colour rgb diffuse_color tint alpha opacity transparency",
+    "pos": "position translation xyz location origin offset coordinate",
+    "quat": "rotation orientation quaternion rot",
+    "euler": "rpy rotation orientation euler_angle rotate",
+    "size": "radius diameter dimension dim extent half_size halfsize half_extent box_size",
+    "type": "shape geometry kind primitive",
+    "range": "limit joint_limit bound lower_limit upper_limit lower upper",
+    "ctrlrange": "limit control_range control_limit ctrl_range range",
+    "forcerange": "effort max_force maxforce force_limit max_torque torque_limit effort_limit",
+    "actuatorfrcrange": "effort max_force maxforce force_limit max_torque torque_limit effort_limit",
+    "file": "filename path uri url src mesh_file",
+    "stiffness": "spring spring_constant spring_stiffness",
+    "damping": "damper viscous_friction",
+    "frictionloss": "friction dry_friction coulomb_friction",
+    "armature": "rotor_inertia reflected_inertia",
+    "mass": "weight",
+    "diaginertia": "inertia moment_of_inertia",
+    "fovy": "fov field_of_view",
+    "gear": "gear_ratio transmission_ratio",
+    "kp": "gain p_gain stiffness proportional_gain",
+    "kv": "d_gain damping_gain derivative_gain",
+    "timestep": "dt time_step step_size",
+    "axis": "direction rotation_axis",
+    "dir": "direction",
+    "childclass": "default_class defaults",
+    "class": "default_class defaults dclass",
+    "contype": "collision collide collision_group",
+    "name": "id identifier",
+    # keys of a recipe
+    "model": "file path xml source src url uri mjcf urdf",
+    "body": "parent parent_body link",
+    "site": "mount attach_to to on at parent_site",
+    "mate": "child_site own_site",
+    "with": "param parameter arg argument value",
+    "drop": "remove exclude without omit ignore",
+    "edit": "modify patch override change overlay",
+    "attach": "part component attachment child",
+    "extends": "extend inherit inherits parent import",
+    "params": "variable parameter arg argument",
+    "matrix": "sweep grid",
+    "check": "test assert assertion verify expect",
+    "keyframe": "key pose home",
+    "randomize": "randomise randomization randomisation domain_randomization",
+    "recipe": "version",
+    "angle": "unit angle_unit",
+    "replicate": "repeat copy",
+    "freejoint": "free floating",
+}
+"""By the name that exists here, what is written for it, in singular and with `_`. Several names may share a word."""
+
+SYNONYMS: dict[str, list[str]] = {}
+"""The names that a word may mean, in the order of the table."""
+for _name, _words in _BY_NAME.items():
+    for _word in _words.split():
+        SYNONYMS.setdefault(_word, []).append(_name)
+
+
+def unknown_name(
+    kind: str,
+    name: str,
+    known: Iterable[str],
+    span: Span | None = None,
+    *,
+    purpose: str = "",
+    message: str | None = None,
+    written: str = "{}",
+    help: str | None = None,
+    otherwise: str | None = None,
+    notes: Iterable[Note] = (),
+    about: Iterable[str] = (),
+    fix: Fix | None = None,
+) -> Diagnostic:
+    """Return the diagnostic for a name that no `body` or other kind has; `known` are the names that exist.
+
+    `purpose` continues the sentence, `message` replaces it. `written` is the format of the name in the file. `help`
+    and `fix` replace the suggestion, `otherwise` is the help if no name is similar. `notes` follow the note that
+    lists what exists; `about` are further subjects.
+
+    >>> unknown_name("site", "tpi", ["tip"], purpose=" to attach `a` to", written="site: {}").help
+    'did you mean `site: tip`?'
+    >>> unknown_name("site", "tpi", ["tip"], purpose=" to attach `a` to").message
+    'the site `tpi` to attach `a` to does not exist'
+    """
+    known = list(known)
+    return Diagnostic(
+        "unknown-name",
+        message or f"the {kind} `{name}`{purpose} does not exist",
+        span,
+        notes=(exists_note(kind, known, name), *notes),
+        help=help or did_you_mean(name, known, written) or otherwise,
+        subjects=frozenset((name, *about)),
+        fix=fix if help else renaming(name, known),
+    )
+
+
+def unknown_key(name: str, known: Iterable[str], span: Span, message: str) -> Diagnostic:
+    """Return the diagnostic for a key that a mapping of a recipe does not have; `known` are the keys it may have.
+
+    >>> from mjcompose.base.diagnostic import Span
+    >>> unknown_key("axis", ["axes", "name"], Span("r.yaml", 1, 1), "`matrix` has no key `axis`").help
+    'did you mean `axes`?'
+    """
+    known = list(known)
+    return Diagnostic(
+        "unknown-key",
+        message,
+        span,
+        notes=(exists_note("key", known, name),),
+        help=did_you_mean(name, known),
+        fix=renaming(name, known),
+    )
+
+
+def unknown_attribute(
+    name: str,
+    owner: str,
+    known: Iterable[str],
+    span: Span | None = None,
+    *,
+    help: str | None = None,
+    otherwise: str | None = None,
+    near: Iterable[str] = (),
+) -> Diagnostic:
+    """Return the diagnostic for an attribute that a kind of element does not have; `owner` names the kind.
+
+    `known` are the attributes that exist, `near` are further suggestions; `help` and `otherwise` are as above.
+
+    >>> unknown_attribute("colour", "`<geom>`", ["rgba", "size"]).help
+    'did you mean `rgba`?'
+    """
+    known = list(known)
+    return Diagnostic(
+        "unknown-attribute",
+        f"`{name}` is not an attribute of {owner}",
+        span,
+        notes=(exists_note("attribute", known, name),) if known else (),
+        help=help or did_you_mean(name, [*known, *near]) or otherwise,
+        fix=None if help else renaming(name, [*known, *near]),
+    )

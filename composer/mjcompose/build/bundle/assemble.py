@@ -1,0 +1,456 @@
+"""A composed model becomes a bundle with its manifest."""
+
+from __future__ import annotations
+
+import os
+import posixpath
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Span
+from mjcompose.base.files import Refused, real_path
+from mjcompose.build.bundle.bundle import MODEL, Bundle, BundleError, Licences, licence_files, picture_of
+from mjcompose.build.bundle.collect import collect
+from mjcompose.build.bundle.manifest import (
+    Adopted,
+    Check,
+    Draw,
+    Input,
+    Made,
+    Manifest,
+    OfUrdf,
+    Origin,
+    Part,
+    Read,
+    Recipe,
+    files_of,
+    index_of,
+    with_manifest,
+)
+from mjcompose.build.plan.plan import Drawn, MadeShapes, PartRecord, Plan, Tables
+from mjcompose.link.files import Merged
+from mjcompose.link.linking import FileUse
+from mjcompose.model.classes import through_frames
+from mjcompose.model.grammar import GRAMMAR
+from mjcompose.model.merged_settings import ReadRow
+from mjcompose.model.select import kind_of, naming_attribute
+from mjcompose.model.unit import Unit
+from mjcompose.model.xml_text import write
+from mjcompose.sources.blobs import remembered_sha256
+from mjcompose.sources.context import Context, as_text
+from mjcompose.sources.licence import UNKNOWN, licence_of
+from mjcompose.sources.reference import Origin as Fetched
+from mjcompose.sources.reference import Source
+from mjcompose.text.node import spans
+
+if TYPE_CHECKING:
+    from mjcompose.build.verify.outcome import Outcome
+    from mjcompose.mujoco.engine import Compiled
+    from mjcompose.mujoco.index import Index
+
+_OF_BODIES = {"joint": ("joint", "freejoint"), "camera": ("camera",)}
+_SECTIONS = {"actuator": "actuator", "sensor": "sensor", "key": "keyframe"}
+
+
+def written_in(
+    model: Unit, index: Index, place: Callable[[Span], str]
+) -> dict[tuple[str, int], tuple[str, str]]:
+    """Return tag and place by kind and number, without copies that MuJoCo made and the unnamed elements among them."""
+    names = {
+        "joint": [each.name for each in index.joints],
+        "actuator": [each.name for each in index.actuators],
+        "sensor": [each.name for each in index.sensors],
+        "camera": [each.name for each in index.cameras],
+        "key": [each.name for each in index.keyframes],
+    }
+    found: dict[tuple[str, int], tuple[str, str]] = {}
+    for kind, compiled in names.items():
+        for number, node in _matched(list(_elements(model.root, kind)), compiled):
+            found[kind, number] = (str(node.tag), place(model.origins.span(node, model.file)))
+    return found
+
+
+def _matched(elements: Sequence[Node], names: Sequence[str]) -> Iterator[tuple[int, Node]]:
+    """Yield elements by number: in order if each became one element, by name if some became several."""
+    if [str(each.get("name") or "") for each in elements] == list(names):
+        yield from enumerate(elements)
+        return
+    by_name = {str(each.get("name")): each for each in elements if each.get("name")}
+    yield from ((number, by_name[name]) for number, name in enumerate(names) if name in by_name)
+
+
+def _elements(root: Node, kind: str) -> Iterator[Node]:
+    if kind in _SECTIONS:
+        for section in root.iterchildren(_SECTIONS[kind]):
+            yield from section.iterchildren("*")
+        return
+    for world in root.iterchildren("worldbody"):
+        yield from _of_body(world, _OF_BODIES[kind])
+
+
+def _of_body(body: Node, tags: tuple[str, ...]) -> Iterator[Node]:
+    """Yield the elements of a body, including those in frames, before those of child bodies: MuJoCo's order."""
+    inner = list(through_frames(body))
+    yield from (each for each in inner if each.tag in tags)
+    for each in inner:
+        if each.tag == "body":
+            yield from _of_body(each, tags)
+
+
+Renamed = Mapping[str, Mapping[str, Mapping[str, str]]]
+"""By part and kind of name: own names mapped to names in the model."""
+
+
+def renamed_in(model: Unit, members: Iterable[PartRecord]) -> Renamed:
+    """Return what edits renamed, traced back through later prefixes; elements removed since are left out."""
+    by_prefix = {member.prefix: member.part for member in reversed(list(members))}
+    found: dict[str, dict[str, dict[str, str]]] = {}
+    for node, steps in model.origins.renamed.items():
+        naming = naming_attribute(kind_of(node)) if node.getroottree().getroot() is model.root else None
+        final = None if naming is None else node.get(naming.name)
+        if naming is None or naming.declares is None or not final:
+            continue
+        name = str(final)
+        for old, new in reversed(steps):
+            name = name.removesuffix(new) + old
+        prefix = max((each for each in by_prefix if name.startswith(each)), key=len, default=None)
+        if prefix is not None and name != final:
+            names = found.setdefault(by_prefix[prefix], {}).setdefault(naming.declares, {})
+            names[name[len(prefix) :]] = str(final)
+    return {
+        part: {kind: dict(sorted(names.items())) for kind, names in sorted(kinds.items())}
+        for part, kinds in found.items()
+    }
+
+
+class Portable:
+    """Names the files of one composition: the recipe, its `sources`, and the `fetched` origins of its recipes."""
+
+    def __init__(
+        self,
+        recipe: Path,
+        sources: Iterable[Source],
+        fetched: Iterable[Fetched | None],
+        model: Unit,
+        context: Context,
+    ) -> None:
+        self.folder = Path(real_path(recipe.parent))
+        self.sources = tuple(sources)
+        origins = (*fetched, *(each.origin for each in self.sources))
+        found = {each.id: each for each in origins if each is not None}
+        self.origins = [(Path(real_path(each.root)), each) for each in found.values()]
+        self.context = context
+        self.texts = model.origins.texts
+        self.named: dict[Path, str] = {}
+        self.models = dict.fromkeys(
+            (each.path.parent, posixpath.dirname(each.reference.replace("\\", "/")))
+            for each in self.sources
+            if each.origin is None
+        )
+
+    def name(self, path: Path) -> str:
+        """Return the name of a file: `models/arm.xml`, `menagerie:franka_emika_panda/panda.xml`.
+
+        A file that is neither below the recipe nor part of an origin is named relative to the reference of its
+        model, as the recipe writes it.
+        """
+        known = self.named.get(path)
+        if known is None:
+            known = self.named[path] = as_text(self._name(path))
+        return known
+
+    def _name(self, path: Path) -> str:
+        real = Path(real_path(path))
+        if (origin := self.origin_of(real)) is not None:
+            root, known = origin
+            inside = real.relative_to(root).as_posix()
+            return known.named(inside)
+        if real.is_relative_to(self.folder):
+            return real.relative_to(self.folder).as_posix()
+        return self._beside(real)
+
+    def origin_of(self, real: Path) -> tuple[Path, Fetched] | None:
+        """Return the origin of a file; the innermost if origins are nested."""
+        around = [each for each in self.origins if real.is_relative_to(each[0])]
+        return max(around, key=lambda each: len(str(each[0])), default=None)
+
+    def place(self, span: Span) -> str:
+        """Return a place in a source or a recipe as FILE:LINE."""
+        return f"{self.name(self.path(span.file))}:{span.line}"
+
+    def text(self, message: str) -> str:
+        """Return a message with portable names for its files."""
+        for shown in sorted(self.texts, key=len, reverse=True):
+            if shown in message:
+                message = message.replace(shown, self.name(self.path(shown)))
+        return message
+
+    def texts_on_disk(self) -> list[Path]:
+        """Return the models and recipes that the composition was read from, if they are files."""
+        return [path for shown in self.texts if os.path.isfile(path := self.path(shown))]
+
+    def path(self, shown: str) -> Path:
+        """Return the file of that name in messages."""
+        return self.context.folder / shown
+
+    def _beside(self, real: Path) -> str:
+        """Return a name that goes through the nearest model with a path reference."""
+        near: tuple[int, str] | None = None
+        for folder, written in self.models:
+            way = Path(os.path.relpath(real, real_path(folder))).as_posix()
+            if near is None or way.count("../") < near[0]:
+                near = (way.count("../"), posixpath.normpath(posixpath.join(written, way)))
+        return real.name if near is None else near[1]
+
+
+_OF_THE_LOCK = ("lock-stale", "source-changed")
+"""Warnings that do not affect the model: it is the same with an old lock and without one."""
+
+
+def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context) -> Bundle | None:
+    """Return the bundle without its manifest, or None if a file is missing."""
+    before = context.sink.error_count
+    uses = tuple(uses)
+    files = collect(model, uses, context.sink, shown=context.shown)
+    try:
+        files.update(_licences(sources(plan)).files)
+        if context.sink.error_count > before:
+            return None
+        return Bundle({**files, MODEL: write(model.root)})
+    except Refused as refused:
+        refused.report(context.sink, None, shown=context.shown)
+        return None
+    except (OSError, BundleError) as error:
+        file = getattr(error, "filename", None) or getattr(error, "path", None)
+        what = "a file of the model" if file is None else f"`{context.shown(Path(file))}`"
+        why = getattr(error, "strerror", None)
+        context.sink.error("file-unreadable", f"{what} cannot be bundled: {why.lower() if why else error}")
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class Making:
+    """What a manifest says about how a model was made.
+
+    `compiled` is the result of MuJoCo, None if the model was not compiled; `cell` the name of its cell; `pictured`
+    says that a picture will be next to it.
+    """
+
+    plan: Plan
+    model: Unit
+    uses: tuple[FileUse, ...]
+    members: tuple[PartRecord, ...]
+    compiled: Compiled | None
+    merged: Merged
+    checks: tuple[Outcome, ...] = ()
+    cell: str | None = None
+    drawn: tuple[Drawn, ...] = ()
+    pictured: bool = False
+    made: tuple[MadeShapes, ...] = ()
+    tables: Tables = field(default_factory=dict)
+
+
+def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
+    """Return the bundle with its manifest."""
+    plan, compiled, model = making.plan, making.compiled, making.model
+    named = list(sources(plan))
+    names = portable(plan, model, context)
+    licences = _licences(named)
+    inputs = tuple(
+        _input(source, licences.of[label], names, table=making.tables.get(source.read_as, ()))
+        for label, source in named
+    )
+    renamed = renamed_in(model, making.members)
+    index = None
+    if compiled is not None and compiled.index is not None:
+        index = index_of(compiled.index, written_in(model, compiled.index, names.place))
+    manifest = Manifest(
+        name=plan.name,
+        description=plan.description,
+        mujoco=compiled.mujoco_version if compiled else None,
+        grammar=GRAMMAR.versions[-1],
+        recipe=Recipe(path=as_text(plan.path.name), sha256=remembered_sha256(plan.path)),
+        separator=plan.separator,
+        cell=making.cell,
+        variants=dict(plan.variants),
+        params={name: value for name, value in plan.scope.items() if name not in plan.variants},
+        seed=plan.randomize.seed if plan.randomize else None,
+        sample=plan.sample if plan.randomize else None,
+        draws=tuple(_draw(each) for each in making.drawn),
+        inputs=inputs,
+        parts=tuple(_part(member, number, renamed) for number, member in enumerate(making.members)),
+        adopted=tuple(
+            Adopted(
+                setting=each.setting,
+                value=each.value,
+                parts=each.parts,
+                origin=names.place(each.span),
+            )
+            for each in model.adopted
+            if each.is_written
+        ),
+        read=tuple(Read(path=path, sha256=digest) for path, digest in _read(bundle, making, names)),
+        licences=_by_licence(inputs, making.members),
+        files=files_of(bundle),
+        merged=making.merged,
+        picture=picture_of(plan.name) if making.pictured else None,
+        made=tuple(_made(each, names) for each in making.made),
+        checks=tuple(
+            Check(name=each.name, kind=each.kind, values=dict(each.values), origin=names.place(each.span))
+            for each in making.checks
+        ),
+        index=index,
+        warnings=tuple(
+            f"{each.code}: {names.text(each.message)}"
+            for each in context.sink.diagnostics
+            if each.code not in _OF_THE_LOCK
+        ),
+    )
+    return with_manifest(bundle, manifest)
+
+
+def portable(plan: Plan, model: Unit, context: Context) -> Portable:
+    """Return the names of a plan's files for its manifest."""
+    return Portable(plan.path, plan.sources(), _origins(plan), model=model, context=context)
+
+
+def _read(bundle: Bundle, making: Making, portable: Portable) -> list[tuple[str, str]]:
+    """Return every file that was read, with its hash; each is hashed once."""
+    known = {
+        real_path(where): bundle.digest(path)
+        for path, where in making.model.contents.items()
+        if isinstance(where, Path) and path in bundle.files
+    }
+    files = {
+        *portable.texts_on_disk(),
+        *map(portable.path, {*_files_of(making.plan)}),
+        *(path for _, source in sources(making.plan) for path in (source.path, *source.licences)),
+        *(Path(use.source) for use in making.uses if use.content is None),
+    }
+    found: dict[str, str] = {}
+    for path in files:
+        name = portable.name(path)
+        if name not in found:
+            found[name] = known.get(real_path(path)) or remembered_sha256(path)
+    return sorted(found.items())
+
+
+def _files_of(plan: Plan) -> Iterator[str]:
+    """Yield the files of a plan's recipes and of those that they extend, as messages name them."""
+    for each in plan.plans():
+        yield from (os.fspath(source.path) for source, _ in each.extended)
+        yield from (span.file for span in spans(each.document))
+
+
+def _by_licence(inputs: tuple[Input, ...], members: tuple[PartRecord, ...]) -> dict[str, tuple[str, ...]]:
+    found: dict[str, list[str]] = {}
+    for each, member in zip(inputs, members, strict=True):
+        found.setdefault(each.licence or UNKNOWN, []).append(member.part)
+    return {licence: tuple(parts) for licence, parts in sorted(found.items())}
+
+
+def _origins(plan: Plan) -> Iterator[Fetched | None]:
+    """Yield the origins of the recipes of a plan."""
+    for each in plan.plans():
+        yield each.source.origin if each.source is not None else None
+        yield from (source.origin for source, _ in each.extended)
+
+
+def sources(plan: Plan) -> Iterator[tuple[str, Source]]:
+    """Yield every source file of a plan and its nested recipes, with the prefix of its part (or the base's name)."""
+    for place in plan.walk():
+        if isinstance(place.model, Source):
+            yield place.prefix.strip(plan.separator) or place.model.path.stem, place.model
+
+
+def _licences(named: Iterable[tuple[str, Source]]) -> Licences:
+    """Return the licences by label; a base may have the same label as a part."""
+    found: dict[str, list[Path]] = {}
+    for label, source in named:
+        found.setdefault(label, []).extend(source.licences)
+    return licence_files(found)
+
+
+def _input(
+    source: Source, licences: tuple[str, ...], portable: Portable, table: tuple[ReadRow, ...]
+) -> Input:
+    origin = source.origin
+    return Input(
+        path=as_text(_path_of(source, portable)),
+        reference=source.reference,
+        kind=source.kind.name,
+        sha256=remembered_sha256(source.path),
+        origin=None
+        if origin is None
+        else Origin(id=origin.id, commit=origin.commit, tree=origin.tree, sha256=origin.sha256),
+        licence=licence_of(source),
+        licences=licences,
+        package=source.package,
+        version=source.version,
+        urdf=tuple(
+            OfUrdf(
+                what=row.what,
+                count=row.count,
+                became=row.became or None,
+                why=row.why or None,
+                origin=portable.place(row.span),
+            )
+            for row in table
+        ),
+    )
+
+
+def _path_of(source: Source, portable: Portable) -> str:
+    """Return a path relative to the source's origin."""
+    if source.origin is None:
+        return portable.name(source.path)
+    return Path(os.path.relpath(real_path(source.path), real_path(source.origin.root))).as_posix()
+
+
+def _part(member: PartRecord, number: int, renamed: Renamed) -> Part:
+    pose = member.pose
+    return Part(
+        part=member.part,
+        input=number,
+        prefix=member.prefix,
+        body=member.body,
+        pos=None if pose is None else pose.pos,
+        quat=None if pose is None else pose.quat,
+        keys=member.keys,
+        welded=member.welded,
+        stands=member.stands,
+        changed=member.changed,
+        replaced_keys=member.replaced_keys,
+        obscure=member.obscure or member.reduced,
+        subtree=member.subtree,
+        renamed={kind: dict(names) for kind, names in renamed.get(member.part, {}).items()},
+    )
+
+
+def _made(made: MadeShapes, names: Portable) -> Made:
+    return Made(
+        mesh=made.mesh,
+        geom=made.of,
+        how=made.how,
+        shapes=made.shapes,
+        **made.error,  # type: ignore[arg-type]  # measured, and checked where it was kept
+        made_with=dict(made.made_with),
+        key=made.key,
+        origin=names.place(made.span),
+    )
+
+
+def _draw(drawn: Drawn) -> Draw:
+    return Draw(
+        field=drawn.field,
+        element=drawn.element,
+        attribute=drawn.attribute,
+        component=drawn.start,
+        operation=drawn.operation,
+        value=drawn.value,  # type: ignore[arg-type]  # vectors of vectors are not drawn
+    )

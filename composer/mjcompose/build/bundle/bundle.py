@@ -1,0 +1,355 @@
+"""A finished model as files by path, its form, its place, its names and its licences."""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import os
+import re
+import struct
+import time
+import unicodedata
+import zipfile
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import field
+from enum import StrEnum
+from io import BytesIO
+from os import PathLike, fspath
+from pathlib import Path
+from types import MappingProxyType
+from typing import TypeAlias
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import DiagnosticError
+from mjcompose.base.files import read_regular
+
+
+class OutputError(DiagnosticError):
+    """An output cannot be written. The raising code has restored the previous state."""
+
+
+_FULL = {errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC)}
+_HELP = {
+    errno.EACCES: "choose a place that you may write to",
+    errno.EPERM: "choose a place that you may write to",
+    errno.EROFS: "choose a place that you may write to",
+    **dict.fromkeys(_FULL, "make room on the disk, or choose another place"),
+    errno.ENAMETOOLONG: "choose a shorter name",
+}
+
+
+def unwritable(out: str | PathLike[str], error: OSError) -> OutputError:
+    """Return the operating system's error in the user's terms."""
+    reason = error.strerror or str(error) or type(error).__name__
+    return OutputError(
+        "output-full" if error.errno in _FULL else "output-unwritable",
+        f"cannot write `{out}`: {reason.lower()}",
+        _HELP.get(error.errno or 0, "choose another place"),
+    )
+
+
+Moment = tuple[int, int, int, int, int, int]
+"""Year, month, day, hour, minute, second."""
+
+_FIRST_SECOND = 315532800  # 1980-01-01, the first day a zip can hold
+_LAST_SECOND = 4354819198  # 2107-12-31 23:59:58, the last
+
+
+def moment_of(environment: Mapping[str, str]) -> Moment:
+    """Return 1980-01-01, or SOURCE_DATE_EPOCH (seconds, UTC) limited to what a zip can hold. Raises OutputError.
+
+    >>> moment_of({"SOURCE_DATE_EPOCH": "1700000000"})
+    (2023, 11, 14, 22, 13, 20)
+    """
+    epoch, seconds = environment.get("SOURCE_DATE_EPOCH"), _FIRST_SECOND
+    if epoch:
+        if not (epoch.isascii() and epoch.removeprefix("-").isdigit()):
+            raise OutputError(
+                "output-unwritable",
+                f"the environment variable `SOURCE_DATE_EPOCH` is `{epoch}`, no whole number of seconds",
+                "unset it, or give it the seconds since 1970-01-01",
+            )
+        seconds = min(max(int(epoch[:20]), _FIRST_SECOND), _LAST_SECOND)
+    moment = time.gmtime(seconds)
+    return moment.tm_year, moment.tm_mon, moment.tm_mday, moment.tm_hour, moment.tm_min, moment.tm_sec
+
+
+def with_moment(archive: bytes, moment: Moment) -> bytes:
+    """Return a zip from another program with this timestamp on all its files, otherwise unchanged. No I/O."""
+    year, month, day, hour, minute, second = moment
+    stamp = struct.pack("<HH", hour << 11 | minute << 5 | second // 2, (year - 1980) << 9 | month << 5 | day)
+    changed = bytearray(archive)
+    with zipfile.ZipFile(BytesIO(archive)) as opened:
+        at = opened.start_dir
+        for info in opened.infolist():
+            changed[info.header_offset + 10 : info.header_offset + 14] = stamp
+            changed[at + 12 : at + 16] = stamp
+            name, extra, comment = struct.unpack_from("<HHH", archive, at + 28)
+            at += 46 + name + extra + comment
+    return bytes(changed)
+
+
+class Form(StrEnum):
+    """The forms that a bundle is written in."""
+
+    FOLDER = "folder"
+    ARCHIVE = "archive"
+    TEXT = "text"
+    MJB = "mjb"
+    USD = "usd"
+    SHARED = "folder with shared assets"
+
+
+_SUFFIXES = {".zip": Form.ARCHIVE, ".mjz": Form.ARCHIVE, ".xml": Form.TEXT, ".mjb": Form.MJB}
+_SUFFIXES |= dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), Form.USD)
+
+
+def form_of(out: str | PathLike[str]) -> Form:
+    """Return the form for an output's name. Raises OutputError.
+
+    A name that ends in a slash or has no suffix is a folder, and so is an existing folder.
+
+    >>> form_of("build/arm"), form_of("arm.mjz")
+    (<Form.FOLDER: 'folder'>, <Form.ARCHIVE: 'archive'>)
+    """
+    name = fspath(out)
+    path = Path(name)
+    if not name:
+        raise OutputError(
+            "output-kind", "the output has no name", "write where the model should go: `-o out/`"
+        )
+    if name.endswith(("/", "\\")) or not path.suffix or os.path.isdir(path):
+        return Form.FOLDER
+    form = _SUFFIXES.get(path.suffix.lower())
+    if form is None:
+        raise OutputError(
+            "output-kind",
+            f"no output is called `*{path.suffix}`: `{name}`",
+            f"end it in `.mjz`, `.zip`, `.xml`, `.mjb` or `.usdz`, or write `{name}/` for a folder",
+        )
+    return form
+
+
+Place: TypeAlias = Path | str
+"""A path, or an address as text."""
+_ADDRESS = re.compile(r"[a-z][a-z0-9+.-]+://")
+
+
+def is_address(text: object) -> bool:
+    """Return whether a text is an address and not a path.
+
+    >>> is_address("s3://bucket/a.zip"), is_address("build/a.zip"), is_address("c:/a.zip")
+    (True, False, False)
+    """
+    return isinstance(text, str) and _ADDRESS.match(text) is not None
+
+
+def place(folder: Path, out: str) -> Place:
+    """Return the place that a text in a folder names.
+
+    >>> place(Path("/home/me"), "a.zip").as_posix(), place(Path("/home/me"), "s3://bucket/a.zip")
+    ('/home/me/a.zip', 's3://bucket/a.zip')
+    """
+    return out if is_address(out) else Path(os.path.abspath(folder / out))
+
+
+def file_name(name: str) -> str:
+    """Return a model's name as a file name, which cannot lead out of its folder.
+
+    >>> file_name("cell 1/left"), file_name("..")
+    ('cell_1_left', 'model')
+    """
+    return re.sub(r"[^\w.+-]+", "_", name).lstrip(".") or "model"
+
+
+def hash_of(name: str) -> str:
+    """Return the model's folder among 256, which keeps each of them small: two digits of a hash of its name.
+
+    >>> hash_of("cell-s0001"), hash_of("cell-s0002")
+    ('b0', '46')
+    """
+    return hashlib.sha256(file_name(name).encode()).hexdigest()[:2]
+
+
+def picture_of(name: str) -> str:
+    """Return the name of a model's picture, which is next to its bundle.
+
+    >>> picture_of("demo")
+    'demo.png'
+    """
+    return f"{file_name(name)}.png"
+
+
+MODEL = "model.xml"
+MANIFEST = "manifest.json"
+LARGEST_MANIFEST = 64 << 20
+"""The bytes of a manifest that is read."""
+DRAWS = "randomize.json"
+WORLDS = "worlds.npz"
+_DRIVE = re.compile(r"[A-Za-z]:")
+_CONTROL = re.compile(r"[\x00-\x1f\x7f]")
+
+
+class BundleError(ValueError):
+    """The files cannot be a bundle: a path leads out of it, or two paths are equal on some systems."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bundle:
+    """The model's MJCF and everything it needs, independent of its form on disk.
+
+    `files` maps relative paths with forward slashes to bytes; it is sorted and read-only. `model` is the path of
+    the MJCF. Raises BundleError for absolute paths, `..`, backslashes and paths that differ only in case, because a
+    bundle must be readable on every system. Can be pickled.
+    """
+
+    files: Mapping[str, bytes]
+    model: str = MODEL
+    _digests: dict[str, str] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        check_paths(self.files)
+        if self.model not in self.files:
+            raise BundleError(f"the bundle has no `{self.model}`")
+        object.__setattr__(self, "files", MappingProxyType(dict(sorted(self.files.items()))))
+
+    def __reduce__(self) -> tuple[type[Bundle], tuple[dict[str, bytes], str]]:
+        return Bundle, (dict(self.files), self.model)
+
+    def with_files(self, files: Mapping[str, bytes]) -> Bundle:
+        """Return the same bundle with these files added or replaced."""
+        made = Bundle({**self.files, **files}, self.model)
+        made._digests.update((path, known) for path, known in self._digests.items() if path not in files)
+        return made
+
+    def digest(self, path: str) -> str:
+        """Return the sha256 of one file, in hexadecimal."""
+        if path not in self._digests:
+            self._digests[path] = hashlib.sha256(self.files[path]).hexdigest()
+        return self._digests[path]
+
+    @property
+    def sha256(self) -> str:
+        """The identity of the bundle: a hash of all paths and contents, independent of its form."""
+        whole = hashlib.sha256()
+        for path in self.files:
+            whole.update(f"{path}\0{self.digest(path)}\n".encode())
+        return whole.hexdigest()
+
+
+def check_paths(paths: Iterable[str]) -> None:
+    """Raise BundleError for the first path that is invalid or conflicts with an earlier one.
+
+    >>> check_paths(["a/b.obj", "a/B.obj"])
+    Traceback (most recent call last):
+        ...
+    mjcompose.build.bundle.bundle.BundleError: `a/B.obj` and `a/b.obj` are one file where case does not count
+    """
+    files: dict[str, str] = {}
+    folders: dict[str, str] = {}
+    for path in paths:
+        fault = _fault(path)
+        if fault:
+            raise BundleError(f"`{path}` cannot be a path in a bundle: {fault}")
+        key = _folded(path)
+        if key in files:
+            raise BundleError(f"`{path}` and `{files[key]}` are one file where case does not count")
+        if key in folders:
+            raise BundleError(f"`{path}` is a file and, for `{folders[key]}`, a folder")
+        files[key] = path
+        parts = key.split("/")
+        for depth in range(1, len(parts)):
+            folder = "/".join(parts[:depth])
+            if folder in files:
+                raise BundleError(f"`{files[folder]}` is a file and, for `{path}`, a folder")
+            folders.setdefault(folder, path)
+
+
+def _fault(path: str) -> str | None:
+    """Return why a path is not relative, plain and valid on every system; None if it is."""
+    if path.startswith("/") or _DRIVE.match(path):
+        return "it is absolute"
+    if "\\" in path:
+        return "it has a backslash"
+    if _CONTROL.search(path):
+        return "it has a control character"
+    parts = path.split("/")
+    if ".." in parts:
+        return "it leads out of the bundle"
+    if "" in parts or "." in parts:
+        return "it has an empty segment"
+    try:
+        path.encode()
+    except UnicodeEncodeError:
+        return "it is not Unicode text"
+    return None
+
+
+def _folded(path: str) -> str:
+    return unicodedata.normalize("NFC", unicodedata.normalize("NFC", path).casefold())
+
+
+LICENCES = "LICENSES"
+_UNSAFE = re.compile(r"[^\w.+@=-]+")
+
+
+@dataclass(frozen=True, slots=True)
+class Licences:
+    """The licence files of a bundle: `files` by their paths in it, `of` their paths by label."""
+
+    files: Mapping[str, bytes]
+    of: Mapping[str, tuple[str, ...]]
+
+
+def licence_files(
+    licences: Mapping[str, Iterable[Path]], read: Callable[[Path], bytes] = read_regular
+) -> Licences:
+    """Return every licence file once, as `LICENSES/LABEL/FILE NAME`.
+
+    `licences` maps a label (a part's prefix such as `left/gripper`, or a source) to its licence files. Equal files
+    of one name go under the first label. Files of one label with the same name and different contents are numbered.
+    Raises OSError if a file cannot be read.
+    """
+    files: dict[str, bytes] = {}
+    of: dict[str, tuple[str, ...]] = {}
+    taken: set[str] = set()
+    placed: dict[tuple[str, bytes], str] = {}
+    known: dict[Path, bytes] = {}
+    for label, sources in sorted(licences.items()):
+        paths: dict[str, None] = {}
+        for file in sorted(sources):
+            if file not in known:
+                known[file] = read(file)
+            name, content = _segment(file.name), known[file]
+            if (name, content) not in placed:
+                path = _free(f"{licence_folder(label)}/{name}", file.suffix, taken)
+                placed[name, content] = path
+                files[path] = content
+            paths[placed[name, content]] = None
+        of[label] = tuple(paths)
+    return Licences(files, of)
+
+
+def _free(path: str, suffix: str, taken: set[str]) -> str:
+    """Return the path, with a number if it is taken."""
+    stem, number = path.removesuffix(suffix), 1
+    while path.casefold() in taken:
+        number += 1
+        path = f"{stem}-{number}{suffix}"
+    taken.add(path.casefold())
+    return path
+
+
+def licence_folder(label: str) -> str:
+    """Return the folder in the bundle for the licences of a label.
+
+    >>> licence_folder("left/gripper")
+    'LICENSES/left/gripper'
+    """
+    parts = [_segment(part) for part in re.split(r"[/\\]", label) if part]
+    return "/".join([LICENCES, *(parts or ["model"])])
+
+
+def _segment(name: str) -> str:
+    """Return a name as a path segment that is valid on every file system."""
+    return _UNSAFE.sub("_", name).strip(".") or "_"

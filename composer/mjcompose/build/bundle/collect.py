@@ -1,0 +1,213 @@
+"""The files of a linked model, each read and stored once."""
+
+from __future__ import annotations
+
+import glob
+import os
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from pathlib import Path
+
+from mjcompose.base.diagnostic import Cause
+from mjcompose.base.files import Refused, read_regular
+from mjcompose.base.limits import advice, in_force, written
+from mjcompose.base.sink import Sink
+from mjcompose.base.suggest import closest
+from mjcompose.build.bundle.bundle import OutputError
+from mjcompose.link.linking import FileUse
+from mjcompose.model import xml_faults
+from mjcompose.model.files import NAMED_AFTER_FILE, in_archive, stem
+from mjcompose.model.unit import Unit
+from mjcompose.model.xml_text import write
+
+
+def text_alone(model: Unit, uses: Iterable[FileUse], out: str, folder: Path) -> bytes:
+    """Return the text for the output `out`, `-` for standard output.
+
+    Files are named by paths from the folder of the output (from `folder` for `-`) to the sources, so that the text
+    loads where it is written. Raises OutputError for files that are not on disk.
+    """
+    target = folder / out
+    start = folder if out == "-" else target.parent
+    for use in uses:
+        if use.content is not None:
+            raise OutputError(
+                "output-kind",
+                f"text alone cannot hold `{use.path}`, which was made for this model",
+                f"write a folder (`{target.stem}/`) or an archive (`{target.stem}.zip`)",
+            )
+        path = Path(os.path.relpath(use.source, start)).as_posix()
+        if not _is_text(path):
+            raise OutputError(
+                "output-kind",
+                f"text alone cannot name `{path}`: that path is not UTF-8",
+                f"write a folder (`{target.stem}/`) or an archive (`{target.stem}.zip`)",
+            )
+        use.element.set(use.attribute, path)
+    return write(model.root)
+
+
+def _is_text(path: str) -> bool:
+    """Return whether a path is valid UTF-8; in other paths, undecodable bytes are surrogates."""
+    return not any("\ud800" <= char <= "\udfff" for char in path)
+
+
+Stored = dict[tuple[str, int], list[str]]
+"""The paths of files that may replace equal ones, by suffix and size."""
+
+
+def collect(
+    model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str
+) -> dict[str, bytes]:
+    """Return the bytes by path in the bundle.
+
+    A missing file is reported where the model names it, under the name `shown`.
+    """
+    files: dict[str, bytes] = {}
+    stored: Stored = {}
+    stands_at: dict[str, str | None] = {}
+    room = _Room()
+    for use in uses:
+        if use.path not in stands_at:
+            if not room.has(use):
+                room.report(model, use, sink)
+                break
+            stands_at[use.path] = _store(model, use, files, stored=stored, sink=sink, shown=shown)
+        path = stands_at[use.path]
+        if path is None or path == use.path:
+            continue
+        if use.element.tag in NAMED_AFTER_FILE and not use.element.get("name"):
+            use.element.set("name", stem(use.path))
+        use.element.set(use.attribute, path)
+    return files
+
+
+class _Room:
+    """The remaining size of a bundle, counted by file sizes before files are read."""
+
+    def __init__(self) -> None:
+        limits = in_force()
+        self.files, self.size = limits.output_files, limits.output_size
+
+    def has(self, use: FileUse) -> bool:
+        with suppress(OSError):  # unreadable files are reported when they are read
+            self.size -= os.stat(use.source).st_size if use.content is None else len(use.content)
+        self.files -= 1
+        return self.files > 0 and self.size >= 0
+
+    def report(self, model: Unit, use: FileUse, sink: Sink) -> None:
+        name = "output-files" if self.files <= 0 else "output-size"
+        most = written(name, getattr(in_force(), name.replace("-", "_")))
+        what = "files" if name == "output-files" else "in its files"
+        span = model.origins.span(use.element, model.file, use.attribute)
+        sink.error(
+            "limit-exceeded", f"the bundle would have more than {most} {what}", span, help=advice(name)
+        )
+
+
+def check_files(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str) -> None:
+    """Report missing files of a model that will not be bundled because of another fault."""
+    for use in {use.path: use for use in uses if use.content is None}.values():
+        try:
+            os.stat(use.source)
+        except OSError as error:
+            _missing(model, use, error, sink=sink, shown=shown)
+
+
+def read(model: Unit, use: FileUse, sink: Sink, shown: Callable[[Path], str] = str) -> bytes | None:
+    """Return the bytes of a file, or None if it is unreadable, which is reported."""
+    content = use.content
+    if content is None:
+        try:
+            content = read_regular(use.source)
+        except Refused as refused:
+            refused.report(sink, model.origins.span(use.element, model.file, use.attribute), shown=shown)
+            return None
+        except OSError as error:
+            _missing(model, use, error, sink=sink, shown=shown)
+            return None
+    if xml_faults.is_pointer(content):
+        called = f"`{shown(Path(use.source))}`"
+        report = f"{called} is not the file itself but where Git LFS has it"
+        span = model.origins.span(use.element, model.file, use.attribute)
+        sink.error(
+            "asset-missing", report, span, help=xml_faults.HELP, cause=Cause(f"lfs: {span.file}", called)
+        )
+        return None
+    return content
+
+
+def _store(
+    model: Unit,
+    use: FileUse,
+    files: dict[str, bytes],
+    stored: Stored,
+    sink: Sink,
+    shown: Callable[[Path], str],
+) -> str | None:
+    """Return the path of a file's bytes in the bundle: its own path, or that of an equal file of the same kind."""
+    content = read(model, use, sink, shown=shown)
+    if content is None:
+        return None
+    if not use.shared:
+        files[use.path] = content
+        return use.path
+    suffix = use.path.rsplit(".", 1)[-1]
+    alike = stored.setdefault((suffix, len(content)), [])
+    for path in alike:
+        if files[path] == content:
+            return path
+    alike.append(use.path)
+    files[use.path] = content
+    return use.path
+
+
+_LOOKED_FOR = 100
+"""Missing files for which a file of the same name is searched, at the cost of reading a folder each."""
+
+
+def _missing(model: Unit, use: FileUse, error: OSError, sink: Sink, shown: Callable[[Path], str]) -> None:
+    source = Path(use.source)
+    message, help = f"the file `{shown(source)}` does not exist", None
+    try:
+        beside = sorted(os.listdir(source.parent)) if sink.error_count < _LOOKED_FOR else []
+    except OSError:
+        beside = []
+        if isinstance(error, FileNotFoundError):
+            message += f", and neither does the folder `{shown(source.parent)}`"
+    # Missing files of one folder are one finding, unless they need different corrections.
+    folder: Path | None = None
+    if near := closest(source.name, beside):
+        # The tree of a URDF has what is written; in that of a model it is a path of the bundle by now.
+        written = str(use.element.get("filename") or "") if use.attribute == "filename" else ""
+        help = f"did you mean `{''.join(written.rpartition('/')[:2])}{near[0]}`?"
+    elif sink.error_count < _LOOKED_FOR and (elsewhere := _elsewhere(source)):
+        help = f"there is one at `{shown(elsewhere)}`"
+        folder = elsewhere.parent
+    else:
+        help = "compare the path with what is on the disk"
+        folder = source.parent
+    if not isinstance(error, FileNotFoundError):
+        message, help = (
+            f"the file `{shown(source)}` cannot be read: {(error.strerror or str(error)).lower()}",
+            None,
+        )
+        folder = None
+    archive = in_archive(source)
+    if archive is not None:
+        message, help = f"`{shown(archive[0])}` has no file `{archive[1]}`", None
+    span = model.origins.span(use.element, model.file, use.attribute)
+    cause = None
+    if folder is not None:
+        cause = Cause(f"{span.file}: {source.parent} {folder}", f"`{shown(source)}`")
+    sink.error("asset-missing", message, span, help=help, cause=cause)
+
+
+def _elsewhere(source: Path) -> Path | None:
+    """Return a file of the same name in a folder next to or below that of the missing one."""
+    for folder in (source.parent, source.parent.parent):
+        with suppress(OSError):  # a name that is too long, or an unreadable folder
+            for path in sorted(folder.glob(f"*/{glob.escape(source.name)}")):
+                if os.path.isfile(path):
+                    return path
+    return None

@@ -1,0 +1,72 @@
+"""The licences of a plan's parts, as a table."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.sources.context import Context
+
+if TYPE_CHECKING:
+    from mjcompose.build.plan.plan import Plan
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One part: its model reference, its licence as an SPDX expression (None if unknown), and its licence files."""
+
+    part: str
+    source: str
+    licence: str | None
+    files: tuple[str, ...]
+
+    @property
+    def has_none(self) -> bool:
+        """Whether nothing states the licence; an unrecognised licence text counts as a statement."""
+        return self.licence is None and not self.files
+
+
+def licence_rows(plan: Plan, context: Context) -> list[Row]:
+    """Return a row for each part, with the base named after its file. Reads licence files and the heads of models."""
+    from mjcompose.build.bundle.assemble import sources  # what was built before needs none of this
+    from mjcompose.sources.licence import is_empty, licence_of
+
+    return [
+        Row(
+            label,
+            source.reference,
+            licence_of(source),
+            files=tuple(context.shown(file) for file in source.licences if not is_empty(file)),
+        )
+        for label, source in sources(plan)
+    ]
+
+
+def licence_table(rows: Iterable[Row]) -> str:
+    """Return the rows in columns, with headings."""
+    from mjcompose.sources.licence import UNKNOWN
+
+    lines = [("part", "source", "licence", "file")]
+    lines += [(row.part, row.source, row.licence or UNKNOWN, ", ".join(row.files) or "-") for row in rows]
+    widths = [max(len(line[column]) for line in lines) for column in range(3)]
+    return "\n".join(
+        "  ".join([*(text.ljust(width) for text, width in zip(line, widths, strict=False)), line[3]])
+        for line in lines
+    )
+
+
+def report_unlicensed(rows: Iterable[Row], context: Context) -> None:
+    """Warn of the parts without a licence, all at once."""
+    bare = [row for row in rows if row.has_none]
+    if not bare:
+        return
+    names = ", ".join(f"`{row.part}`" for row in bare[:20])
+    if len(bare) > 20:
+        names += f" and {len(bare) - 20} other parts"
+    context.sink.warning(
+        "licence-missing",
+        f"nothing says under which licence {names} may be passed on",
+        help="put a `LICENSE` with its text beside the model, or"
+        " `<!-- SPDX-License-Identifier: CC-BY-4.0 -->` at its top",
+    )

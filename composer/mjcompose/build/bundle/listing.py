@@ -1,0 +1,311 @@
+"""The table of all models in a folder, and conditions on its rows.
+
+Write a table as CSV, and read its texts back.
+
+A spreadsheet takes a text that begins with `=` for a formula, and runs it. So such a text, which may come from somebody
+else's recipe, is written with a `'` before it, and so is one that begins with `'` itself. Numbers stay as they are.
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from io import TextIOWrapper
+from pathlib import Path, PurePosixPath
+from typing import IO, Any, TextIO, TypeVar
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import DiagnosticError, Note
+from mjcompose.base.files import TooLarge, open_regular
+from mjcompose.base.suggest import did_you_mean, exists_note
+from mjcompose.build.bundle.bundle import Place
+from mjcompose.text.evaluate import evaluate, names
+from mjcompose.text.expression import ExpressionError, UnknownName, parse
+from mjcompose.text.expression_values import CONSTANTS, FUNCTIONS, Value
+from mjcompose.text.expression_values import kind as kind_value
+
+_FORMULA = tuple("=+-@\t\r\n＝＋－＠'")
+
+
+def write_rows(file: TextIO, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
+    """Write a header and rows; numbers as the shortest text that reads back the same, nothing for None."""
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(map(guarded, columns))
+    for row in rows:
+        writer.writerow([_text(each) for each in row])
+
+
+def guarded(text: str) -> str:
+    """Return a text as a table has it: no spreadsheet takes it for a formula.
+
+    >>> guarded("=1+1"), guarded("arm"), guarded("'arm'"), guarded("-0.5")
+    ("'=1+1", 'arm', "''arm'", '-0.5')
+    """
+    return f"'{text}" if text.startswith(_FORMULA) and not _is_number(text) else text
+
+
+def unguarded(text: str) -> str:
+    """Return the text that a table has.
+
+    >>> all(unguarded(guarded(each)) == each for each in ("=1+1", "arm", "'arm'", "''", "-0.5", ""))
+    True
+    """
+    return text.removeprefix("'")
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return float(text) is not None and text.isascii() and text == text.strip()
+    except ValueError:
+        return False
+
+
+def _text(value: Any) -> Any:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return "" if value is None else guarded(value) if isinstance(value, str) else value
+
+
+MODELS = "models.csv"
+_PART = re.compile(r"models-\d+-of-\d+\.\w+")
+_BATCH = 1000
+Item = TypeVar("Item")
+_FORMS = (".csv", ".parquet")
+SIZES = ("nq", "nv", "nu", "nbody", "njnt", "ngeom", "nsensor", "nkey")
+COLUMNS: Mapping[str, type] = {
+    "model": str, "cell": str, "sample": int, "path": str, "sha256": str, "mujoco": str, "checks": int,
+    **dict.fromkeys(SIZES, int),
+}  # fmt: skip
+"""The columns of every model, followed by those of the matrix and of draws."""
+
+
+class ListingError(DiagnosticError):
+    """There is no index, or the file is not an index."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One model of an index: `file` is its bundle, `values` are the non-empty values by column."""
+
+    file: Place
+    values: Mapping[str, Value]
+
+
+def column(name: str) -> str:
+    """Return the column for a value.
+
+    >>> column("payload"), column("path")
+    ('payload', 'value path')
+    """
+    return f"value {name}" if name in COLUMNS else name
+
+
+def rows(path: Place, shown: str) -> Iterator[Row]:
+    """Yield the models of an index, given as a folder, one of its parts, or the index itself. Raises ListingError.
+
+    A folder or an index may be at an address.
+    """
+    if isinstance(path, str):
+        yield from _rows_at(path, shown)
+        return
+    for file in _files(path, shown):
+        with _readable(str(file)), open_regular(file) as stream:
+            yield from _rows(stream, str(file), file.parent)
+
+
+def _rows_at(address: str, shown: str) -> Iterator[Row]:
+    from mjcompose.build.bundle.remote import RemoteError, opened
+
+    try:
+        with opened(address) as (fs, path):
+            found = (
+                [path]
+                if fs.isfile(path)
+                else _indexes({each.rpartition("/")[2]: each for each in fs.ls(path, False)})
+            )
+            if not found:
+                raise _none(shown)
+            for file in found:
+                folder = address.rstrip("/") if file != path else address.rpartition("/")[0]
+                with _readable(f"{folder}/{file.rpartition('/')[2]}"), fs.open(file) as stream:
+                    yield from _rows(stream, file, folder)
+    except RemoteError as error:
+        raise ListingError("file-unreadable", f"`{shown}` cannot be read: {error}") from error
+
+
+@contextmanager
+def _readable(file: str) -> Iterator[None]:
+    try:
+        yield
+    except (OSError, UnicodeError, csv.Error, TypeError, AttributeError) as error:
+        reason = getattr(error, "strerror", None) or "it is no such table"
+        if isinstance(error, TooLarge):
+            reason = str(error)
+        raise ListingError("file-unreadable", f"`{file}` cannot be read: {reason}") from error
+
+
+def _rows(stream: IO[bytes], file: str, folder: Place) -> Iterator[Row]:
+    for number, each in enumerate(_records(stream, file), 1):
+        inside = PurePosixPath(each["path"])
+        if not each["path"] or inside.is_absolute() or ".." in inside.parts:
+            message = f"row {number} of `{file}` names no model below its folder: `{each['path']}`"
+            raise ListingError("source-outside", message)
+        values = {name: _value(name, text) for name, text in each.items() if text is not None and text != ""}
+        yield Row(folder / inside if isinstance(folder, Path) else f"{folder}/{inside}", values)
+
+
+def _records(stream: IO[bytes], file: str) -> Iterator[Mapping[str, Any]]:
+    """Yield the rows of a table by column; in CSV all values are text."""
+    if file.lower().endswith(".parquet"):
+        columns, records = _of_parquet(stream, file)
+    else:
+        reader = csv.DictReader(TextIOWrapper(stream, "utf-8", newline=""), strict=True)
+        reader.fieldnames = columns = list(map(unguarded, reader.fieldnames or ()))
+        records = (
+            {name: unguarded(text) if isinstance(text, str) else text for name, text in each.items()}
+            for each in reader
+        )
+    if "path" not in columns:
+        raise ListingError("wrong-type", f"`{file}` is no index of models: it has no column `path`")
+    yield from records
+
+
+def _of_parquet(stream: IO[bytes], file: str) -> tuple[Sequence[str], Iterator[Mapping[str, Any]]]:
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        message = f"`{file}` needs the package `pyarrow`, which is not installed"
+        raise ListingError("file-unreadable", message, 'run `pip install "mjcompose[parquet]"`') from None
+    try:
+        table = parquet.ParquetFile(stream)
+    except pyarrow.ArrowInvalid as error:
+        raise ListingError("file-unreadable", f"`{file}` cannot be read: {error}") from error
+    return table.schema_arrow.names, (
+        row for batch in table.iter_batches(_BATCH) for row in batch.to_pylist()
+    )
+
+
+def _files(path: Path, shown: str) -> list[Path]:
+    if not os.path.isdir(path):
+        if not os.path.exists(path):
+            raise ListingError("file-not-found", f"`{shown}` does not exist")
+        return [path]
+    found = _indexes({each.name: each for each in path.iterdir() if each.name.startswith("models")})
+    if not found:
+        raise _none(shown)
+    return found
+
+
+def _indexes(names: Mapping[str, Item]) -> list[Item]:
+    """Return the index of a folder and its parts: CSV, or Parquet if there is no CSV."""
+    for form in _FORMS:
+        parts = sorted(
+            (name for name in names if _PART.fullmatch(name) and name.endswith(form)), key=_in_order
+        )
+        if found := [names[name] for name in (f"models{form}", *parts) if name in names]:
+            return found
+    return []
+
+
+def _in_order(name: str) -> tuple[int, str]:
+    return len(name), name
+
+
+def _none(shown: str) -> ListingError:
+    help = "`mjcompose build RECIPE --all -o 'FOLDER/{name}/'` writes one"
+    return ListingError("file-not-found", f"`{shown}` has no index of models, `{MODELS}`", help)
+
+
+def _value(name: str, text: Any) -> Value:
+    """Convert a text of the table: by the type of a column that every model has, else by its form."""
+    if not isinstance(text, str):
+        return text  # type: ignore[no-any-return]  # of Parquet, which has types
+    if COLUMNS.get(name) is str:
+        return text
+    if text in ("true", "false"):
+        return text == "true"
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
+
+
+T = TypeVar("T")
+
+
+def with_fields(values: Mapping[str, T]) -> dict[str, T]:
+    """Return the values of a row, and also each drawn field with a single column by its plain name.
+
+    >>> with_fields({"sample": 1, "friction[cube]": 0.5, "mass[a]": 2, "mass[b]": 3})["friction"]
+    0.5
+    """
+    columns: dict[str, list[str]] = {}
+    for column in values:
+        name, bracket, _ = column.partition("[")
+        if bracket:
+            columns.setdefault(name, []).append(column)
+    alone = {name: values[found[0]] for name, found in columns.items() if len(found) == 1}
+    return {**alone, **values}
+
+
+class Condition:
+    """A condition for all rows of an index. Raises ListingError if it is not a valid expression.
+
+    A model without a value for a name, such as one of a cell that does not set it, does not match; `lacking` counts
+    such models by name. A name that no model has is an error, which `check` raises.
+    """
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        try:
+            self._tree = parse(text)
+        except ExpressionError as error:
+            raise self._fault(error) from error
+        self._names = {each.name for each in names(self._tree)} - {*CONSTANTS, *FUNCTIONS}
+        self._known: dict[str, None] = {}
+        self.lacking: dict[str, int] = {}
+        self.count = 0
+
+    def holds(self, row: Row) -> bool:
+        """Return whether a model matches. Raises ListingError."""
+        self.count += 1
+        self._known.update(dict.fromkeys(row.values))
+        values = with_fields(row.values)
+        if absent := sorted(self._names - values.keys()):
+            for name in absent:
+                self.lacking[name] = self.lacking.get(name, 0) + 1
+            return False
+        try:
+            value = evaluate(self._tree, values)
+        except ExpressionError as error:
+            raise self._fault(error) from error
+        if not isinstance(value, bool):
+            raise ListingError("expression", f"`{self.text}` is {kind_value(value)}, and not true or false",
+                               "write for instance `payload > 2`")  # fmt: skip
+        return value
+
+    def check(self) -> None:
+        """Raise an error for a name that no model has. Call it after the last row."""
+        for name, count in self.lacking.items():
+            if count == self.count:
+                words = [each for each in self._known if each.isidentifier()]
+                several = [each for each in self._known if each.startswith(f"{name}[")]
+                note = (
+                    Note(f"drawn for several: {', '.join(several[:3])}")
+                    if several
+                    else exists_note("column", words, name)
+                )
+                raise ListingError("unknown-name", f"no model has a column `{name}`", did_you_mean(name, words),
+                                   notes=(note,))  # fmt: skip
+
+    def _fault(self, error: ExpressionError) -> ListingError:
+        assert not isinstance(error, UnknownName)  # missing names are counted
+        return ListingError(
+            "expression", f"`{self.text}`, character {error.start + 1}: {error.message}", error.help
+        )

@@ -1,0 +1,548 @@
+"""The manifest: what a bundle was made of, what is in it, and where.
+
+The manifest: what a bundle was made of, what is in it, and where things are in the compiled model.
+
+It holds no time and no path of the machine it was made on, so that the same input gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+
+from mjcompose.base.version import __version__
+from mjcompose.build.bundle.bundle import MANIFEST, Bundle
+from mjcompose.mujoco.arrays import BY_WORD
+
+if TYPE_CHECKING:
+    from pydantic_core import ErrorDetails
+
+    from mjcompose.mujoco.index import Index as CompiledIndex
+
+
+def faults_of(error: ValueError) -> tuple[str, ...]:
+    """Return the faults in a manifest that `from_json` refused, in words."""
+    if not isinstance(error, ValidationError):
+        return (str(error),)
+    return tuple(_in_words(each) for each in error.errors(include_url=False, include_context=False))
+
+
+def newer_format(error: ValueError) -> int | None:
+    """Return the format version of a refused manifest if it is newer than ours, else None."""
+    if isinstance(error, ValidationError):
+        for each in error.errors():
+            if each["loc"] == ("manifest",) and isinstance(each["input"], int) and each["input"] > FORMAT:
+                return each["input"]
+    return None
+
+
+def _in_words(fault: ErrorDetails) -> str:
+    place = "`" + "/".join(map(str, fault["loc"])) + "`"
+    if fault["type"] == "json_invalid":
+        return "it is not JSON: " + fault["msg"].removeprefix("Invalid JSON: ")
+    if not fault["loc"]:
+        return "it is not a mapping"
+    if fault["type"] == "extra_forbidden":
+        return f"{place} is not a key of a manifest"
+    if fault["type"] == "missing":
+        return f"{place} is missing"
+    message = fault["msg"]
+    return f"{place}: {message[:1].lower()}{message[1:]}"
+
+
+FORMAT = 1
+SCHEMA_ID = "https://json-schema.org/draft/2020-12/schema"
+SCHEMA_FILE = Path(__file__).resolve().parents[4] / "schemas" / "manifest.schema.json"
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
+
+
+class Recipe(_Part):
+    """The recipe as the build was asked for it."""
+
+    path: str = Field(description="The name of its file.")
+    sha256: str = Field(description="Of the recipe file.")
+
+
+class Origin(_Part):
+    """What an input was fetched or installed with."""
+
+    id: str = Field(description="The model reference without the file in it.")
+    commit: str | None = Field(default=None, description="Of a git repository.")
+    tree: str | None = Field(default=None, description="Of a git repository: git's hash of all its files.")
+    sha256: str | None = Field(default=None, description="Of an archive.")
+
+
+def _list_kinds(schema: dict[str, Any]) -> None:
+    from mjcompose.sources.kinds import KINDS  # reading a manifest does not need it
+
+    schema["description"] = f"The kind of reference: {', '.join(kind.name for kind in KINDS)}."
+
+
+class OfUrdf(_Part):
+    """Elements of one kind in a URDF, and what became of them."""
+
+    what: str = Field(
+        description="Their tag and the one that it stands in, such as `joint/limit`; behind it an attribute, where only"
+        " that is meant, or the tag that they lack."
+    )
+    count: int = Field(ge=1, description="How many there are.")
+    became: str | None = Field(default=None, description="What they are in the model; null for nothing.")
+    why: str | None = Field(default=None, description="Why they are not in the model; null if they are.")
+    origin: str = Field(description="Where the first one is written, as FILE:LINE.")
+
+
+class Input(_Part):
+    """One model file that the model was made from."""
+
+    path: str = Field(description="Relative to the recipe, or to the package or repository it came from.")
+    reference: str = Field(description="The model reference as the recipe writes it.")
+    kind: str = Field(description="The kind of reference.", json_schema_extra=_list_kinds)
+    sha256: str
+    origin: Origin | None = Field(default=None, description="null for a file that is named by its path.")
+    licence: str | None = Field(default=None, description="As an SPDX expression; null when it is not known.")
+    licences: tuple[str, ...] = Field(
+        default=(),
+        description="Its licence files, as paths in this bundle; equal ones of several parts are one file.",
+    )
+    package: str | None = Field(default=None, description="The Python package it came from.")
+    version: str | None = Field(default=None, description="The version of that package, or the commit.")
+    urdf: tuple[OfUrdf, ...] = Field(
+        default=(), description="What of a URDF was read, and what was not; left out for other models."
+    )
+
+
+def _finite(value: dict[str, Any]) -> dict[str, Any]:
+    """Check that JSON can represent the values: Python's JSON readers also accept `NaN`. Raises ValueError."""
+    json.dumps(value, allow_nan=False)
+    return value
+
+
+class Part(_Part):
+    """What an input became: where its own world stands, and what of it the recipe changed on purpose."""
+
+    part: str = Field(
+        description="What the recipe calls it; `base` is the model that the recipe starts from."
+    )
+    input: int = Field(ge=0, description="Which of the inputs it is, counted from 0.")
+    prefix: str = Field(description="What stands before its names, separator included.")
+    body: str | None = Field(default=None, description="The body it is fixed to; null for the world.")
+    pos: tuple[float, float, float] | None = Field(
+        default=(0, 0, 0), description="Of its world in the frame of that body, in metres; null if not known."
+    )
+    quat: tuple[float, float, float, float] | None = Field(default=(1, 0, 0, 0), description="Likewise.")
+    keys: str | None = Field(
+        default="",
+        description="What stands before the names of its keyframes; null where they were left out.",
+    )
+    renamed: dict[str, dict[str, str]] = Field(
+        default={},
+        description="By kind of name: its own name and the one in the model, for those that are not the own name"
+        " behind the prefix.",
+    )
+    welded: bool = Field(default=False, description="Whether free joints at its root were taken away.")
+    stands: bool = Field(default=True, description="Whether it is fixed in the world.")
+    changed: tuple[str, ...] = Field(
+        default=(), description="The arrays of mjModel that the recipe changes in it."
+    )
+    replaced_keys: tuple[str, ...] = Field(
+        default=(), description="Names of keyframes that the recipe writes in place of its own."
+    )
+    obscure: str | None = Field(default=None, description="Why it cannot be compared with its source, if so.")
+    subtree: str | None = Field(default=None, description="The one body that was taken of its source, if so.")
+
+
+class Adopted(_Part):
+    """A setting that neither the base nor the recipe writes, and all parts that write it agree on."""
+
+    setting: str = Field(description="Its path, such as `option.cone`.")
+    value: str
+    parts: tuple[str, ...] = Field(description="The prefixes of the parts that write it.")
+    origin: str | None = Field(default=None, description="Where the first of them writes it, as FILE:LINE.")
+
+
+class Read(_Part):
+    """One file that was read: a recipe, a model, what these include, a mesh, a licence."""
+
+    path: str = Field(
+        description="Relative to the recipe, or after the reference of what it was fetched or installed with."
+    )
+    sha256: str
+
+
+class File(_Part):
+    """One file of the bundle; the manifest itself is not listed."""
+
+    path: str
+    sha256: str
+    size: int = Field(ge=0, description="In bytes.")
+
+
+_ORIGIN = Field(
+    default=None, description="Where it is written, as FILE:LINE; null for what MuJoCo multiplies."
+)
+Range = tuple[float | None, float | None]
+"""Lower and upper end; None for no limit."""
+
+
+class Joint(_Part):
+    """A joint and its entries in qpos and qvel."""
+
+    name: str
+    type: Literal["free", "ball", "slide", "hinge"]
+    body: str
+    qpos: int = Field(ge=0, description="Where its entries in qpos begin.")
+    qpos_size: int = Field(ge=1)
+    dof: int = Field(ge=0, description="Where its entries in qvel begin.")
+    dof_size: int = Field(ge=1)
+    unit: str | None = Field(
+        default=None,
+        description="Of qpos: rad, m or quaternion; null for a free joint, which has metres and a quaternion.",
+    )
+    velocity_unit: str | None = Field(
+        default=None, description="Of qvel: rad/s or m/s; null for a free joint, which has both."
+    )
+    range: Range | None = Field(
+        default=None,
+        description="In its unit, the angle of a ball joint in rad; null when that, or one end, is not limited.",
+    )
+    origin: str | None = _ORIGIN
+
+
+class Actuator(_Part):
+    """An actuator and its entries in ctrl and act."""
+
+    name: str
+    type: str | None = Field(
+        default=None, description="The tag MJCF has for it; null for what MuJoCo multiplies."
+    )
+    ctrl: int = Field(ge=0, description="Where its entries in ctrl begin.")
+    ctrl_size: int = Field(ge=0)
+    act: int | None = Field(default=None, description="Where its entries in act begin; null without any.")
+    act_size: int = Field(default=0, ge=0)
+    unit: str | None = Field(
+        default=None,
+        description="Of its only control: rad or m for a position, rad/s or m/s for a velocity, N m or N,"
+        " 1 for an activation; null where a gear or a gain gives it another meaning.",
+    )
+    ranges: tuple[Range | None, ...] = Field(
+        default=(), description="Of each control, in its unit; null for one that is not limited."
+    )
+    act_range: Range | None = Field(
+        default=None, description="Of its activation; null when that is not limited."
+    )
+    force_range: Range | None = Field(
+        default=None, description="Of the force or torque it gives; null when that is not limited."
+    )
+    origin: str | None = _ORIGIN
+
+
+class Sensor(_Part):
+    """A sensor and its entries in sensordata."""
+
+    name: str
+    type: str = Field(description="The tag MJCF has for it.")
+    address: int = Field(ge=0, description="Where its entries in sensordata begin.")
+    size: int = Field(ge=0)
+    unit: str | None = Field(default=None, description="null where the type does not settle it.")
+    cutoff: float | None = Field(
+        default=None, description="In its unit, the greatest value it reports; null when nothing is cut off."
+    )
+    origin: str | None = _ORIGIN
+
+
+class Camera(_Part):
+    """A camera; its number is its place in the list."""
+
+    name: str
+    body: str
+    fovy: float = Field(description="The vertical field of view.")
+    unit: Literal["deg", "m"] = Field(description="Of fovy: degrees, or metres for an orthographic camera.")
+    resolution: tuple[int, int] = Field(description="Width and height in pixels, as the model asks for it.")
+    origin: str | None = _ORIGIN
+
+
+class Keyframe(_Part):
+    """A keyframe; its number is its place in the list."""
+
+    name: str
+    time: float = Field(description="In seconds.")
+    origin: str | None = _ORIGIN
+
+
+class Index(_Part):
+    """The order of the compiled model, in which simulators address it. Unnamed things have the name ""."""
+
+    joints: tuple[Joint, ...]
+    actuators: tuple[Actuator, ...]
+    sensors: tuple[Sensor, ...]
+    cameras: tuple[Camera, ...]
+    keyframes: tuple[Keyframe, ...]
+
+
+class Check(_Part):
+    """A check that was run on the compiled model, and held."""
+
+    name: str = Field(description="What the outermost recipe calls it.")
+    kind: str
+    values: dict[str, float | int | bool | str | tuple[float, ...] | None] = Field(
+        default={}, description="What was found; four digits, so that it is the same on other machines."
+    )
+    origin: str | None = Field(default=None, description="Where it is written, as FILE:LINE.")
+
+
+class Draw(_Part):
+    """What `randomize` drew for one element, or for a parameter."""
+
+    field: str = Field(description="The name of the field in the recipe.")
+    element: str | None = Field(default=None, description="What the draw goes by; null for a parameter.")
+    attribute: str = Field(description="The attribute, or the parameter.")
+    component: int = Field(default=0, ge=0, description="Which number of the attribute the first one is.")
+    operation: Literal["set", "scale", "offset"] = Field(
+        description="Whether what was drawn is the value, a factor of it or added to it."
+    )
+    value: bool | int | float | str | tuple[bool | int | float | str, ...] = Field(
+        description="What was drawn; angles in radians, those of a parameter in its unit."
+    )
+
+
+class Made(_Part):
+    """What `collision` or `simplify` made of a mesh, and how far it is from it."""
+
+    mesh: str
+    geom: str = Field(
+        default="", description="The geom that no longer touches; empty for one without a name."
+    )
+    how: str = Field(description="The method with its settings.")
+    shapes: tuple[str, ...] = Field(
+        default=(), description="The geoms that touch in its place; none of a mesh that was simplified."
+    )
+    hausdorff: float = Field(description="The greater one of `beyond` and `short`.")
+    beyond: float = Field(description="In metres: how far the shapes reach out of the mesh at most.")
+    short: float = Field(description="In metres: how far the mesh reaches out of the shapes at most.")
+    uncovered: float | None = Field(
+        description="The share of the mesh's surface outside of the shapes; null of a mesh that was simplified."
+    )
+    volume: float | None = Field(
+        description="Of all shapes together, by that of the mesh; null for a mesh that is open."
+    )
+    samples: int = Field(ge=0, description="At how many points the distances were measured.")
+    made_with: dict[str, str] = Field(
+        default={}, description="The packages that made it, and their versions."
+    )
+    key: str = Field(description="The hash of what it follows from.")
+    origin: str | None = Field(default=None, description="Where it is written, as FILE:LINE.")
+
+
+class LeftOut(_Part):
+    """What a target cannot express, and is not in its bundle, or is there in another way."""
+
+    feature: str
+    tag: str
+    why: str
+    count: int = Field(ge=1)
+    names: tuple[str, ...] = Field(default=(), description="Of those that have one.")
+
+
+class Aimed(_Part):
+    """The program that a bundle was written for."""
+
+    name: str
+    left_out: tuple[LeftOut, ...] = ()
+
+
+class Manifest(_Part):
+    """What a bundle was made of, what is in it, and where things are in the compiled model."""
+
+    manifest: Literal[1] = Field(default=1, description="The version of this format.")
+    name: str
+    description: str | None = None
+    model: str = Field(default="model.xml", description="The MJCF file among the files.")
+    mjcompose: str = Field(default=__version__, description="The version of mjcompose that made the bundle.")
+    mujoco: str | None = Field(description="The version of MuJoCo that verified it; null when none did.")
+    grammar: str = Field(description="The version of MuJoCo whose MJCF the grammar describes.")
+    recipe: Recipe | None = Field(default=None, description="null for a model that Python composed.")
+    separator: str = Field(default="/", description="What stands between a prefix and a name.")
+    cell: str | None = Field(default=None, description="The cell of the recipe's matrix; null for none.")
+    variants: dict[str, str] = Field(default={}, description="The chosen value of every variant.")
+    params: Annotated[dict[str, Any], AfterValidator(_finite)] = Field(
+        default={}, description="The value of every parameter."
+    )
+    seed: int | None = Field(default=None, description="Of the draws; null without `randomize`.")
+    sample: int | None = Field(default=None, ge=0, description="The sample's number; 0 is the nominal model.")
+    draws: tuple[Draw, ...] = ()
+    inputs: tuple[Input, ...] = ()
+    parts: tuple[Part, ...] = ()
+    adopted: tuple[Adopted, ...] = Field(
+        default=(), description="The settings that the model takes from its parts, which agree on them."
+    )
+    read: tuple[Read, ...] = Field(default=(), description="Every file that the model was made from.")
+    licences: dict[str, tuple[str, ...]] = Field(
+        default={}, description="The parts by licence; those of which it is not known are under `unknown`."
+    )
+    files: tuple[File, ...]
+    merged: Mapping[str, Mapping[str, str]] = Field(
+        default={},
+        description="What `--dedup` merged, by kind: for each name that is gone, the name that stands for it.",
+    )
+    picture: str | None = Field(
+        default=None,
+        description="Of `--picture`: a picture of the model, beside the bundle; left out without one.",
+    )
+    target: Aimed | None = Field(
+        default=None, description="Of `--target`: what the bundle was written for; left out without one."
+    )
+    union: int | None = Field(
+        default=None,
+        ge=2,
+        description="Of a union: how many models it has the parts of; left out for any other model.",
+    )
+    made: tuple[Made, ...] = Field(
+        default=(), description="What was made of meshes; left out where nothing was."
+    )
+    checks: tuple[Check, ...] = Field(default=(), description="What was checked, and held.")
+    index: Index | None = Field(default=None, description="null when the model was not verified.")
+    warnings: tuple[str, ...] = ()
+
+
+def files_of(bundle: Bundle) -> tuple[File, ...]:
+    """Return the manifest's list of the bundle's files, without the manifest itself."""
+    return tuple(
+        File(path=path, sha256=bundle.digest(path), size=len(content))
+        for path, content in bundle.files.items()
+        if path != MANIFEST
+    )
+
+
+def to_json(manifest: Manifest) -> bytes:
+    """Return the manifest as UTF-8 text: fields in the order of the schema, indented by two spaces, a final newline."""
+    data = manifest.model_dump(mode="json")
+    for name in ("picture", "target", "union", "made"):
+        if not data[name]:
+            del data[name]
+    for each in data["inputs"]:
+        if not each["urdf"]:
+            del each["urdf"]
+    return _text(data)
+
+
+def _text(data: Any) -> bytes:
+    return (json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
+
+
+def with_read(manifest: bytes, recipe: str, hashes: Mapping[str, str]) -> bytes:
+    """Return a manifest with new hashes of its recipe and of the files that were read, by their names in it."""
+    data = json.loads(manifest)
+    data["recipe"]["sha256"] = recipe
+    for each in data["read"]:
+        each["sha256"] = hashes.get(each["path"], each["sha256"])
+    return _text(data)
+
+
+def from_json(text: bytes | str) -> Manifest:
+    """Parse the manifest of a bundle. Raises pydantic's ValidationError, a ValueError."""
+    return Manifest.model_validate_json(text)
+
+
+def with_manifest(bundle: Bundle, manifest: Manifest) -> Bundle:
+    """Return the bundle with this manifest in it."""
+    return bundle.with_files({MANIFEST: to_json(manifest)})
+
+
+def schema() -> str:
+    """Return the JSON Schema of manifests, as the text of its file."""
+    data = {"$schema": SCHEMA_ID, **Manifest.model_json_schema(mode="serialization")}
+    return json.dumps(data, indent=2, ensure_ascii=False) + "\n"
+
+
+Written = Mapping[tuple[str, int], tuple[str, str]]
+"""Tag and FILE:LINE of elements by kind (`joint`, `actuator`, `sensor`, `camera`, `key`) and number."""
+
+
+def _range(pair: tuple[float, float] | None) -> Range | None:
+    """Return a range with None for infinite ends, which JSON cannot represent."""
+    if pair is None or not any(map(math.isfinite, pair)):
+        return None
+    low, high = (end if math.isfinite(end) else None for end in pair)
+    return low, high
+
+
+def index_of(index: CompiledIndex, written: Written | None = None) -> Index:
+    """Return the manifest's index of a compiled model; `written` has the places of its elements."""
+    known = written or {}
+
+    def origin(kind: str, number: int) -> str | None:
+        return known[kind, number][1] if (kind, number) in known else None
+
+    return Index(
+        joints=tuple(
+            Joint(
+                name=joint.name,
+                type=joint.type,  # type: ignore[arg-type]  # pydantic checks the word
+                body=joint.body,
+                qpos=joint.qpos_address,
+                qpos_size=joint.qpos_size,
+                dof=joint.dof_address,
+                dof_size=joint.dof_size,
+                unit=BY_WORD[joint.type].unit,
+                velocity_unit=BY_WORD[joint.type].velocity_unit,
+                range=_range(joint.range if joint.limited else None),
+                origin=origin("joint", number),
+            )
+            for number, joint in enumerate(index.joints)
+        ),
+        actuators=tuple(
+            Actuator(
+                name=actuator.name,
+                type=known["actuator", number][0] if ("actuator", number) in known else None,
+                ctrl=actuator.ctrl_address,
+                ctrl_size=actuator.ctrl_size,
+                act=actuator.act_address if actuator.act_size else None,
+                act_size=actuator.act_size,
+                unit=actuator.unit,
+                ranges=tuple(map(_range, actuator.ctrl_ranges)),
+                act_range=_range(actuator.act_range),
+                force_range=_range(actuator.force_range),
+                origin=origin("actuator", number),
+            )
+            for number, actuator in enumerate(index.actuators)
+        ),
+        sensors=tuple(
+            Sensor(
+                name=sensor.name,
+                type=sensor.type,
+                address=sensor.address,
+                size=sensor.size,
+                unit=sensor.unit,
+                cutoff=None if sensor.cutoff == math.inf else sensor.cutoff,
+                origin=origin("sensor", number),
+            )
+            for number, sensor in enumerate(index.sensors)
+        ),
+        cameras=tuple(
+            Camera(
+                name=camera.name,
+                body=camera.body,
+                fovy=camera.fovy,
+                unit=camera.unit,  # type: ignore[arg-type]
+                resolution=camera.resolution,
+                origin=origin("camera", number),
+            )
+            for number, camera in enumerate(index.cameras)
+        ),
+        keyframes=tuple(
+            Keyframe(name=key.name, time=key.time, origin=origin("key", number))
+            for number, key in enumerate(index.keyframes)
+        ),
+    )
+
+
+if __name__ == "__main__":
+    SCHEMA_FILE.write_text(schema(), encoding="utf-8", newline="\n")

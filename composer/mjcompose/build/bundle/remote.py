@@ -1,0 +1,312 @@
+"""Bundles at addresses, and bundles that share a folder of assets.
+
+Outputs and bundles at addresses such as `s3://bucket/cell.zip`, accessed through `fsspec`.
+
+An object store has no folders and cannot rename: a bundle there is complete if its manifest exists, which is
+written last and removed first. A single file is written in one step.
+
+Bundles as neighbouring folders that share one folder of assets: `NAME/model.xml` refers to `../assets/…`.
+
+A shared asset is named after its content too, so that it is the same file for all models, independent of which
+models are written, in which order and by how many processes. Other files (manifest, licences, submodels) are not
+shared.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import zipfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path, PurePosixPath
+from typing import Any, TypeAlias
+
+from lxml import etree
+
+from mjcompose.base.diagnostic import DiagnosticError, hide
+from mjcompose.base.files import read_regular
+from mjcompose.build.bundle.bundle import MANIFEST, Bundle, OutputError
+from mjcompose.build.bundle.manifest import from_json
+from mjcompose.build.bundle.staging import staged_file, write_folder
+from mjcompose.model.files import CUBE, NAMED_AFTER_FILE, file_attributes, stem
+from mjcompose.model.xml_text import write
+
+FileSystem: TypeAlias = Any
+"""An `fsspec.AbstractFileSystem`."""
+
+
+class RemoteError(Exception):
+    """An invalid address, or an error of its file system."""
+
+
+@contextmanager
+def opened(address: str) -> Iterator[tuple[FileSystem, str]]:
+    """Yield the file system of an address and the path in it; its errors inside the block become RemoteError."""
+    try:
+        import fsspec
+    except ImportError:
+        raise RemoteError(
+            'addresses need the Python package `fsspec`: run `pip install "mjcompose[remote]"`'
+        ) from None
+    try:
+        fs, path = fsspec.core.url_to_fs(address)
+        fs.invalidate_cache()
+        yield fs, path.rstrip("/")
+    except (RemoteError, DiagnosticError):
+        raise
+    except Exception as error:  # each file system raises its own exceptions
+        said = " ".join(str(error).split()) or type(error).__name__
+        raise RemoteError(hide(said)) from error
+
+
+@contextmanager
+def _writing(address: str) -> Iterator[tuple[FileSystem, str]]:
+    try:
+        with opened(address) as found:
+            yield found
+    except RemoteError as error:
+        help = "see that its file system is installed, and that you may write there"
+        raise OutputError("output-unwritable", f"cannot write `{hide(address)}`: {error}", help) from error
+
+
+def check_writable(address: str) -> None:
+    """Write something below an address and remove it again. Raises OutputError."""
+    with _writing(address) as (fs, path):
+        probe = f"{path}/.mjcompose-{os.urandom(6).hex()}"
+        _put(fs, probe, b"mjcompose looks whether it may write here")
+        fs.rm_file(probe)
+
+
+def deliver_file(file: Path, address: str) -> None:
+    """Write a file to an address in one step. Raises OutputError."""
+    with _writing(address) as (fs, path):
+        _put(fs, path, read_regular(file, is_source=False))
+
+
+def deliver_folder(folder: Path, address: str) -> None:
+    """Write a bundle to an address, replacing an earlier one. Raises OutputError."""
+    with _writing(address) as (fs, path):
+        there = {each[len(path) + 1 :] for each in fs.find(path)}
+        known = _listed(fs, f"{path}/{MANIFEST}") if MANIFEST in there else None
+        if there and (known is None or there - known):
+            foreign = sorted(there - (known or set()))
+            raise OutputError(
+                "output-unwritable",
+                f"replacing `{hide(address)}` would delete files that mjcompose did not write: `{foreign[0]}`",
+                "move them elsewhere, or choose another address",
+            )
+        new = {
+            each.relative_to(folder).as_posix(): each for each in folder.rglob("*") if os.path.isfile(each)
+        }
+        if MANIFEST in there:
+            fs.rm_file(f"{path}/{MANIFEST}")
+        for name in sorted(new, key=lambda name: name == MANIFEST):
+            _put(fs, f"{path}/{name}", read_regular(new[name], is_source=False))
+        for name in sorted(there - new.keys()):
+            fs.rm_file(f"{path}/{name}")
+
+
+def deliver_assets(folder: Path, address: str) -> None:
+    """Upload shared assets, which are named after their contents, unless they exist. Raises OutputError."""
+    with _writing(address) as (fs, path):
+        for file in sorted(folder.iterdir()):
+            at, content = f"{path}/{file.name}", read_regular(file, is_source=False)
+            if not (fs.exists(at) and fs.info(at)["size"] == len(content)):
+                _put(fs, at, content)
+
+
+def manifest_at(address: str) -> bytes:
+    """Return the manifest of a bundle at an address. Raises OSError and the exceptions of `zipfile`."""
+    try:
+        with opened(address) as (fs, path):
+            if path.endswith((".zip", ".mjz")):
+                with fs.open(path) as stream, zipfile.ZipFile(stream) as archive:
+                    return archive.read(MANIFEST)
+            manifest: bytes = fs.cat_file(f"{path}/{MANIFEST}")
+            return manifest
+    except RemoteError as error:
+        raise OSError(str(error)) from error
+
+
+def stamps(address: str) -> list[list[object]]:
+    """Return data that changes with the contents at an address; empty if there are none. Never raises."""
+    try:
+        with opened(address) as (fs, path):
+            found = fs.find(path, detail=True) if fs.isdir(path) else {path: fs.info(path)}
+    except RemoteError:
+        return []
+    return [[name, about.get("size"), _state(about)] for name, about in sorted(found.items())]
+
+
+def download(address: str, folder: Path, files: int, size: int) -> Path:
+    """Download a bundle and the shared assets next to it to an empty folder; return its path there.
+
+    Raises RemoteError, also for more than `files` files or `size` bytes.
+    """
+    name = PurePosixPath(address.rstrip("/")).name
+    with opened(address) as (fs, path):
+        if not fs.isdir(path):
+            _check(fs.info(path)["size"], 1, files, most=size)
+            fs.get_file(path, str(folder / name))
+            return folder / name
+        found = {each[len(path) + 1 :]: about["size"] for each, about in fs.find(path, detail=True).items()}
+        _check(sum(found.values()), len(found), files, most=size)
+        above = path
+        for each in sorted(found):
+            _fetch(fs, f"{path}/{each}", folder / "models" / name, inside=each)
+        beside = [each for each in _listed(fs, f"{path}/{MANIFEST}") or () if each.startswith("../")]
+        for each in beside:
+            up = each.count("../")
+            above, inside = path, each.removeprefix("../" * up)
+            for _ in range(up):
+                above = above.rpartition("/")[0]
+            if inside.startswith(f"{ASSETS}/") and ".." not in PurePosixPath(inside).parts and up <= 2:
+                _check(fs.info(f"{above}/{inside}")["size"], len(beside), files, most=size)
+                _fetch(fs, f"{above}/{inside}", (folder / "models", folder)[up - 1], inside=inside)
+        return folder / "models" / name
+
+
+def _fetch(fs: FileSystem, path: str, folder: Path, inside: str) -> None:
+    if PurePosixPath(inside).is_absolute() or ".." in PurePosixPath(inside).parts:
+        raise RemoteError(f"`{inside}` leads out of it")
+    target = folder / inside
+    target.parent.mkdir(parents=True, exist_ok=True)
+    fs.get_file(path, str(target))
+
+
+def _check(size: int, count: int, files: int, most: int) -> None:
+    if count > files or size > most:
+        raise RemoteError(f"it has {count} files of {size} bytes, and {files} of {most} are allowed")
+
+
+def _put(fs: FileSystem, path: str, content: bytes) -> None:
+    fs.makedirs(path.rpartition("/")[0], exist_ok=True)
+    with fs.transaction:
+        fs.pipe_file(path, content)
+
+
+def _listed(fs: FileSystem, path: str) -> set[str] | None:
+    """Return the files in a manifest, including the manifest, or None if it is not a manifest."""
+    import json
+
+    try:
+        manifest = json.loads(fs.cat_file(path))
+        return {MANIFEST, *(str(each["path"]) for each in manifest["files"])}
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return None
+
+
+def _state(about: dict[str, Any]) -> str:
+    return str(next((about[key] for key in ("ETag", "etag", "md5", "mtime", "created") if key in about), ""))
+
+
+ASSETS = "assets"
+_SHARED = re.compile(rf"((?:\.\./){{1,2}}){ASSETS}/([^/]+)")
+
+
+def write_shared(bundle: Bundle, out: Path, above: int = 1) -> tuple[Path, ...]:
+    """Write the folder `out`, and its assets to the folder `assets` next to it; return their paths.
+
+    With `above` 2, that folder is one level higher.
+
+    Raises OutputError, and then leaves `out` as it was, with at most additional complete assets next to it.
+    """
+    if out.name == ASSETS:
+        raise OutputError(
+            "output-kind", f"the folder `{out}` is that of the assets", "give the model another name"
+        )
+    own, assets = share(bundle, above)
+    folder = out.parents[above - 1] / ASSETS
+    for name, content in assets.items():
+        path = folder / name
+        if not _is_there(path, content):
+            with staged_file(path) as stage:
+                stage.write_bytes(content)
+    write_folder(own, out)
+    return tuple(folder / name for name in assets)
+
+
+def _is_there(path: Path, content: bytes) -> bool:
+    try:
+        return os.stat(path).st_size == len(content) and read_regular(path, is_source=False) == content
+    except OSError:
+        return False
+
+
+def share(bundle: Bundle, above: int = 1) -> tuple[Bundle, dict[str, bytes]]:
+    """Return the bundle without its assets, and the assets by their names in the folder so many levels up. No I/O."""
+    beside = f"{'../' * above}{ASSETS}/"
+    root = etree.fromstring(bundle.files[bundle.model])
+    moved: dict[str, str] = {}
+    for element, attribute, path in list(file_attributes(root)):
+        if path not in bundle.files:
+            continue
+        moved[path] = _name(path, bundle.digest(path))
+        if element.tag in NAMED_AFTER_FILE and not element.get("name") and attribute not in CUBE:
+            element.set("name", stem(path))
+        element.set(attribute, beside + moved[path])
+    files = {path: content for path, content in bundle.files.items() if path not in moved}
+    files[bundle.model] = write(root)
+    names = {path: beside + name for path, name in moved.items()}
+    files[MANIFEST] = _with_shared(bundle.files[MANIFEST], names, bundle.model, text=files[bundle.model])
+    return Bundle(files, bundle.model), {name: bundle.files[path] for path, name in moved.items()}
+
+
+def gathered(files: Mapping[str, bytes], folder: Path) -> dict[str, bytes]:
+    """Return the files of such a folder, with the shared assets in its manifest, as a self-contained bundle.
+
+    If the manifest lists no shared assets, the files are unchanged. Raises OSError.
+    """
+    try:
+        manifest = from_json(files.get(MANIFEST, b""))
+    except ValueError:  # the reader of the bundle reports it
+        return dict(files)
+    model = manifest.model
+    listed = (each.path for each in manifest.files)
+    beside = {path: parts for path in listed if (parts := _SHARED.fullmatch(path))}
+    if not beside or model not in files:
+        return dict(files)
+    try:
+        root = etree.fromstring(files[model])
+    except etree.XMLSyntaxError:  # likewise
+        return dict(files)
+    found = dict(files)
+    names = {path: f"{ASSETS}/{parts[2]}" for path, parts in beside.items()}
+    for path, inside in names.items():
+        file = folder / path
+        if os.path.isfile(file) and not file.is_symlink():
+            found[inside] = read_regular(file)
+    for element, attribute, path in list(file_attributes(root)):
+        if path in names:
+            element.set(attribute, names[path])
+    text = write(root)
+    if _listed_digest(files[MANIFEST], model) == hashlib.sha256(files[model]).hexdigest():
+        found[MANIFEST] = _with_shared(files[MANIFEST], names, model, text=text)
+    else:  # which the reader reports
+        found[MANIFEST] = _with_shared(files[MANIFEST], names, model, text=None)
+    found[model] = text
+    return found
+
+
+def _name(path: str, digest: str) -> str:
+    file = PurePosixPath(path)
+    return f"{file.stem}-{digest[:16]}{file.suffix}"
+
+
+def _listed_digest(manifest: bytes, path: str) -> str | None:
+    return next((str(each["sha256"]) for each in json.loads(manifest)["files"] if each["path"] == path), None)
+
+
+def _with_shared(manifest: bytes, names: Mapping[str, str], model: str, text: bytes | None) -> bytes:
+    """Return the manifest with other paths for its files, and another text of the model."""
+    data: dict[str, Any] = json.loads(manifest)
+    for each in data["files"]:
+        each["path"] = names.get(each["path"], each["path"])
+        if each["path"] == model and text is not None:
+            each["sha256"], each["size"] = hashlib.sha256(text).hexdigest(), len(text)
+    once = {each["path"]: each for each in data["files"]}
+    data["files"] = [once[path] for path in sorted(once)]
+    return (json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()

@@ -1,0 +1,364 @@
+"""The one writer: every output is written next to its place, then renamed.
+
+The one writer: every output of every command is written next to its place, and then renamed.
+
+So an output is either complete or absent, and an older one stays until then. It never takes the place of a file that
+the run reads: a recipe, a model, an asset, a lock and what it pins, under any of its names.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import re
+import stat
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mjcompose.base import files as sources
+from mjcompose.base.files import read_regular
+from mjcompose.base.scratch import locked_folder, scratch, sweep_once
+from mjcompose.build.bundle.bundle import LARGEST_MANIFEST, MANIFEST, Bundle, OutputError, unwritable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mjcompose.mujoco import engine
+
+_OLD = "old-output"
+_STAGE = re.compile(r"\.(.+)\.tmp-[0-9a-f]{12}", re.DOTALL)
+"""The name of a stage's folder, which contains the name of its target."""
+
+
+def sibling(target: Path, purpose: str) -> Path:
+    """Return an unused path next to `target`, on the same file system."""
+    return target.with_name(f".{target.name}.{purpose}-{os.urandom(6).hex()}")
+
+
+@contextlib.contextmanager
+def staged_file(
+    out: Path, option: str | None = None, *, inputs: Iterable[Path] = (), rewrites: bool = False
+) -> Iterator[Path]:
+    """Yield a path to write to; when the block succeeds, the file moves to `out` in one step.
+
+    Folders above `out` are created. After a failure nothing is left and an older `out` is untouched; errors of the
+    file system become OutputError. `option` names the output in messages, `inputs` are sources besides those that were
+    noted. Only what `rewrites` a source, as `fmt` does, may take its place.
+    """
+    target = real(out)
+    check_kind(target, out, option)
+    if not rewrites:
+        check_is_no_source(out, option, inputs)
+    try:
+        with parents(target), stage_beside(target) as stage:
+            yield stage
+            if not rewrites:
+                check_is_no_source(out, option)  # it may have been read within the block
+            stage.replace(target)
+    except OSError as error:
+        raise unwritable(out, error) from error
+    sources.current().wrote(str(target))
+
+
+@contextlib.contextmanager
+def staged_folder(
+    out: Path,
+    option: str | None = None,
+    *,
+    inputs: Iterable[Path] = (),
+    into: bool = False,
+    replaces: bool = False,
+) -> Iterator[Path]:
+    """Yield a path for a folder that the block makes and that moves to `out`, as `staged_file` does.
+
+    It `replaces` an older output, or takes the place of an empty folder. Or the block moves single files `into` the
+    folder, with `move`.
+    """
+    target = real(out)
+    if not target.name:
+        raise OutputError("output-unwritable", f"`{out}` cannot be replaced", "choose a folder below it")
+    if not into:
+        check_is_no_source(out, option, inputs)
+    try:
+        with parents(target), stage_beside(target) as stage:
+            yield stage
+            if not into:
+                check_is_no_source(out, option)
+                (_swap if replaces else os.replace)(stage, target)
+                sources.current().wrote(str(target))
+    except OSError as error:
+        raise unwritable(out, error) from error
+
+
+def move(stage: Path, target: Path, paths: Iterable[str]) -> None:
+    """Move files of a stage into the folder `target`, in this order; all of it at once if there is none."""
+    paths = tuple(paths)
+    for path in paths:
+        check_is_no_source(target / path)
+    if not os.path.exists(target):
+        stage.replace(target)
+        return
+    for path in paths:
+        (target / path).parent.mkdir(parents=True, exist_ok=True)
+        (stage / path).replace(target / path)
+        sources.current().wrote(str(target / path))
+
+
+def check_is_no_source(out: Path, option: str | None = None, inputs: Iterable[Path] = ()) -> None:
+    """Refuse an output that is a source of this run, or a folder with one in it. Raises OutputError.
+
+    If that cannot be found out, for whatever reason, the output is refused.
+    """
+    written = f"`{option} {out}`" if option else f"`{out}`"
+    try:
+        source = sources.current().taken(str(out), more=inputs)
+        is_inside = source is not None and os.path.isdir(out)
+    except Exception as error:
+        message = f"cannot write {written}: whether it is a source cannot be found out: {error or type(error).__name__}"
+        raise OutputError("output-unwritable", message, "choose another output") from error
+    if source is None:
+        return
+    what = f"{written} is one of the files that this model is built from"
+    if is_inside:
+        name = os.path.basename(source)
+        what = f"the folder {written} holds files that this model is built from, such as `{name}`"
+    raise OutputError("output-unwritable", what, "choose another output")
+
+
+def check_kind(target: Path, out: Path, option: str | None = None) -> None:
+    """Refuse a file where a folder, a pipe or a device is. Raises OutputError."""
+    written = f"`{option} {out}`" if option else f"the file `{out}`"
+    try:
+        mode = os.stat(target).st_mode
+    except (OSError, ValueError):
+        return  # reported where it is written
+    if stat.S_ISDIR(mode):
+        what = f"cannot write {written}: a folder of that name is there"
+        raise OutputError("output-unwritable", what, "choose another name, or remove the folder")
+    if not stat.S_ISREG(mode):
+        what = f"cannot write {written}: it is not an ordinary file"
+        help = "choose the name of a file; where a command has standard output, it is `-`"
+        raise OutputError("output-unwritable", what, help)
+
+
+@contextlib.contextmanager
+def stage_beside(target: Path) -> Iterator[Path]:
+    """Yield a path that can be renamed to `target`, whose folder exists, in one step. Raises OSError.
+
+    It is in a locked folder that is removed after the block. Leftovers of killed processes are removed as well.
+    """
+    sweep_once(target.parent, _is_stage, _put_back)
+    with locked_folder(sibling(target, "tmp")) as folder:
+        yield folder / "new-output"
+
+
+def _swap(stage: Path, target: Path) -> None:
+    """Move `stage` to `target`; if that fails, restore an earlier target."""
+    if not os.path.exists(target):
+        stage.replace(target)
+        return
+    older = aside(stage)
+    target.replace(older)
+    try:
+        stage.replace(target)
+    except BaseException:
+        older.replace(target)
+        raise
+
+
+def aside(stage: Path) -> Path:
+    """Return where an older output is kept while the new one replaces it; after a kill it is restored from there."""
+    return stage.with_name(_OLD)
+
+
+def _is_stage(name: str) -> bool:
+    return _STAGE.fullmatch(name) is not None
+
+
+def _put_back(folder: Path) -> None:
+    """Restore the older output if its process was killed before the new one replaced it."""
+    found = _STAGE.fullmatch(folder.name)
+    assert found is not None
+    target = folder.with_name(found.group(1))
+    if os.path.lexists(folder / _OLD) and not os.path.lexists(target):
+        (folder / _OLD).replace(target)
+
+
+@contextlib.contextmanager
+def parents(target: Path) -> Iterator[None]:
+    """Create the folders above `target` for the block, and remove them again if it fails."""
+    made: list[Path] = []
+    missing = [folder for folder in target.parents if not os.path.exists(folder)]
+    try:
+        for folder in reversed(missing):
+            folder.mkdir(exist_ok=True)
+            made.append(folder)
+        yield
+    except BaseException:
+        for folder in reversed(made):
+            with contextlib.suppress(OSError):
+                folder.rmdir()
+        raise
+
+
+def real(out: Path) -> Path:
+    """Return `out` as absolute path with links resolved: the target of a link is replaced, not the link."""
+    return Path(os.path.realpath(out))
+
+
+def write_files(bundle: Bundle, folder: Path) -> None:
+    """Write the bundle's files below an existing, empty folder. Raises OSError."""
+    made = {folder}
+    for path, content in bundle.files.items():
+        file = folder / path
+        if file.parent not in made:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            made.add(file.parent)
+        with file.open("xb") as stream:
+            stream.write(content)
+
+
+# files that other programs leave in a folder
+_LITTER = {"MUJOCO_LOG.TXT", ".DS_Store", "Thumbs.db", "desktop.ini"}
+
+
+def write_folder(
+    bundle: Bundle, out: Path, option: str | None = None, *, inputs: Iterable[Path] = ()
+) -> None:
+    """Write the bundle's files into the folder `out`, which then holds nothing else.
+
+    The folder is built next to `out` and renamed. An existing folder is replaced only if it is empty or an earlier
+    output without other files in it. Raises OutputError, and then leaves `out` as it was.
+    """
+    inputs = tuple(inputs)
+    check_is_no_source(out, option, inputs)
+    try:
+        _check_replaceable(real(out), out)
+    except OSError as error:
+        raise unwritable(out, error) from error
+    with staged_folder(out, option, inputs=inputs, replaces=True) as stage:
+        stage.mkdir()
+        write_files(bundle, stage)
+
+
+def _check_replaceable(target: Path, out: Path) -> None:
+    if not os.path.exists(target):
+        return
+    if not os.path.isdir(target):
+        raise OutputError(
+            "output-unwritable",
+            f"cannot write the folder `{out}`: a file of that name is there",
+            "choose another name, or remove the file",
+        )
+    present = _files_in(target)
+    if not present:
+        return
+    known = _own_files(target)
+    if known is None:
+        raise OutputError(
+            "output-unwritable",
+            f"the folder `{out}` is not empty and was not made by mjcompose",
+            "choose a new or empty folder",
+        )
+    foreign = sorted(path for path in present - known if path.rsplit("/", 1)[-1] not in _LITTER)
+    if foreign:
+        listed = ", ".join(f"`{path}`" for path in foreign[:3])
+        more = f" and {len(foreign) - 3} more" if len(foreign) > 3 else ""
+        raise OutputError(
+            "output-unwritable",
+            f"replacing the folder `{out}` would delete files that mjcompose did not write: {listed}{more}",
+            "move them elsewhere, or choose another folder",
+        )
+
+
+def _files_in(folder: Path) -> set[str]:
+    """Return all files and links below a folder as paths with forward slashes."""
+    found: set[str] = set()
+    for parent, folders, files in os.walk(folder, onerror=_raise):
+        links = [name for name in folders if (Path(parent) / name).is_symlink()]
+        found.update((Path(parent) / name).relative_to(folder).as_posix() for name in [*files, *links])
+    return found
+
+
+def _own_files(folder: Path) -> set[str] | None:
+    """Return the files in the manifest of an earlier output, including the manifest, or None without a manifest."""
+    file = folder / MANIFEST
+    with contextlib.suppress(OSError, ValueError, TypeError, KeyError, RecursionError):
+        if file.is_symlink():
+            return None
+        manifest = json.loads(read_regular(file, LARGEST_MANIFEST, is_source=False))
+        if isinstance(manifest["mjcompose"], str) and isinstance(manifest["manifest"], int):
+            return {MANIFEST, *(str(entry["path"]) for entry in manifest["files"])}
+    return None
+
+
+def _raise(error: OSError) -> None:
+    raise error
+
+
+def write_mjb(
+    bundle: Bundle,
+    out: Path,
+    *,
+    limits: engine.Limits | None = None,
+    session: engine.Session | None = None,
+) -> None:
+    """Compile the bundle and write MuJoCo's binary form, which only the same version of MuJoCo reads.
+
+    A manifest that lists this one file is written next to it. Raises OutputError, also if the model does not
+    compile, and then leaves an older `out` untouched.
+    """
+    from mjcompose.mujoco import engine
+
+    with staged_file(out) as stage:
+        stage.touch()  # fail now if the operating system does not allow writing there
+        try:
+            with scratch("bundle") as folder:
+                write_files(bundle, Path(folder))
+                compiled = engine.compile(
+                    Path(folder), bundle.model, mjb=stage, limits=limits, session=session
+                )
+        except OSError as error:
+            raise unwritable("a temporary folder", error) from error
+        if not compiled.ok:
+            raise OutputError("output-unwritable", f"cannot write `{out}`: {compiled.error}")
+        if MANIFEST in bundle.files:
+            with staged_file(manifest_beside(out)) as beside:
+                beside.write_bytes(_manifest(bundle.files[MANIFEST], out.name, stage.read_bytes()))
+
+
+def manifest_beside(out: Path) -> Path:
+    """Return the path of a compiled model's manifest. No I/O.
+
+    >>> manifest_beside(Path("build/arm.mjb")).as_posix()
+    'build/arm.manifest.json'
+    """
+    return out.with_suffix(f".{MANIFEST}")
+
+
+def with_version(out: str, version: str | None = None) -> str:
+    """Replace `{mujoco}` in a compiled model's name by the version of MuJoCo, the only one that reads it.
+
+    No I/O except for the installed version of MuJoCo, if no version is given.
+
+    >>> with_version("build/arm-{mujoco}.mjb", "4.0.0"), with_version("build/arm.mjb", "4.0.0")
+    ('build/arm-4.0.0.mjb', 'build/arm.mjb')
+    """
+    if "{mujoco}" not in out:
+        return out
+    if version is None:
+        from importlib import metadata  # takes longer to import than a known model to be found
+
+        version = metadata.version("mujoco")
+    return out.replace("{mujoco}", version)
+
+
+def _manifest(text: bytes, name: str, content: bytes) -> bytes:
+    """Return the bundle's manifest with the compiled form as only file."""
+    manifest = json.loads(text)
+    manifest["model"] = name
+    manifest["files"] = [{"path": name, "sha256": hashlib.sha256(content).hexdigest(), "size": len(content)}]
+    return (json.dumps(manifest, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()

@@ -1,0 +1,370 @@
+"""A bundle in the form that the output's name selects.
+
+Compress files for a zip, so that each is compressed only once.
+
+The level depends on the name alone: the usual one for MJCF and other text; a low one for meshes, which is several
+times faster and nearly as good; none for images and archives, which are compressed already.
+
+A bundle as a zip that is a valid MJZ, which MuJoCo opens directly.
+
+The same bundle gives the same bytes, whatever the clock, the time zone, the umask or the folder.
+
+(Compressed bytes still depend on the zlib of Python; `Bundle.sha256` does not.)
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import struct
+import zipfile
+import zlib
+from collections.abc import Callable, Iterable, Mapping
+from os import PathLike
+from pathlib import Path, PurePosixPath
+from threading import Thread
+from typing import Any, NamedTuple
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.files import open_regular, read_regular
+from mjcompose.base.scratch import scratch
+from mjcompose.build.bundle.bundle import (
+    LARGEST_MANIFEST,
+    LICENCES,
+    MANIFEST,
+    MODEL,
+    Bundle,
+    Form,
+    OutputError,
+    form_of,
+    moment_of,
+    unwritable,
+    with_moment,
+)
+from mjcompose.build.bundle.staging import manifest_beside, staged_file, write_files, write_folder, write_mjb
+from mjcompose.mujoco import engine
+
+_TEXT_LEVEL = 6
+_MESH_LEVEL = 1
+_TEXT = {".xml", ".json", ".txt", ".md", ".yaml", ".yml", ".csv", ".mtl", ""}
+_PACKED = {".png", ".jpg", ".jpeg", ".webp", ".ktx", ".zip", ".mjz", ".gz"}
+_HEAD = struct.Struct("<IQ")
+
+
+class Packed(NamedTuple):
+    """The CRC-32 and the size of a file's bytes, and the compressed data."""
+
+    crc: int
+    size: int
+    data: bytes
+
+
+class PackedAhead:
+    """The files of a bundle, compressed by a thread during MuJoCo's work.
+
+    `find` returns a known compressed file by hash and level, or None.
+    """
+
+    def __init__(self, bundle: Bundle, find: Callable[[str, int], Packed | None]) -> None:
+        self._known: dict[str, tuple[Packed, bool]] = {}
+        self._is_wanted = True
+        self._thread = Thread(target=self._pack, args=(bundle, find), daemon=True)
+        self._thread.start()
+
+    def _pack(self, bundle: Bundle, find: Callable[[str, int], Packed | None]) -> None:
+        for path in bundle.files:
+            level = level_of(path)
+            if level and self._is_wanted:
+                known = find(bundle.digest(path), level)
+                self._known[bundle.digest(path)] = known or pack(bundle.files[path], level), known is None
+
+    def take(self, digest: str) -> tuple[Packed, bool] | None:
+        """Return a compressed file, and whether it was compressed now; None for a file that the bundle did not have."""
+        self._thread.join()
+        return self._known.get(digest)
+
+    def end(self) -> None:
+        """Stop the thread and discard the files."""
+        self._is_wanted = False
+        self._thread.join()
+        self._known.clear()
+
+
+Packing = Callable[[Bundle, str], Packed]
+"""Returns a file of a bundle in compressed form, by its path."""
+
+
+def level_of(path: str) -> int:
+    """Return the compression level for a file, 0 for none. No I/O.
+
+    >>> level_of("model.xml"), level_of("assets/arm/link.stl"), level_of("assets/wood.PNG")
+    (6, 1, 0)
+    """
+    suffix = PurePosixPath(path).suffix.lower()
+    if suffix in _PACKED:
+        return 0
+    return _TEXT_LEVEL if suffix in _TEXT else _MESH_LEVEL
+
+
+def pack(content: bytes, level: int) -> Packed:
+    """Compress bytes for a zip. No I/O."""
+    data = content
+    if level:
+        packer = zlib.compressobj(level, zlib.DEFLATED, -zlib.MAX_WBITS)
+        data = packer.compress(content) + packer.flush()
+    return Packed(zlib.crc32(content), len(content), data)
+
+
+def packed_now(bundle: Bundle, path: str) -> Packed:
+    """Compress a file of a bundle without a cache."""
+    return pack(bundle.files[path], level_of(path))
+
+
+def wrapped(packed: Packed) -> bytes:
+    """Serialize a compressed file for the store. No I/O."""
+    return _HEAD.pack(packed.crc, packed.size) + packed.data
+
+
+def unwrapped(content: bytes) -> Packed:
+    """Parse what `wrapped` returned. No I/O."""
+    crc, size = _HEAD.unpack_from(content)
+    return Packed(crc, size, content[_HEAD.size :])
+
+
+_UNIX = 3
+_UTF8 = 0x800
+_MODE = 0o100644
+
+
+def write_archive(
+    bundle: Bundle, out: Path, environment: Mapping[str, str], packing: Packing = packed_now
+) -> None:
+    """Write the bundle as a zip to `out`: the model first, then the other files sorted by path.
+
+    (Other XML files come before the model, because `MjSpec.from_zip` takes the last one.)
+
+    All files are dated 1980-01-01, or SOURCE_DATE_EPOCH of the environment (seconds, UTC). Raises OutputError, and
+    then leaves an older `out` untouched.
+    """
+    write_packed(
+        bundle.files, bundle.model, out, environment=environment, packed=lambda path: packing(bundle, path)
+    )
+
+
+def write_packed(
+    paths: Iterable[str],
+    model: str,
+    out: Path,
+    environment: Mapping[str, str],
+    packed: Callable[[str], Packed],
+) -> None:
+    """Write a bundle, given its paths and its compressed files."""
+    if model.endswith(".xml") and model not in (
+        MODEL,
+        f"{out.stem}.xml",
+    ):  # MuJoCo opens only MJCF
+        raise OutputError(
+            "output-kind",
+            f"MuJoCo opens `{MODEL}` or `{out.stem}.xml` in `{out.name}`, and the model is `{model}`",
+            f"name the archive `{PurePosixPath(model).stem}{out.suffix}`",
+        )
+    moment = moment_of(environment)
+    with staged_file(out) as stage, zipfile.ZipFile(stage, "w") as archive:
+        for path in sorted(paths, key=lambda path: _rank(path, model)):
+            info = zipfile.ZipInfo(path, moment)
+            # Otherwise Python 3.14 writes names in code page 437 if it can.
+            info.flag_bits = 0 if path.isascii() else _UTF8
+            info.create_system = _UNIX
+            info.external_attr = _MODE << 16
+            info.compress_type = zipfile.ZIP_DEFLATED if level_of(path) else zipfile.ZIP_STORED
+            _copy(archive, info, packed(path))
+
+
+def _copy(archive: zipfile.ZipFile, info: zipfile.ZipInfo, packed: Packed) -> None:
+    """Add an already compressed file to the archive, which `ZipFile` itself cannot do."""
+    assert archive.fp is not None
+    info.CRC, info.file_size, info.compress_size = packed.crc, packed.size, len(packed.data)
+    info.header_offset = archive.fp.tell()
+    archive.fp.write(info.FileHeader())
+    archive.fp.write(packed.data)
+    archive.filelist.append(info)
+    archive.NameToInfo[info.filename] = info
+    archive.start_dir = archive.fp.tell()
+
+
+def _rank(path: str, model: str) -> tuple[int, str]:
+    if path == model:
+        return 1, path
+    return (0 if path.endswith(".xml") else 2), path
+
+
+def write_text(bundle: Bundle, out: Path) -> None:
+    """Write only the model's MJCF to `out`, without manifest and licences.
+
+    Raises OutputError if the model needs other files, which would be lost, and then leaves an older `out`
+    untouched.
+    """
+    needed = needed_files(bundle)
+    if needed:
+        raise OutputError(
+            "output-kind",
+            f"one XML file cannot hold the {len(needed)} files that the model needs, such as `{needed[0]}`",
+            f"write a folder (`{out.with_suffix('')}/`) or an archive (`{out.with_suffix('.mjz')}`)",
+        )
+    with staged_file(out) as stage:
+        stage.write_bytes(bundle.files[bundle.model])
+
+
+def needed_files(bundle: Bundle) -> list[str]:
+    """Return the files that the model's MJCF needs to load."""
+    return [
+        path
+        for path in bundle.files
+        if path not in (bundle.model, MANIFEST) and not path.startswith(f"{LICENCES}/")
+    ]
+
+
+def write_usd(
+    bundle: Bundle,
+    out: Path,
+    environment: Mapping[str, str],
+    warn: Callable[[str], None],
+    *,
+    limits: engine.Limits | None = None,
+    session: engine.Session | None = None,
+) -> None:
+    """Write the model as USD: one layer (`.usd`, `.usda`, `.usdc`), or a package with its textures (`.usdz`).
+
+    `warn` receives the converter's warnings, such as elements that USD cannot represent. The same model gives the
+    same bytes; files of a package are dated SOURCE_DATE_EPOCH as in an archive. Raises OutputError, and then leaves
+    an older `out` untouched.
+    """
+    if session is None:
+        with engine.Session(limits) as own:
+            write_usd(bundle, out, environment, warn=warn, session=own)
+            return
+    from mjcompose.mujoco.convert import export_usd
+
+    moment = moment_of(environment)
+    with staged_file(out) as stage:
+        try:
+            with scratch("bundle") as folder:
+                write_files(bundle, Path(folder))
+                target = Path(folder) / f"usd-output{out.suffix.lower()}"
+                exported = export_usd(Path(folder) / bundle.model, target, session)
+                if os.path.isfile(target):
+                    content = target.read_bytes()
+                    stage.write_bytes(with_moment(content, moment) if target.suffix == ".usdz" else content)
+        except OSError as error:
+            raise unwritable("a temporary folder", error) from error
+        if exported.missing is not None:
+            raise OutputError(
+                "usd-missing",
+                f"writing `{out.name}` needs the Python package `mujoco-usd-converter`: {exported.missing}",
+                'run `pip install "mjcompose[usd]"` in an environment with Python 3.12 or older',
+            )
+        if exported.error is not None:
+            raise OutputError(
+                "output-unwritable", f"cannot write `{out}`: {' '.join(exported.error.split())}"
+            )
+        if exported.textures:
+            raise OutputError(
+                "output-kind",
+                f"one USD layer cannot hold the {len(exported.textures)} textures of the model,"
+                f" such as `{exported.textures[0]}`",
+                f"write a package, which holds them: `{out.with_suffix('.usdz')}`",
+            )
+    for warning in exported.warnings:
+        warn(warning)
+
+
+@dataclass(frozen=True, slots=True)
+class MadeOf:
+    """The recipe of a model and its options; `values` are parameters, variants, the cell and the sample."""
+
+    recipe: str
+    values: Mapping[str, Any]
+
+    def other_than(self, new: MadeOf) -> dict[str, Any]:
+        """Return what differs from the new model: the recipe, or the old values.
+
+        >>> MadeOf("a.yaml", {"x": 1, "y": 2}).other_than(MadeOf("a.yaml", {"x": 3, "y": 2}))
+        {'x': 1}
+        >>> MadeOf("a.yaml", {}).other_than(MadeOf("b.yaml", {}))
+        {'recipe': 'a.yaml'}
+        """
+        if self.recipe != new.recipe:
+            return {"recipe": self.recipe}
+        return {
+            name: value
+            for name, value in self.values.items()
+            if name in new.values and new.values[name] != value
+        }
+
+
+def made_of(out: Path | str) -> MadeOf | None:
+    """Return what the manifest of an output says, or None if there is no readable one."""
+    try:
+        manifest = json.loads(_manifest(out))
+        values = {**manifest["params"], **manifest["variants"]}
+        if manifest["cell"] is not None:
+            values["cell"] = manifest["cell"]
+        if manifest["sample"] is not None:
+            values["sample"] = manifest["sample"]
+        return MadeOf(str(manifest["recipe"]["path"]), values)
+    except (
+        OSError,
+        ValueError,
+        KeyError,
+        TypeError,
+        RecursionError,
+        NotImplementedError,
+        zipfile.BadZipFile,
+    ):
+        return None  # any other file: `staged_file` decides whether it may be replaced
+
+
+def _manifest(out: Path | str) -> bytes:
+    if isinstance(out, str):
+        from mjcompose.build.bundle.remote import manifest_at
+
+        return manifest_at(out)
+    if os.path.isdir(out):
+        return read_regular(out / MANIFEST, LARGEST_MANIFEST, is_source=False)
+    if out.suffix == ".mjb":
+        return read_regular(manifest_beside(out), LARGEST_MANIFEST, is_source=False)
+    opened = open_regular(out, is_source=False)
+    with opened as stream, zipfile.ZipFile(stream) as archive, archive.open(MANIFEST) as file:
+        return file.read(LARGEST_MANIFEST)
+
+
+def write(
+    bundle: Bundle,
+    out: str | PathLike[str],
+    *,
+    environment: Mapping[str, str],
+    limits: engine.Limits | None = None,
+    session: engine.Session | None = None,
+    packing: Packing = packed_now,
+    warn: Callable[[str], None] = lambda _: None,
+) -> Form:
+    """Write the bundle to `out` in the form for its name, and return the form.
+
+    The output is complete, or OutputError is raised and everything is as before. `environment` may hold
+    SOURCE_DATE_EPOCH; `limits` or `session` are for MJB and USD, which need MuJoCo, `packing` for archives; `warn`
+    receives what USD cannot represent.
+    """
+    form = form_of(out)
+    path = Path(out)
+    match form:
+        case Form.FOLDER:
+            write_folder(bundle, path)
+        case Form.ARCHIVE:
+            write_archive(bundle, path, environment, packing=packing)
+        case Form.TEXT:
+            write_text(bundle, path)
+        case Form.MJB:
+            write_mjb(bundle, path, limits=limits, session=session)
+        case Form.USD:
+            write_usd(bundle, path, environment, warn=warn, limits=limits, session=session)
+    return form

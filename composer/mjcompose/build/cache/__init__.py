@@ -1,0 +1,1 @@
+"""Models that were built before, and runs over many cells."""

@@ -1,0 +1,490 @@
+"""The models of a recipe are built, unless the cache has them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import field, replace
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Severity
+from mjcompose.build.cache.cache_key import BuildOptions, CacheKey, now
+from mjcompose.model.merged_settings import Adopted
+from mjcompose.sources.blobs import key_of
+
+if TYPE_CHECKING:
+    from mjcompose.base.diagnostic import Span
+    from mjcompose.build.bundle.bundle import Bundle, Place
+    from mjcompose.build.bundle.licences import Row
+    from mjcompose.build.bundle.write import Packed, PackedAhead
+    from mjcompose.build.cache.cache import Answer, Cache, KeptFile, Record
+    from mjcompose.build.cache.inputs import Inputs
+    from mjcompose.build.compose.load import Library
+    from mjcompose.build.plan.plan import Plan
+    from mjcompose.build.stages import Built
+    from mjcompose.build.verify.outcome import Outcome
+    from mjcompose.link.linking import FileUse
+    from mjcompose.model.unit import Unit
+    from mjcompose.mujoco.engine import Session
+    from mjcompose.sources.context import Context
+    from mjcompose.text.expression_values import Value
+    from mjcompose.text.node import Node
+
+
+@dataclass(frozen=True, slots=True)
+class Made:
+    """A built model.
+
+    `built` is set for a model that was built now, `record` for one from the cache. A model from the cache has only
+    what the form of its output needs: `packed` for archives, `text` for text, `bundle` for folders and MuJoCo's
+    binary form, and nothing if the output `is_written` already. `inputs` are its input files. `why` says why the
+    cache did not have it. `replaced` is what the previous output was made from, as far as that differs. `allowed`
+    are the codes of warnings that the recipe allows at its top. `draws` are the numbers drawn for a sample, by
+    table column; None if it is not a sample. `cells` and `cells_at` are as in a plan, `adopted` are the settings
+    that the model takes from its parts. `excluded` is how many pairs of bodies the recipe's `exclude: auto` or
+    `touching` keeps from colliding.
+    """
+
+    name: str
+    sha256: str
+    sizes: Mapping[str, int] | None
+    merged: Mapping[str, Mapping[str, str]]
+    built: Built | None = None
+    record: Record | None = None
+    bundle: Bundle | None = None
+    packed: Mapping[str, Packed] = field(default_factory=dict)
+    text: bytes | None = None
+    is_written: bool = False
+    why: tuple[str, ...] = ()
+    mujoco: str | None = None
+    licences: tuple[Row, ...] = ()
+    key: CacheKey | None = None
+    inputs: tuple[str, ...] = ()
+    draws: Mapping[str, Value] | None = None
+    cells: int = 0
+    cells_at: Span | None = None
+    replaced: Mapping[str, Any] = field(default_factory=dict)
+    adopted: tuple[Adopted, ...] = ()
+    allowed: tuple[str, ...] = ()
+    excluded: int = 0
+    is_new: bool = False
+
+    def summary(self) -> Made:
+        """Return the model without the data for writing it, small enough to pickle."""
+        return replace(self, built=None, record=None, bundle=None, packed={}, text=None, key=None, inputs=())
+
+
+def fresh(built: Built, licences: Iterable[Row], why: tuple[str, ...], key: CacheKey | None) -> Made:
+    """Return a model that was built now."""
+    from mjcompose.build.plan.describe import allowed_everywhere
+
+    sizes = built.compiled.sizes if built.compiled else None
+    mujoco = built.compiled.mujoco_version if built.compiled else None
+    adopted = tuple(each.located() for each in built.composed.model.adopted)
+    return Made(
+        built.plan.name, built.bundle.sha256, sizes, merged=built.merged, built=built, bundle=built.bundle, why=why,
+        mujoco=mujoco, licences=tuple(licences), key=key, draws=_draws(built),
+        cells=built.plan.cells, cells_at=built.plan.cells_at, adopted=adopted,
+        allowed=allowed_everywhere(built.plan), excluded=len(built.composed.excluded), is_new=True,
+    )  # fmt: skip
+
+
+def _draws(built: Built) -> dict[str, Value] | None:
+    wanted = built.plan.randomize
+    if wanted is None or wanted.at_run_time:
+        return None
+    return dict(column for each in built.composed.drawn for column in each.columns())
+
+
+def recalled(record: Record, inputs: tuple[str, ...]) -> Made:
+    """Return a model from the cache, without its files."""
+    return Made(record.name, record.sha256, record.sizes, merged=record.merged, record=record, inputs=inputs,
+                mujoco=record.mujoco, licences=record.licences, draws=record.draws,
+                cells=record.cells, cells_at=record.cells_at, adopted=record.adopted,
+                allowed=record.allowed, excluded=record.excluded)  # fmt: skip
+
+
+def files_of(made: Made | None, context: Context) -> set[str]:
+    """Return the input files of a model, as messages name them."""
+    read = () if made is None else set(inputs_of(made))
+    return {context.shown(path) for path in read if os.path.isfile(context.folder / path)}
+
+
+def inputs_of(made: Made) -> Iterator[Path]:
+    """Yield the files that a model is made from."""
+    if made.built is None:
+        yield from map(Path, made.inputs)
+        return
+    built = made.built
+    yield from files_read(built.plan, built.composed.model, built.composed.files)
+
+
+def files_read(plan: Plan, model: Unit, uses: Iterable[FileUse]) -> Iterator[Path]:
+    """Yield the recipes, models and assets that a model is made from."""
+    yield from (each.path for each in plan.plans())
+    yield from (source.path for source in plan.sources())
+    yield from (text.path for text in model.origins.texts.values() if text.path is not None)
+    yield from (Path(use.source) for use in uses if use.content is None)
+
+
+def load_files(record: Record, cache: Cache) -> dict[str, bytes] | None:
+    """Return the files of a bundle, or None if one of them is lost or changed."""
+    found = {file.path: cache.raw(file) for file in record.files}
+    whole = {path: content for path, content in found.items() if content is not None}
+    return whole if len(whole) == len(found) else None
+
+
+def load_packed(record: Record, cache: Cache) -> dict[str, Packed] | None:
+    """Return the compressed files of a bundle, or None if one of them is lost."""
+    from mjcompose.build.bundle.write import level_of, pack
+
+    whole: dict[str, Packed] = {}
+    for file in record.files:
+        level = level_of(file.path)
+        packed = cache.packed(file.sha256, level) if level else None
+        if packed is None:
+            content = cache.raw(file)
+            if content is None:
+                return None
+            packed = pack(content, level)
+            if level:
+                cache.keep_packed(file.sha256, level, packed)
+        whole[file.path] = packed
+    return whole
+
+
+Placing = Callable[[str, "str | None"], "Place | None"]
+"""Returns the output's place by the model's name and its version of MuJoCo; None to write nothing."""
+
+
+def nowhere(name: str, mujoco: str | None) -> None:
+    """Return None, for models that are not written."""
+
+
+_SETTLED = "the recipe changed, in nothing that this model is made of"
+
+
+class Maker:
+    """Makes the models of a recipe.
+
+    `form` is the form of the output, `place` returns its place by the name of the model, or None to write nothing.
+    """
+
+    def __init__(
+        self,
+        recipe: Path,
+        options: BuildOptions,
+        cache: Cache | None,
+        context: Context,
+        form: str | None = None,
+        place: Placing = nowhere,
+    ) -> None:
+        self.recipe, self.options, self.cache, self.context = recipe, options, cache, context
+        self.form, self.place = form, place
+        self.library: Library = {}
+        self._inputs: Inputs | None = None
+        self._key: CacheKey | None = None
+        self._ahead: PackedAhead | None = None
+        self._since = now()
+
+    def key(self, cell: str | None = None, values: Mapping[str, str] | None = None) -> CacheKey | None:
+        """Return the cache key of the recipe's model or of one of its cells."""
+        if self.cache is None:
+            return None
+        if self._key is None:
+            self._key = self.options.key(
+                self.recipe, self.context.folder, self.context.environment, store=self.cache.store.folder
+            )
+        return self._key if cell is None else self._key.of_cell(cell, values or {})
+
+    def recall(
+        self, key: CacheKey | None, context: Context, outcomes: list[Outcome] | None = None
+    ) -> tuple[Made | None, tuple[str, ...]]:
+        """Return the model if the cache has it, before anything is read; or why it does not.
+
+        The stored diagnostics go to the context's sink again, the outcomes of checks to `outcomes`.
+        """
+        if self.cache is None or key is None:
+            return None, ("the cache is not used",)
+        found = self.cache.find(key)
+        if found.record is None:
+            return None, found.why
+        if context.strict and _warns(found.record):
+            return None, ("it has warnings, which are errors now",)
+        made = self._with_files(found.record, found.answer)
+        if made is None:
+            from mjcompose.build.cache.cache import LOST
+
+            return None, (LOST,)
+        _report(found.record, context, outcomes)
+        return made, ()
+
+    def make(
+        self,
+        context: Context,
+        session: Session,
+        given: Mapping[str, Node],
+        name: str | None = None,
+        sample: int = 0,
+        key: CacheKey | None = None,
+        why: tuple[str, ...] = (),
+        outcomes: list[Outcome] | None = None,
+    ) -> Made | None:
+        """Plan the model, and build it unless the cache has the plan; errors go to the context's sink."""
+        from mjcompose.build import stages
+
+        outcomes = [] if outcomes is None else outcomes
+        request = stages.Request(
+            self.recipe,
+            given,
+            name,
+            sample=sample,
+            verified=self.options.verified,
+            deduplicated=self.options.deduplicated,
+            pictured=self.options.pictured,
+            target=self.options.target,
+        )
+        plan = stages.planned(request, context)
+        if plan is None:
+            return None
+        if key is not None and self.options.text_beside is None and not context.sink.has_errors:
+            known = self._recall_planned(plan, name, context, key=key, outcomes=outcomes)
+            if known is not None:
+                return known
+        if self._ahead is not None:  # from the previous model
+            self._ahead.end()
+            self._ahead = None
+        build = stages.Build(
+            plan,
+            request,
+            context,
+            session=session,
+            library=self.library,
+            outcomes=outcomes,
+            ahead=self._pack_ahead,
+        )
+        built = build.run()
+        if built is None:
+            return None
+        from mjcompose.build.bundle.licences import licence_rows
+
+        made = fresh(built, licence_rows(plan, context), why, key=key)
+        if self.options.text_beside is None:
+            self._keep(made, outcomes, context, cell=name)
+        return made
+
+    def with_text(self, made: Made, text: bytes, context: Context) -> Made:
+        """Return the model with its text, which is written for this output and stored in the cache."""
+        self._keep(made, (), context, cell=None, text=text)
+        return replace(made, text=text)
+
+    def content(self, made: Made) -> str:
+        """Return an identifier of an output's bytes."""
+        if made.text is not None:
+            return sha256(made.text).hexdigest()
+        return key_of([made.sha256, self.form, self.context.environment.get("SOURCE_DATE_EPOCH")])
+
+    def note_written(self, made: Made, beside: Iterable[Path] = ()) -> None:
+        """Record the content of an output and of the files `beside` it."""
+        target = self.place(made.name, made.mujoco)
+        if self.cache is not None and target is not None and not made.is_written:
+            self.cache.note_written(target, self.content(made), beside)
+
+    def packing(self, bundle: Bundle, path: str) -> Packed:
+        """Return a compressed file, compressed once for all models that have it."""
+        from mjcompose.build.bundle.write import level_of, pack
+
+        level, digest = level_of(path), bundle.digest(path)
+        ahead = self._ahead.take(digest) if self._ahead is not None else None
+        packed = self._packed(digest, level) if ahead is None and level else None
+        is_new = ahead[1] if ahead is not None else packed is None
+        packed = ahead[0] if ahead is not None else packed or pack(bundle.files[path], level)
+        if is_new and self.cache is not None and level:
+            self.cache.keep_packed(digest, level, packed)
+        return packed
+
+    def _packed(self, digest: str, level: int) -> Packed | None:
+        return None if self.cache is None else self.cache.packed(digest, level)
+
+    def _pack_ahead(self, bundle: Bundle) -> None:
+        """Compress the files of the output during MuJoCo's work."""
+        from mjcompose.build.bundle.write import PackedAhead
+
+        if self.form == "archive":
+            self._ahead = PackedAhead(bundle, self._packed)
+
+    def _with_files(self, record: Record, answer: Answer | None) -> Made | None:
+        """Return a stored model with the data that its output needs, or None if that is damaged."""
+        assert self.cache is not None
+        made = recalled(record, tuple(each.path for each in answer.inputs) if answer else ())
+        target = self.place(record.name, record.mujoco)
+        if record.text is not None:
+            from mjcompose.build.cache.cache import KeptFile
+
+            text = self.cache.raw(KeptFile("", record.text, 0, source=None))
+            if text is None:
+                return None
+            made = replace(made, text=text)
+        if target is not None and self.form != "usd" and self.cache.is_written(target, self.content(made)):
+            return replace(made, is_written=True)
+        if target is None or made.text is not None:
+            return made
+        if self.form == "archive":
+            packed = load_packed(record, self.cache)
+            return None if packed is None else replace(made, packed=packed)
+        from mjcompose.build.bundle.bundle import Bundle
+
+        files = load_files(record, self.cache)
+        return None if files is None else replace(made, bundle=Bundle(files, record.model))
+
+    def _planned(self, plan: Plan, cell: str | None) -> CacheKey:
+        """Return the key of a plan, independent of the recipe file."""
+        key = self.key()
+        assert key is not None
+        return key.of_plan(plan, cell, self.options.choices)
+
+    def _recall_planned(
+        self, plan: Plan, cell: str | None, context: Context, key: CacheKey, outcomes: list[Outcome]
+    ) -> Made | None:
+        """Return a model that another state of the recipe file gave, with the diagnostics of this state."""
+        from mjcompose.build.cache.inputs import may_move, places
+        from mjcompose.build.verify.checks import places as places_of_checks
+
+        assert self.cache is not None
+        found = self.cache.find(self._planned(plan, cell))
+        record, answer = found.record, found.answer
+        if record is None or (context.strict and _warns(record)):
+            return None
+        if answer is None or (record.names_places and record.places != places(plan)):
+            return None
+        written = places_of_checks(plan)
+        record = replace(
+            record,
+            checks=tuple(replace(each, span=written[each.name]) for each in record.checks),
+            cells=plan.cells,
+            cells_at=plan.cells_at,
+        )
+        recipes = [self.cache.files.look(path) for path in self._names().recipes(plan)]
+        record = self._of_recipes(record, {each.path: each.state for each in recipes})
+        made = None if record is None else self._with_files(record, answer)
+        if record is None or made is None:
+            return None
+        _report(record, context, outcomes)
+        if not may_move(context):
+            self.cache.keep(key, record, [*recipes, *answer.inputs], packages=answer.packages)
+        return replace(made, why=(_SETTLED,))
+
+    def _of_recipes(self, record: Record, states: Mapping[str, str]) -> Record | None:
+        """Return the record of the same model from recipes with other bytes, whose hashes are in its manifest."""
+        from mjcompose.build.bundle.bundle import MANIFEST, Bundle
+        from mjcompose.build.bundle.manifest import with_read
+
+        assert self.cache is not None
+        recipes = tuple(replace(each, sha256=states.get(each.path, "")) for each in record.recipes)
+        if recipes == record.recipes:
+            return record
+        files = load_files(record, self.cache)
+        if files is None or len(recipes) != len(states) or not all(each.sha256 for each in recipes):
+            return None
+        hashes = {each.name: each.sha256 for each in recipes}
+        manifest = with_read(files[MANIFEST], recipes[0].sha256, hashes)
+        bundle = Bundle({**files, MANIFEST: manifest}, record.model)
+        known = {file.sha256: file.source for file in record.files if file.source is not None}
+        return replace(record, sha256=bundle.sha256, files=self._kept(bundle, known), recipes=recipes)
+
+    def _keep(
+        self,
+        made: Made,
+        outcomes: Sequence[Outcome],
+        context: Context,
+        cell: str | None,
+        text: bytes | None = None,
+    ) -> None:
+        """Store a model that was built now, unless one of its inputs has changed meanwhile."""
+        from mjcompose.build.bundle.assemble import portable
+        from mjcompose.build.bundle.bundle import MANIFEST
+        from mjcompose.build.cache.cache import KeptRecipe, Record
+        from mjcompose.build.cache.inputs import may_move, names_places, places
+
+        cache, built, key = self.cache, made.built, made.key
+        if cache is None or built is None or key is None:
+            return
+        names, files = self._names(), cache.files
+        files.forget()
+        paths = names.recipes(built.plan), names.others(built, context)
+        own = os.fspath(cache.store.folder) + os.sep
+        if any(
+            files.changed_since(path, self._since) and not path.startswith(own)
+            for each in paths
+            for path in each
+        ):
+            return
+        recipes, others = ([files.look(path) for path in each] for each in paths)
+        known = {each.state: each.path for each in others if not os.path.isdir(each.path)}
+        digest = None
+        if text is not None:
+            digest = sha256(text).hexdigest()
+            cache.keep_raw(digest, text)
+        name = portable(built.plan, built.composed.model, context).name
+        record = Record(
+            made.name,
+            built.bundle.model,
+            made.sha256,
+            sizes=made.sizes,
+            merged=made.merged,
+            files=self._kept(built.bundle, known) if text is None else (),
+            text=digest,
+            mujoco=made.mujoco,
+            licences=made.licences,
+            diagnostics=tuple(context.sink.diagnostics),
+            checks=tuple(outcomes),
+            draws=made.draws,
+            recipes=tuple(KeptRecipe(each.path, name(Path(each.path)), each.state) for each in recipes),
+            places=places(built.plan),
+            names_places=False,
+            cells=built.plan.cells,
+            cells_at=built.plan.cells_at,
+            adopted=made.adopted,
+            allowed=made.allowed,
+            excluded=made.excluded,
+        )
+        record = replace(record, names_places=names_places(built.plan, record, built.bundle.files[MANIFEST]))
+        packages = list(names.packages(built.plan))
+        if not may_move(context):
+            cache.keep(key, record, [*recipes, *others], packages=packages)
+        if text is None:
+            cache.keep(self._planned(built.plan, cell), record, others, packages=packages)
+
+    def _kept(self, bundle: Bundle, known: Mapping[str, str]) -> tuple[KeptFile, ...]:
+        """Return the files of a bundle; those that no input file holds (`known`, by hash) go to the store."""
+        from mjcompose.build.cache.cache import KeptFile
+
+        assert self.cache is not None
+        found = []
+        for path, content in bundle.files.items():
+            digest = bundle.digest(path)
+            if digest not in known:
+                self.cache.keep_raw(digest, content)
+            found.append(KeptFile(path, digest, len(content), source=known.get(digest)))
+        return tuple(found)
+
+    def _names(self) -> Inputs:
+        from mjcompose.build.cache.inputs import Inputs
+
+        if self._inputs is None:
+            self._inputs = Inputs()
+        return self._inputs
+
+
+def _warns(record: Record) -> bool:
+    return any(each.severity is Severity.WARNING for each in record.diagnostics)
+
+
+def _report(record: Record, context: Context, outcomes: list[Outcome] | None) -> None:
+    for diagnostic in record.diagnostics:
+        context.sink.add(diagnostic)
+    if outcomes is not None:
+        outcomes.extend(record.checks)

@@ -1,0 +1,446 @@
+"""The build cache: records of builds, and outputs that are not written again.
+
+The build cache: a model is not built again unless something that it depends on has changed.
+
+    asked/    by the digest of a key, the files that were read and their hashes → a record; the last key of a
+              subject; the last content of an output
+    built/    records of successful builds (`entry.py`)
+    raw/      files without a source, such as `model.xml`, by their sha256
+    packed/   compressed files, by their sha256 and compression level
+
+All entries are single files (`composer/mjcompose/sources/blobs.py`).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, field, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Severity, Span
+from mjcompose.base.files import read_regular
+from mjcompose.build.bundle.bundle import is_address
+from mjcompose.build.bundle.licences import Row
+from mjcompose.build.cache.cache_key import CacheKey, Files, Seen, differences, seen, stamp_of
+from mjcompose.build.verify.outcome import Outcome
+from mjcompose.model.merged_settings import Adopted, known
+from mjcompose.sources import blobs
+from mjcompose.sources.blobs import key_of
+from mjcompose.sources.store import ENTRY, KINDS, Store
+from mjcompose.text.expression_values import Value
+
+if TYPE_CHECKING:
+    from os import PathLike
+
+    from mjcompose.base.sink import Sink
+    from mjcompose.build.bundle.bundle import Place
+    from mjcompose.build.bundle.write import Packed
+
+
+def is_written(store: str | PathLike[str], out: str, content: str) -> bool:
+    """Return whether an output is unchanged since `note_written` recorded this content."""
+    text = blobs.get(store, "asked", _key(out))
+    try:
+        known: object = None if text is None else json.loads(text)
+    except (ValueError, RecursionError):
+        return False
+    if not isinstance(known, list) or len(known) != 3 or not isinstance(known[1], list):
+        return False
+    noted, beside, stamps = known
+    return bool(noted == content and stamps == (_stamps([out, *beside]) or None))
+
+
+def note_written(
+    store: str | PathLike[str], out: str, content: str, beside: Iterable[str | PathLike[str]] = ()
+) -> None:
+    """Record an output; `beside` are files elsewhere that belong to it. Raises OSError."""
+    more = [os.fspath(path) for path in beside]
+    note = json.dumps([content, more, _stamps([out, *more])], ensure_ascii=True)
+    blobs.put(store, "asked", _key(out), content=note.encode())
+
+
+def _key(out: str) -> str:
+    return blobs.key_of([out])
+
+
+def _stamps(outputs: Iterable[str]) -> list[list[object]]:
+    """Return the stamps of all files of outputs; empty if one does not exist."""
+    found: list[list[object]] = []
+    paths: list[str] = []
+    for out in outputs:
+        if is_address(out):
+            from mjcompose.build.bundle.remote import stamps
+
+            found += stamps(out)
+            continue
+        below = os.path.isdir(out)
+        paths += (
+            [os.path.join(at, name) for at, _, names in os.walk(out) for name in names] if below else [out]
+        )
+    for path in sorted(paths):
+        try:
+            found.append([path, *stamp_of(os.lstat(path))])
+        except OSError:
+            return []
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class KeptFile:
+    """A file of a bundle; `source` is an input file with the same bytes, or None if the bytes are in the store."""
+
+    path: str
+    sha256: str
+    size: int
+    source: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class KeptRecipe:
+    """A recipe file, its name in the manifest, and its hash at the time."""
+
+    path: str
+    name: str
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """A record of a successful build.
+
+    `text` is the hash of the model's text, if only that was wanted; `mujoco` is the version that compiled it.
+    `draws` are the numbers drawn for a sample, by table column; None if it is not a sample. `recipes` are the
+    recipe files, the outermost first. `places` is a hash of all positions in them, and `names_places` says that the
+    record contains such positions. `cells` is the number of cells of the recipe's matrix if this model is none of
+    them, and `cells_at` the place of the first. `adopted` are the settings that the model takes from its parts.
+    """
+
+    name: str
+    model: str
+    sha256: str
+    sizes: Mapping[str, int] | None
+    merged: Mapping[str, Mapping[str, str]]
+    files: tuple[KeptFile, ...]
+    text: str | None
+    mujoco: str | None
+    licences: tuple[Row, ...]
+    diagnostics: tuple[Diagnostic, ...]
+    checks: tuple[Outcome, ...]
+    draws: Mapping[str, Value] | None
+    recipes: tuple[KeptRecipe, ...]
+    places: str
+    names_places: bool
+    cells: int
+    cells_at: Span | None
+    adopted: tuple[Adopted, ...] = ()
+    allowed: tuple[str, ...] = ()
+    excluded: int = 0
+
+
+def to_json(record: Record) -> bytes:
+    data = asdict(replace(record, adopted=()))
+    data["adopted"] = [(*each[:3], asdict(each.span), each.is_written) for each in record.adopted]
+    # `default` is for sets.
+    return json.dumps(data, ensure_ascii=True, default=sorted).encode()
+
+
+def from_json(text: bytes) -> Record:
+    """Parse what `to_json` returned. Raises ValueError, KeyError and TypeError for anything else."""
+    data: dict[str, Any] = json.loads(text)
+    data["files"] = tuple(KeptFile(**each) for each in data["files"])
+    data["recipes"] = tuple(KeptRecipe(**each) for each in data["recipes"])
+    data["licences"] = tuple(Row(**{**each, "files": tuple(each["files"])}) for each in data["licences"])
+    data["diagnostics"] = tuple(map(_diagnostic, data["diagnostics"]))
+    data["checks"] = tuple(
+        Outcome(
+            each["name"],
+            each["kind"],
+            Span(**each["span"]),
+            diagnostics=tuple(map(_diagnostic, each["diagnostics"])),
+            values=each["values"],
+        )
+        for each in data["checks"]
+    )
+    data["cells_at"] = _span(data["cells_at"])
+    data["adopted"] = tuple(
+        Adopted(path, value, tuple(parts), at=partial(known, Span(**span)), is_written=is_written)
+        for path, value, parts, span, is_written in data["adopted"]
+    )
+    data["allowed"] = tuple(data["allowed"])
+    return Record(**data)
+
+
+def _diagnostic(data: dict[str, Any]) -> Diagnostic:
+    notes, others = (
+        tuple(Note(each["message"], _span(each["span"])) for each in data[kind])
+        for kind in ("notes", "others")
+    )
+    return Diagnostic(
+        data["code"],
+        data["message"],
+        _span(data["span"]),
+        severity=Severity(data["severity"]),
+        notes=notes,
+        help=data["help"],
+        others=others,
+        subjects=frozenset(data["subjects"]),
+        fix=_fix(data["fix"]),
+    )
+
+
+def _fix(data: dict[str, Any] | None) -> Fix | None:
+    return None if data is None else Fix(data["replacement"], data["replaces"], _span(data["span"]))
+
+
+def _span(data: dict[str, Any] | None) -> Span | None:
+    return None if data is None else Span(**data)
+
+
+_ANSWERS = 4
+"""How many states of its files a key remembers, for switching to another branch and back."""
+
+LOST = "what was kept of it is damaged or was removed"
+
+Package = tuple[str, str, str]
+"""Name, version, and a file that exists only in this version."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """The name of a record, and its dependencies besides the key."""
+
+    record: str
+    inputs: tuple[Seen, ...]
+    packages: tuple[Package, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A record and the answer that names it; or, in words, why there is none."""
+
+    record: Record | None = None
+    answer: Answer | None = None
+    why: tuple[str, ...] = ()
+
+
+@dataclass(slots=True)
+class Cache:
+    """The build cache in a store. It never fails: errors on writing are reported once through `warn`.
+
+    `on_keep` is called with everything that is stored.
+    """
+
+    store: Store
+    warn: Callable[[str], None]
+    files: Files = field(default_factory=Files)
+    broken: bool = False
+    grown: bool = False
+    on_keep: Callable[[Record, Sequence[Seen]], None] | None = None
+
+    def find(self, key: CacheKey) -> Found:
+        """Return the record for a key, or why there is none."""
+        answers = self._answers(key.digest)
+        for answer in answers:
+            if self._changes(answer):
+                continue
+            record = self._record(answer)
+            if record is None:
+                return Found(why=(LOST,))
+            if answer != answers[0] or any(each.state and each.stamp is None for each in answer.inputs):
+                self._refresh(key, answer, answers)
+            self._mark_used(answer)
+            return Found(record, answer)
+        return Found(why=self._why(key, answers))
+
+    def _mark_used(self, answer: Answer) -> None:
+        """Mark the fetched sources that the answer needs as used."""
+        own = os.path.join(self.store.folder, "")
+        inside = (
+            each.path.removeprefix(own).split(os.sep) for each in answer.inputs if each.path.startswith(own)
+        )
+        for folder in {os.path.join(*path[:2]) for path in inside if path[0] in KINDS and len(path) > 2}:
+            with contextlib.suppress(OSError):  # the store of another user may be read-only
+                os.utime(self.store.folder / folder / ENTRY)
+
+    def keep(
+        self, key: CacheKey, record: Record, inputs: Iterable[Seen], packages: Iterable[Package]
+    ) -> None:
+        """Store the answer to a key."""
+        text = to_json(record)
+        digest = key_of([text.decode()])
+        self._put("built", digest, text)
+        answer = Answer(digest, tuple(inputs), tuple(packages))
+        if self.on_keep is not None:
+            self.on_keep(record, answer.inputs)
+        self._write(key, [answer, *self._answers(key.digest)])
+
+    def keep_raw(self, sha256: str, content: bytes) -> None:
+        if not blobs.has(self.store.folder, "raw", sha256):
+            self._put("raw", sha256, content)
+
+    def raw(self, file: KeptFile) -> bytes | None:
+        """Return the bytes of a file, or None if they no longer exist."""
+        if file.source is None:
+            return blobs.get(self.store.folder, "raw", file.sha256)
+        from hashlib import sha256
+
+        with contextlib.suppress(OSError):
+            content = read_regular(file.source)
+            if sha256(content).hexdigest() == file.sha256:
+                return content
+        return None
+
+    def packed(self, sha256: str, level: int) -> Packed | None:
+        """Return a file in compressed form."""
+        from mjcompose.build.bundle.write import unwrapped
+
+        content = blobs.get(self.store.folder, "packed", packed_key(sha256, level))
+        return None if content is None else unwrapped(content)
+
+    def keep_packed(self, sha256: str, level: int, packed: Packed) -> None:
+        from mjcompose.build.bundle.write import wrapped
+
+        self._put("packed", packed_key(sha256, level), wrapped(packed))
+
+    def is_written(self, out: Place, content: str) -> bool:
+        """Return whether an output is unchanged since `note_written` recorded this content."""
+        return is_written(self.store.folder, os.fspath(out), content)
+
+    def note_written(self, out: Place, content: str, beside: Iterable[Path] = ()) -> None:
+        """Record an output; `beside` are files elsewhere that belong to it."""
+        self._keep(lambda: note_written(self.store.folder, os.fspath(out), content, beside=beside))
+
+    def close(self) -> None:
+        """Keep the store below its limit, if anything was added to it."""
+        if self.grown and not self.broken:
+            self.grown = False
+            with contextlib.suppress(Exception):  # another run will do it
+                self.store.prune(self.store.limit)
+
+    def _answers(self, key: str) -> list[Answer]:
+        data = _read(self.store.folder, key)
+        try:
+            return [
+                Answer(each["record"], tuple(map(seen, each["inputs"])), tuple(map(tuple, each["packages"])))
+                for each in data or ()
+            ]
+        except (TypeError, ValueError, KeyError):
+            return []
+
+    def _record(self, answer: Answer) -> Record | None:
+        """Return the record that an answer names, or None if it is damaged."""
+        text = blobs.get(self.store.folder, "built", answer.record)
+        if text is None:
+            return None
+        try:
+            return from_json(text)
+        except (TypeError, ValueError, KeyError):
+            return None
+
+    def _changes(self, answer: Answer) -> list[str]:
+        """Return the changed dependencies, in words."""
+        changed = [each for each in answer.inputs if not self.files.is_same(each)]
+        lines = [_change(each, self.files.look(each.path)) for each in changed]
+        return lines + [
+            f"the package `{name}` was {version}, and is another version now"
+            for name, version, file in answer.packages
+            if not os.path.isfile(file)
+        ]
+
+    def _why(self, key: CacheKey, answers: Sequence[Answer]) -> tuple[str, ...]:
+        if answers:
+            return tuple(self._changes(answers[0]))
+        before = _read(self.store.folder, key.subject_digest)
+        if not isinstance(before, dict):
+            return ("it was not built before, or nothing of that was kept",)
+        with contextlib.suppress(TypeError, AttributeError):
+            if found := differences(before, key.parts):
+                return found
+        return ("nothing was kept of its last build",)
+
+    def _refresh(self, key: CacheKey, answer: Answer, answers: Sequence[Answer]) -> None:
+        """Move the answer to the front, with the current stamps of its files."""
+        now = Answer(
+            answer.record, tuple(self.files.look(each.path) for each in answer.inputs), answer.packages
+        )
+        if now != answers[0]:
+            self._write(key, [now, *(each for each in answers if each is not answer)])
+
+    def _write(self, key: CacheKey, answers: Sequence[Answer]) -> None:
+        states: set[tuple[str, ...]] = set()
+        kept = []
+        for each in answers:
+            state = tuple(one.state for one in each.inputs)
+            if state not in states:
+                states.add(state)
+                kept.append(each)
+        data = [
+            {
+                "record": each.record,
+                "inputs": [one.as_data() for one in each.inputs],
+                "packages": each.packages,
+            }
+            for each in kept[:_ANSWERS]
+        ]
+        self._put("asked", key.digest, _dump(data))
+        self._put("asked", key.subject_digest, _dump(dict(key.parts)))
+
+    def _put(self, kind: str, key: str, content: bytes) -> None:
+        self._keep(lambda: blobs.put(self.store.folder, kind, key, content=content))
+
+    def _keep(self, put: Callable[[], None]) -> None:
+        if self.broken:
+            return
+        try:
+            put()
+            self.grown = True
+        except OSError as error:
+            self.broken = True
+            self.warn(
+                f"what was built is not kept in `{self.store.folder}`: {(error.strerror or str(error)).lower()}"
+            )
+
+
+def opened_cache(store: Store, sink: Sink) -> Cache:
+    """Return the cache in a store; errors on writing become one warning."""
+
+    def warn(message: str) -> None:
+        help = "make room, name another folder in `MJCOMPOSE_CACHE`, or build with `--no-cache`"
+        sink.warning("store-unusable", message, help=help)
+
+    return Cache(store, warn)
+
+
+def packed_key(sha256: str, level: int) -> str:
+    import zlib
+
+    return key_of([sha256, level, zlib.ZLIB_RUNTIME_VERSION])
+
+
+def _change(before: Seen, now: Seen) -> str:
+    below = f"{before.path}{os.sep}".startswith(os.getcwd() + os.sep)
+    name = os.path.relpath(before.path) if below else before.path
+    if os.path.isdir(before.path):
+        return f"the licences in `{name}` are others"
+    if not before.state:
+        return f"`{name}` is new"
+    if not now.state:
+        return f"`{name}` is gone"
+    return f"`{name}` changed"
+
+
+def _dump(data: object) -> bytes:
+    return json.dumps(data, ensure_ascii=True).encode()
+
+
+def _read(store: Path, key: str) -> Any:
+    text = blobs.get(store, "asked", key)
+    with contextlib.suppress(ValueError, RecursionError):
+        return None if text is None else json.loads(text)
+    return None

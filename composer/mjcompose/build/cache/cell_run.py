@@ -1,0 +1,355 @@
+"""Cells are made in this process and in workers, with the same results in the same order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import asdict, replace
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Protocol
+
+from mjcompose.base import files
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Diagnostic, Span
+from mjcompose.base.limits import Limits, allow, in_force
+from mjcompose.base.processes import Died, Pool, cores
+from mjcompose.base.runtime import interruptible
+from mjcompose.base.sink import Sink
+from mjcompose.build.cache.builder import Made, Maker, Placing, files_of, recalled
+from mjcompose.build.cache.cache import Package, Record, opened_cache
+from mjcompose.build.cache.cache_key import BuildOptions, CacheKey, Seen
+from mjcompose.build.verify.outcome import Outcome
+from mjcompose.language.expand import Cell
+from mjcompose.mujoco.engine import Session
+from mjcompose.sources.context import Context
+from mjcompose.sources.fetching import quiet
+from mjcompose.sources.store import Store
+
+if TYPE_CHECKING:
+    from mjcompose.text.node import Node
+
+Finish = Callable[[Made, Maker, Context, Session], "Made | None"]
+"""Processes each model that is made, for example by writing it; returns None after a failure, which it reports."""
+
+
+@dataclass(frozen=True, slots=True)
+class MadeCell:
+    """The result of a cell: `made` is None if it failed.
+
+    `found` are its diagnostics, `of_run` those of the run as a whole; `outcomes` are its checks, `files` its
+    inputs, and `timings` the time of each stage. Can be pickled.
+    """
+
+    cell: Cell
+    made: Made | None
+    failed: bool
+    found: tuple[Diagnostic, ...]
+    outcomes: tuple[Outcome, ...] = ()
+    files: frozenset[str] = frozenset()
+    timings: tuple[tuple[str, float], ...] = ()
+    of_run: tuple[Diagnostic, ...] = ()
+
+
+@dataclass(slots=True)
+class CellMaker:
+    """Makes one cell after another with one session, so that each source file is read once."""
+
+    maker: Maker
+    given: dict[str, Node]
+    session: Session
+    finish: Finish | None = None
+
+    def begin(self) -> None:
+        """Let MuJoCo's process start while the first cell is planned and composed."""
+        if self.maker.options.verified:
+            self.session.begin()
+
+    def make(self, cell: Cell) -> MadeCell:
+        """Return the cell, from the cache or built, with its errors."""
+        return self._made(cell, *self._recalled(cell))
+
+    def known(self, cell: Cell) -> MadeCell | None:
+        """Return the cell if the cache has it."""
+        own, made, outcomes, why = self._recalled(cell)
+        return None if made is None else self._made(cell, own, made, outcomes=outcomes, why=why)
+
+    def _recalled(self, cell: Cell) -> tuple[Context, Made | None, list[Outcome], tuple[str, ...]]:
+        own = replace(self.maker.context, sink=Sink(), timings=[])
+        outcomes: list[Outcome] = []
+        made, why = self.maker.recall(self._key(cell), own, outcomes)
+        return own, made, outcomes, why
+
+    def _made(
+        self, cell: Cell, own: Context, made: Made | None, outcomes: list[Outcome], why: tuple[str, ...]
+    ) -> MadeCell:
+        if made is None:
+            values = {**self.given, **cell.given}
+            with interruptible():
+                made = self.maker.make(
+                    own,
+                    self.session,
+                    values,
+                    name=cell.name,
+                    sample=cell.sample,
+                    key=self._key(cell),
+                    why=why,
+                    outcomes=outcomes,
+                )
+        files = files_of(made, own)
+        if made is not None and self.finish is not None:
+            made = self.finish(made, self.maker, own, self.session)
+        return MadeCell(
+            cell,
+            None if made is None else made.summary(),
+            made is None or own.sink.has_errors,
+            found=tuple(own.sink.diagnostics),
+            outcomes=tuple(outcomes),
+            files=frozenset(files),
+            timings=tuple(own.timings),
+        )
+
+    def keep(
+        self, made: MadeCell, record: Record, inputs: Sequence[Seen], packages: Iterable[Package]
+    ) -> None:
+        """Store what other processes made, if its inputs are the same here, and record that it is written."""
+        if made.made is not None:
+            self.keep_record(made.cell, record, inputs, packages=packages, made=made.made)
+
+    def keep_record(
+        self,
+        cell: Cell,
+        record: Record,
+        inputs: Sequence[Seen],
+        packages: Iterable[Package],
+        made: Made | None = None,
+    ) -> None:
+        """Store the record of a cell that was written elsewhere, if its inputs are the same here."""
+        cache, key = self.maker.cache, self._key(cell)
+        if cache is None or key is None:
+            return
+        here = [cache.files.look(each.path) for each in inputs]
+        if all(mine.state == each.state for mine, each in zip(here, inputs, strict=True)):
+            cache.keep(key, record, here, packages=packages)
+            self.maker.note_written(recalled(record, ()) if made is None else made)
+
+    def _key(self, cell: Cell) -> CacheKey | None:
+        from mjcompose.build.cache.cells import text_of  # a known recipe without cells needs no reader
+
+        values = {f"`{name}`": text_of(node) for name, node in cell.given.items()}
+        return self.maker.key(cell.name, {**values, "the sample": str(cell.sample)})
+
+
+@dataclass(frozen=True, slots=True)
+class MadeRecipe:
+    """The result of a recipe of which one model is made: `checks` is their number, `cells` that of its matrix."""
+
+    found: tuple[Diagnostic, ...]
+    outcomes: tuple[Outcome, ...]
+    files: frozenset[str]
+    timings: tuple[tuple[str, float], ...]
+    failed: bool
+    cells: int = 0
+    cells_at: Span | None = None
+
+
+def make_recipe(maker: Maker, session: Session, given: dict[str, Node]) -> MadeRecipe:
+    """Make the model of a recipe with its default values and these, unless the cache has it."""
+    context, outcomes = maker.context, list[Outcome]()
+    key = maker.key()
+    made, why = maker.recall(key, context, outcomes)
+    if made is None:
+        with interruptible():
+            made = maker.make(context, session, given, key=key, why=why, outcomes=outcomes)
+    return MadeRecipe(
+        tuple(context.sink.diagnostics),
+        tuple(outcomes),
+        frozenset(files_of(made, context)),
+        timings=tuple(context.timings),
+        failed=made is None,
+        cells=made.cells if made else 0,
+        cells_at=made.cells_at if made else None,
+    )
+
+
+def handed_over(context: Context) -> Context:
+    """Return a context for another process: it knows the files read and fetched here, and has its own sink."""
+    how = context.fetching
+    return replace(
+        context, sink=Sink(), timings=[], concrete={},
+        fetching=None if how is None else replace(how, progress=quiet),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """What a worker needs to make cells as this process would: `CellMaker` as data. Can be pickled."""
+
+    recipe: Path
+    options: BuildOptions
+    store: Store | None
+    form: str | None
+    place: Placing
+    given: dict[str, Node]
+    finish: Finish | None
+    context: Context
+    limits: Limits
+    noted: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, making: CellMaker) -> Job:
+        maker, context = making.maker, handed_over(making.maker.context)
+        return cls(
+            maker.recipe, maker.options, None if maker.cache is None else maker.cache.store, maker.form, maker.place,
+            making.given, making.finish, context, in_force(), files.current().noted(),
+        )  # fmt: skip
+
+    @contextmanager
+    def opened(
+        self, on_keep: Callable[[Record, Sequence[Seen]], None] | None = None
+    ) -> Iterator[Callable[[Cell], MadeCell]]:
+        """Yield, in a worker, the function that makes a cell; `on_keep` gets everything that the cache stores."""
+        sink = self.context.sink
+        cache = None if self.store is None else opened_cache(self.store, sink)
+        if cache is not None:
+            cache.on_keep = on_keep
+        maker = Maker(
+            self.recipe, self.options, cache, context=self.context, form=self.form, place=self.place
+        )
+        with files.run(), allow(**asdict(self.limits)), Session(remembers=True) as session:
+            files.current().note(self.noted)
+            making = CellMaker(maker, self.given, session, finish=self.finish)
+            making.begin()
+            yield lambda cell: replace(making.make(cell), of_run=tuple(sink.diagnostics))
+
+
+@dataclass(frozen=True, slots=True)
+class RecipeJob:
+    """What a worker needs to make one model of each of several recipes. Can be pickled."""
+
+    options: BuildOptions
+    store: Store | None
+    given: dict[str, Node]
+    context: Context
+    limits: Limits
+    noted: tuple[str, ...] = ()
+
+    @contextmanager
+    def opened(
+        self, on_keep: Callable[[Record, Sequence[Seen]], None] | None = None
+    ) -> Iterator[Callable[[Path], MadeRecipe]]:
+        """Yield, in a worker, the function that makes a recipe."""
+        cache = None if self.store is None else opened_cache(self.store, self.context.sink)
+        if cache is not None:
+            cache.on_keep = on_keep
+
+        def make(recipe: Path) -> MadeRecipe:
+            own = replace(self.context, sink=Sink(), timings=[], concrete={})
+            return make_recipe(Maker(recipe, self.options, cache, context=own), session, self.given)
+
+        with files.run(), allow(**asdict(self.limits)), Session(remembers=True) as session:
+            files.current().note(self.noted)
+            yield make
+
+
+_CELLS_A_PROCESS = 2
+"""Starting a process pays off for this many cells, if the user gives no number of processes."""
+_MODULES = (
+    "mjcompose.build.cache.cell_run",
+    "mjcompose.build.stages",
+    "mjcompose.build.verify.checks",
+    "mjcompose.build.verify.compile",
+)
+
+
+class Crew(Protocol):
+    """Makes cells elsewhere than in processes of this machine: `cluster/crew.py`."""
+
+    def results(self, making: CellMaker, cells: Sequence[Cell]) -> Iterator[MadeCell | Died]: ...
+
+    def finished(self) -> Iterator[MadeCell]: ...
+
+
+class CellRun:
+    """Makes cells with `jobs` processes; by default with one for each core, if that pays off.
+
+    If signals are deferred around it, no cell is lost between writing and yielding it. A `crew` does all the work
+    instead. Diagnostics of the run as a whole go to the maker's context. Use it as a context manager.
+    """
+
+    def __init__(self, making: CellMaker, jobs: int | None = None, crew: Crew | None = None) -> None:
+        self.making, self.jobs, self.crew = making, jobs, crew
+        self._pool: Pool[Cell, MadeCell] | None = None
+        self._held = ExitStack()
+
+    def __enter__(self) -> CellRun:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._held.close()
+
+    def made(self, cells: Sequence[Cell]) -> Iterator[MadeCell]:
+        """Yield the result of each cell, in order."""
+        for place, cell in enumerate(cells):
+            known = self.making.known(cell)
+            if known is None:
+                yield from self._made(cells[place:])
+                return
+            yield self._taken(known)
+
+    def finished(self) -> Iterator[MadeCell]:
+        """Yield the results that exist but were not yielded, after an interruption. Makes no more cells."""
+        ended = self.crew or self._pool
+        for each in ended.finished() if ended is not None else ():
+            yield self._taken(each)
+
+    def _made(self, cells: Sequence[Cell]) -> Iterator[MadeCell]:
+        if self.crew is not None:
+            self._fetch(cells[0])
+            yield from self._all_taken(cells, self.crew.results(self.making, cells))
+            return
+        self.making.begin()
+        count = min(len(cells), self.jobs or min(cores(), max(1, len(cells) // _CELLS_A_PROCESS)))
+        self._pool = self._held.enter_context(Pool[Cell, MadeCell](count - 1, _MODULES))
+        if count > 1:
+            self._fetch(cells[0])
+        results = self._pool.results(Job.of(self.making).opened, cells, self.making.make)
+        yield from self._all_taken(cells, results)
+
+    def _all_taken(self, cells: Sequence[Cell], results: Iterator[MadeCell | Died]) -> Iterator[MadeCell]:
+        for cell, result in zip(cells, results, strict=True):
+            yield self._taken(_lost(cell, result) if isinstance(result, Died) else result)
+
+    def _fetch(self, cell: Cell) -> None:
+        """Read and fetch what a cell needs. Most cells need the same sources, and workers take them from here."""
+        from mjcompose.build import stages  # which a run whose cells are all known does not need
+
+        making, maker = self.making, self.making.maker
+        request = stages.Request(maker.recipe, {**making.given, **cell.given}, cell.name, sample=cell.sample)
+        with interruptible():
+            stages.planned(request, replace(maker.context, sink=Sink()))
+
+    def _taken(self, made: MadeCell) -> MadeCell:
+        maker = self.making.maker
+        _add_up(maker.context.timings, made.timings)
+        for each in made.of_run:
+            maker.context.sink.add(each)
+        if maker.cache is not None and made.made is not None and made.made.is_new:
+            maker.cache.grown = True
+        return made
+
+
+def _add_up(whole: list[tuple[str, float]], more: Iterable[tuple[str, float]]) -> None:
+    """Add the times of one cell to those of the run, with one entry for each stage."""
+    seconds: dict[str, float] = {}
+    for stage, took in (*whole, *more):
+        seconds[stage] = seconds.get(stage, 0.0) + took
+    whole[:] = seconds.items()
+
+
+def _lost(cell: Cell, died: Died) -> MadeCell:
+    message = f"the process that made this model {died.how}, twice"
+    help = "if memory ran out, give `--jobs` a smaller number; with `--jobs 1` no other process is used"
+    return MadeCell(cell, None, True, found=(Diagnostic("worker-died", message, cell.span, help=help),))

@@ -1,0 +1,147 @@
+"""The files, packages and places that the result of a build depends on."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import field
+from importlib import metadata
+from pathlib import Path
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Diagnostic, Span
+from mjcompose.build.cache.cache import Record
+from mjcompose.build.compose.shape_store import kept_beside
+from mjcompose.build.plan.plan import Plan
+from mjcompose.build.plan.read import files_of_recipe, files_of_source
+from mjcompose.build.stages import Built
+from mjcompose.sources.context import Context
+from mjcompose.sources.licence import LEVELS, licence_folders
+from mjcompose.sources.lock import shapes_folder
+from mjcompose.sources.reference import Source
+from mjcompose.text.node import spans
+
+
+def places(plan: Plan) -> str:
+    """Return a hash of all positions in the recipes of a plan. No I/O."""
+    whole = hashlib.sha256()
+    for each in plan.plans():
+        for span in spans(each.document):
+            place = f"{span.file}:{span.line}:{span.column}:{span.end_line}:{span.end_column}\n"
+            whole.update(place.encode("utf-8", "surrogateescape"))
+    return whole.hexdigest()
+
+
+def names_places(plan: Plan, record: Record, manifest: bytes) -> bool:
+    """Return whether diagnostics or a manifest contain lines of the plan's recipes. No I/O."""
+    files = {span.file for each in plan.plans() for span in spans(each.document)}
+    files |= {each.file for each in plan.plans()}
+    reported = [span for each in record.diagnostics for span in _spans_of(each)]
+    reported += [span for check in record.checks for each in check.diagnostics for span in _spans_of(each)]
+    if any(span.file in files for span in reported):
+        return True
+    names = "|".join(re.escape(name.replace("\\", "/").rpartition("/")[2]) for name in files)
+    return re.search(rf"(?:{names}):\d".encode("utf-8", "surrogateescape"), manifest) is not None
+
+
+def _spans_of(diagnostic: Diagnostic) -> Collection[Span]:
+    found = [diagnostic.span, *(note.span for note in diagnostic.notes)]
+    return [span for span in found if span is not None]
+
+
+PACKAGES = ("mujoco", "lxml", "numpy", "pydantic", "pyyaml")
+"""Packages that may affect the bytes of a model, or the verdict on it."""
+OF_URDF = ("xacro", "trimesh", "pycollada", "pillow")
+"""What more they depend on where there is URDF."""
+
+
+@dataclass(slots=True)
+class Inputs:
+    """Lists the inputs of builds; the inputs of a source are looked up once."""
+
+    _of_sources: dict[Path, tuple[str, ...]] = field(default_factory=dict)
+    _packages: dict[str, tuple[tuple[str, str, str], ...]] = field(default_factory=dict)
+
+    def recipes(self, plan: Plan) -> tuple[str, ...]:
+        """Return the recipe files of a plan: its own, extended and nested ones."""
+        chains = ((each.path, *(source.path for source, _ in each.extended)) for each in plan.plans())
+        paths = [path for chain in chains for path in chain]
+        return tuple(dict.fromkeys(map(os.path.abspath, paths)))
+
+    def others(self, built: Built, context: Context) -> tuple[str, ...]:
+        """Return all other files: models, included files, assets, licences and the folders searched for them, lock.
+
+        Shapes made of meshes are searched for beside the lock, even if there are none yet.
+        """
+        found = self._planned(built.plan, built.plan.sources(), context)
+        model = built.composed.model
+        found.update(dict.fromkeys(os.path.abspath(context.folder / name) for name in model.origins.texts))
+        used: list[str] = [use.source for use in built.composed.files if use.content is None]
+        found.update(dict.fromkeys(map(os.path.abspath, used)))
+        if context.fetching is not None and context.fetching.lock_file is not None:
+            folder = shapes_folder(context.fetching.lock_file)
+            kept = (folder / f"{each.key}.json" for each in built.composed.shapes)
+            found.update(dict.fromkeys(map(os.path.abspath, kept)))
+        recipes = self.recipes(built.plan)
+        return tuple(path for path in found if path not in recipes)
+
+    def planned(self, plan: Plan, context: Context) -> tuple[str, ...]:
+        """Return the inputs that are known before composition, without those of installed packages."""
+        own = (each for each in plan.sources() if each.package is None or each.version is None)
+        found = dict.fromkeys((*self.recipes(plan), *self._planned(plan, own, context)))
+        if plan.works_on_meshes and context.fetching is not None and context.fetching.lock_file is not None:
+            kept = kept_beside(shapes_folder(context.fetching.lock_file)).values()
+            found.update(dict.fromkeys(map(os.path.abspath, kept)))
+        return tuple(found)
+
+    def _planned(self, plan: Plan, sources: Iterable[Source], context: Context) -> dict[str, None]:
+        found: dict[str, None] = {}
+        for each in plan.plans():
+            found.update(dict.fromkeys(map(os.path.abspath, files_of_recipe(each, context))))
+        for source in sources:
+            found.update(dict.fromkeys(self._of(source)))
+        if context.fetching is not None and context.fetching.lock_file is not None:
+            found[os.path.abspath(context.fetching.lock_file)] = None
+        return found
+
+    def packages(self, plan: Plan) -> Iterator[tuple[str, str, str]]:
+        """Yield the packages that affect the result, and those that contain sources."""
+        known = list(plan.sources())
+        named = [each.package for each in known if each.package]
+        named += [library.name for each in known for library in each.kind.libraries]
+        named += OF_URDF if any(each.format == "urdf" for each in known) else ()
+        for name in dict.fromkeys([*PACKAGES, *named]):
+            if name not in self._packages:
+                self._packages[name] = tuple(_installed(name))
+            yield from self._packages[name]
+
+    def _of(self, source: Source) -> tuple[str, ...]:
+        if source.path not in self._of_sources:
+            folder = Path(os.path.abspath(source.path)).parent
+            searched = [os.fspath(each) for each in (folder, *folder.parents[:LEVELS])]
+            read = [os.path.abspath(path) for path in files_of_source(source)]
+            inside = [each for above in searched for each in licence_folders(above)]
+            self._of_sources[source.path] = (*read, *searched, *inside)
+        return self._of_sources[source.path]
+
+
+def may_move(context: Context) -> bool:
+    """Return whether every build queries the network, for example for an unpinned branch."""
+    fetching = context.fetching
+    if fetching is None:
+        return False
+    fetched = [each for each in fetching.origins.values() if each.is_fetched]
+    return any(fetching.pin(each.id) is None and (each.pin or "?") not in each.id for each in fetched)
+
+
+def _installed(package: str) -> Iterator[tuple[str, str, str]]:
+    """Yield name, version, and a file whose path contains the version; nothing if the package is not installed."""
+    try:
+        found = metadata.distribution(package)
+    except metadata.PackageNotFoundError:
+        return
+    folder = getattr(found, "_path", None)
+    if folder is not None:
+        yield package, found.version, str(Path(folder) / "METADATA")

@@ -1,0 +1,1 @@
+"""How the kinds of check are carried out, one file each."""

@@ -1,0 +1,59 @@
+"""The check `reachable`: joint positions exist that bring a site to a point."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mjcompose.base.diagnostic import Fault
+from mjcompose.build.checks.check import SOLVED, Scope, beside, failed
+from mjcompose.build.checks.inverse_kinematics import STARTS, Solver
+
+
+def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
+    """Report that no joint positions were found, with the nearest point."""
+    site = scope.find("site", asked["site"], "site")
+    if isinstance(site, Fault):
+        return [site]
+    data = scope.at_key(asked["key"])
+    if isinstance(data, Fault):
+        return [data]
+    scope.mujoco.mj_kinematics(scope.model, data)
+    target = _in_the_world(scope, data, asked["target"], frame=asked["frame"])
+    solver = Solver(scope.mujoco, scope.model, data, site=site, target=target, tolerance=asked["tolerance"])
+    if not len(solver.chain):
+        distance = solver.distance
+        scope.found("distance", distance, SOLVED)
+        if distance <= asked["tolerance"]:
+            return []
+        more = ["no joint moves it, but for free joints, which stay where they are"]
+    else:
+        distance = solver.solve()
+        scope.found("distance", distance, SOLVED)
+        if distance <= asked["tolerance"]:
+            return []
+        more = [f"{STARTS} starts were tried"]
+        if solver.at_limits:
+            names = ", ".join(scope.written("joint", joint) for joint in solver.at_limits)
+            more.append(f"where it comes nearest, joints are at their limits: {names}")
+    point = ", ".join(f"{each:g}" for each in asked["target"])
+    nearest = beside(distance, asked["tolerance"])
+    message = f"site `{asked['site']}` comes no nearer to [{point}] than {nearest} m"
+    return [failed(message, f"within {asked['tolerance']:g} m", f"{nearest} m", "target", more=more)]
+
+
+def _in_the_world(scope: Scope, data: Any, target: list[float], frame: dict[str, Any]) -> Any:
+    """Convert a point from the recipe's world frame to the model's.
+
+    `frame` is the pose of the recipe's world in the model.
+    """
+    turned = np.zeros(3)
+    scope.mujoco.mju_rotVecQuat(
+        turned, np.array(target, dtype=np.float64), np.array(frame["quat"], dtype=np.float64)
+    )
+    point = turned + np.array(frame["pos"], dtype=np.float64)
+    if frame["body"] is None:
+        return point
+    body = scope.roster.ids["body"][frame["body"]]
+    return data.xpos[body] + data.xmat[body].reshape(3, 3) @ point

@@ -1,0 +1,91 @@
+"""The check `stable`: the simulation comes to rest."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from mjcompose.base.diagnostic import Fault
+from mjcompose.build.checks.check import SOLVED, Scope, beside, failed
+from mjcompose.mujoco.addresses import span
+from mjcompose.mujoco.arrays import JOINT_TYPES
+from mjcompose.mujoco.controls import Divergence, steps_in
+
+_AT_THE_END = 0.1
+"""The final share of the simulated time in which speeds are checked."""
+
+
+def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
+    """Report a simulation that diverges or does not come to rest."""
+    mujoco, model = scope.mujoco, scope.model
+    data = scope.at_key(asked["key"])
+    if isinstance(data, Fault):
+        return [data]
+    diverged = Divergence(mujoco, model, data)
+    limit, seconds = asked["max_speed"], asked["seconds"]
+    if not model.opt.timestep > 0:
+        return [failed("no time passes: the timestep of the model is 0", "a timestep above 0", "0")]
+    steps = steps_in(model, seconds)
+    dofs = np.flatnonzero([int(joint) in scope.joints for joint in model.dof_jntid])
+    fastest, at, dof = 0.0, 0.0, -1
+    first = steps - max(1, round(_AT_THE_END * steps))
+    for step in range(steps):
+        mujoco.mj_step(model, data)
+        if diverged:  # MuJoCo resets it, so it is at rest
+            message = f"the simulation diverges after {(step + 1) * model.opt.timestep:.4g} s"
+            return [
+                failed(
+                    message, f"at rest after {seconds:g} s", "not finite, or beyond all measure", "seconds"
+                )
+            ]
+        if step >= first and len(dofs):
+            speeds = np.abs(data.qvel[dofs])
+            worst = int(speeds.argmax())
+            if speeds[worst] > fastest:
+                fastest, at, dof = float(speeds[worst]), float(data.time), int(dofs[worst])
+    scope.found("speed", fastest, SOLVED)
+    if fastest <= limit:
+        return [] if asked["within"] is None else _near(scope, data, asked)
+    joint = int(model.dof_jntid[dof])
+    unit = _unit(model, dof, joint)
+    speed = beside(fastest, limit)
+    message = f"{scope.called('joint', joint)} still moves at {speed} {unit} after {at:.4g} s"
+    return [failed(message, f"at most {limit:g} {unit}", f"{speed} {unit}", "max_speed")]
+
+
+def _near(scope: Scope, data: Any, asked: dict[str, Any]) -> list[Fault]:
+    """Report joints that end far from their position in a keyframe."""
+    named = asked["near"] is not None
+    there = scope.at_key(asked["near"] if named else asked["key"])
+    if isinstance(there, Fault):
+        return [replace(there, at=("near", "key"))]
+    mujoco, model = scope.mujoco, scope.model
+    apart = np.zeros(model.nv)
+    mujoco.mj_differentiatePos(model, apart, 1.0, there.qpos, data.qpos)
+    own = [dof for dof in range(model.nv) if int(model.dof_jntid[dof]) in scope.joints]
+    if not own:
+        return []
+    dof = max(own, key=lambda each: abs(apart[each]))
+    farthest = float(abs(apart[dof]))
+    scope.found("distance", farthest, SOLVED)
+    if farthest <= asked["within"]:
+        return []
+    joint = int(model.dof_jntid[dof])
+    unit = _unit(model, dof, joint).removesuffix("/s")
+    where = (
+        f"`{asked['near'] or asked['key']}`"
+        if asked["near"] or asked["key"]
+        else "the reference configuration"
+    )
+    off = beside(farthest, asked["within"])
+    message = f"{scope.called('joint', joint)} is {off} {unit} from where it is in {where}"
+    wanted = f"at most {asked['within']:g} {unit}"
+    return [failed(message, wanted, f"{off} {unit}", "near", "within")]
+
+
+def _unit(model: Any, dof: int, joint: int) -> str:
+    """Return the unit of the velocity of a degree of freedom."""
+    units = JOINT_TYPES[int(model.jnt_type[joint])].velocity_units
+    return units[dof - span(model, "qvel", joint).start]

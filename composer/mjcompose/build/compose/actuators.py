@@ -1,0 +1,286 @@
+"""An actuator as MuJoCo compiled it, and the units of its controls.
+
+The units of the controls and activations of actuators: angles, angular velocities, or plain numbers.
+
+The control of a position servo is a position, that of a velocity servo a velocity, of whatever the servo moves;
+`compiled/units.py` determines the same for a compiled model. Only a joint determines whether that is an angle: a
+fixed tendon adds up hinges by coefficients, and MJCF gives its `range` no unit either. A gear other than 1 and -1
+scales the number, so it is not an angle of the joint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import field
+from functools import cached_property
+from typing import NamedTuple
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.sink import Sink
+from mjcompose.build.compose.keys import without_keys
+from mjcompose.link import numbers
+from mjcompose.link.linking import Linking, Measure
+from mjcompose.model.classes import DefaultClass, text_in_effect
+from mjcompose.model.grammar import GRAMMAR, Attribute
+from mjcompose.model.select import kind_of
+from mjcompose.model.unit import Unit
+
+_ARRAYS = (
+    "actuator_user", "actuator_gaintype", "actuator_biastype", "actuator_dyntype",
+    "actuator_gainprm", "actuator_biasprm", "actuator_dynprm",
+    "actuator_ctrllimited", "actuator_ctrlrange", "actuator_actlimited", "actuator_actrange", "actuator_actearly",
+    "actuator_ctrladr", "actuator_ctrlnum", "actuator_ctrlspec", "actuator_plugin", "actuator_trntype",
+    "actuator_trnid", "actuator_outadr", "actuator_gear", "jnt_type",
+)  # fmt: skip
+PLUGIN = "plugin"
+"""The gain and the bias of an actuator whose force a plugin computes."""
+_JOINTS, _TENDON = (0, 1), 3  # mjTRN_JOINT, mjTRN_JOINTINPARENT, mjTRN_TENDON
+_FORCES = {2: "N", 3: "N·m"}  # mjJNT_SLIDE, mjJNT_HINGE
+INPUTS = {"pos": "position", "vel": "velocity", "ff": "force"}
+"""The inputs of a `pid`, in their order in MuJoCo's `actuator_ctrlspec`, and what each is."""
+
+
+@dataclass(frozen=True, slots=True)
+class ActuatorModel:
+    """The behaviour of an actuator: force = gain · control + bias, by MuJoCo's own parameters."""
+
+    gain: str
+    bias: str
+    dynamics: str
+    gainprm: tuple[float, ...]
+    biasprm: tuple[float, ...]
+    dynprm: tuple[float, ...] = ()
+    ctrl_limited: bool = False
+    ctrlrange: tuple[float, float] = (0.0, 0.0)
+    act_limited: bool = False
+    actrange: tuple[float, float] = (0.0, 0.0)
+    inputs: tuple[str, ...] = ()
+    act_early: bool = False
+    limited: tuple[str, ...] = ()
+    """The inputs of a pid whose controls are limited; "" for those that are not."""
+    gear: float = 0.0
+    """How far its length goes where its joint or tendon moves by 1; 0 if it moves none along one axis."""
+    unit: str = ""
+    """The unit of the force on its joint, N or N·m; "" for anything else than a hinge or a slide."""
+
+    @property
+    def is_affine(self) -> bool:
+        """Return whether the force is a gain with springs and dampers: a servo, or a plain force."""
+        return self.gain == "fixed" and self.bias in ("none", "affine") and not any(self.gainprm[1:])
+
+    @property
+    def kp(self) -> float:
+        # From 0.0, as a minus sign alone would make -0 of a zero.
+        return 0.0 - self.biasprm[1] if self.bias == "affine" else 0.0
+
+    @property
+    def kv(self) -> float:
+        return 0.0 - self.biasprm[2] if self.bias == "affine" else 0.0
+
+    @property
+    def slewmax(self) -> float:
+        return self.dynprm[1] if self.dynamics == "pid" else 0.0
+
+    @property
+    def form(self) -> str:
+        """Return what the gain is for: `position`, `velocity`, `force`, `other`, or of a pid `position+velocity`."""
+        if self.gain == "pid":
+            return "+".join(INPUTS[each] for each in self.inputs)
+        if not self.is_affine or (self.bias == "affine" and self.biasprm[0] != 0):
+            return "other"
+        # MuJoCo 4.0 compiles `<position kp="3" kv="0.5"/>` to a gain of 3 and a bias of 0 -3 -0.5, and `<velocity
+        # kv="3"/>` to a gain of 3 and a bias of 0 0 -3.
+        gain = self.gainprm[0]
+        if self.kp and gain == self.kp:
+            return "position"
+        if self.kv and not self.kp and gain == self.kv:
+            return "velocity"
+        return "force" if not self.kp and not self.kv else "other"
+
+    @property
+    def control(self) -> str:
+        """Return what the control sets: the quantity of `form`, or its rate if the activation integrates it."""
+        return f"rate of {self.form}" if self.dynamics == "integrator" else self.form
+
+
+def actuator_models(linking: Linking, sink: Sink, found: list[Node]) -> dict[Node, ActuatorModel] | None:
+    """Return the model of each actuator, or None after a reported error if the model cannot be compiled."""
+    if linking.measure is None:
+        sink.error("mujoco-missing", "only MuJoCo knows what these actuators do")
+        return None
+    return models_in(linking.flat(), linking.measure, found)
+
+
+def models_in(unit: Unit, measure: Measure, found: list[Node]) -> dict[Node, ActuatorModel] | None:
+    """Return the model of each of the actuators of a unit, or None if MuJoCo cannot compile it."""
+    # `user` finds an actuator again: where a `<replicate>` multiplies some, MuJoCo puts their copies behind the others.
+    marks = {node: (node.get("user"), str(number)) for number, node in enumerate(found, 1)}
+    everything = unit.root.findall("actuator/*")
+    users = {node: node.get("user") for node in everything}
+    # MuJoCo 4.0 refuses a mark that is wider than `nuser_actuator`: "user has more values than nuser_actuator".
+    sizes = [(size, size.attrib.pop("nuser_actuator", "")) for size in unit.root.iterchildren("size")]
+    try:
+        for node in everything:
+            node.set("user", marks[node][1] if node in marks else "0")
+        with without_keys(unit.root):
+            arrays = measure(unit, _ARRAYS)
+    finally:
+        for node, user in users.items():
+            node.attrib.pop("user", "")
+            if user is not None:
+                node.set("user", user)
+        for size, room in sizes:
+            if room:
+                size.set("nuser_actuator", room)
+    if not arrays:
+        return None
+    models: dict[Node, ActuatorModel] = {}
+    count = len(arrays["actuator_gaintype"])
+    width = len(arrays["actuator_user"]) // count
+    general = GRAMMAR.element("actuator/general").attributes
+    for row in range(count):
+        number = int(arrays["actuator_user"][row * width])
+        if number:
+            models[found[number - 1]] = _model(arrays, row, count, general=general)
+    return models
+
+
+def _model(
+    arrays: Mapping[str, list[float]], row: int, count: int, general: Mapping[str, Attribute]
+) -> ActuatorModel:
+    def numbers_of(name: str) -> tuple[float, ...]:
+        values = arrays[f"actuator_{name}"]
+        width = len(values) // count
+        return tuple(values[row * width : (row + 1) * width])
+
+    def word(name: str) -> str:
+        # The keywords stand in the order of MuJoCo's own enumerations.
+        return general[name].keywords[int(arrays[f"actuator_{name}"][row])]
+
+    first = int(arrays.get("actuator_ctrladr", range(count))[row])  # each of its controls has a row
+    has_control = int(arrays.get("actuator_ctrlnum", [1] * count)[row]) > 0
+    ctrlrange, actrange = arrays["actuator_ctrlrange"][2 * first :], numbers_of("actrange")
+    spec = int(arrays["actuator_ctrlspec"][row]) if word("gaintype") == "pid" else 0
+    # A plugin's force is its own: MuJoCo 4.0 leaves a gain of 1 and no bias beside it, as those of a motor.
+    by_plugin = int(arrays["actuator_plugin"][row]) >= 0
+    gain, bias = (PLUGIN, PLUGIN) if by_plugin else (word("gaintype"), word("biastype"))
+    inputs = tuple(name for bit, name in enumerate(INPUTS) if spec >> bit & 1)
+    return ActuatorModel(
+        gain, bias, word("dyntype"),
+        numbers_of("gainprm")[:10], numbers_of("biasprm")[:10], numbers_of("dynprm")[:10],
+        has_control and bool(arrays["actuator_ctrllimited"][first]),
+        (ctrlrange[0], ctrlrange[1]) if has_control else (0.0, 0.0),
+        bool(arrays["actuator_actlimited"][row]), (actrange[0], actrange[1]),
+        inputs, bool(arrays["actuator_actearly"][row]),
+        tuple(name if arrays["actuator_ctrllimited"][first + at] else "" for at, name in enumerate(inputs)),
+        *_transmission(arrays, row),
+    )  # fmt: skip
+
+
+def _transmission(arrays: Mapping[str, list[float]], row: int) -> tuple[float, str]:
+    """Return the gear of an actuator, and the unit of its force on a joint."""
+    kind, target = int(arrays["actuator_trntype"][row]), int(arrays["actuator_trnid"][2 * row])
+    unit = _FORCES.get(int(arrays["jnt_type"][target]), "") if kind in _JOINTS else ""
+    output = int(arrays["actuator_outadr"][row]) if "actuator_outadr" in arrays else row
+    return arrays["actuator_gear"][6 * output] if unit or kind == _TENDON else 0.0, unit
+
+
+_POSITION, _VELOCITY, _RATE = "position", "velocity", "rate of position"
+_ANGLES = {_POSITION: "an angle", _VELOCITY: "an angular velocity", _RATE: "an angular velocity"}
+_BY_TAG = {"position": _POSITION, "velocity": _VELOCITY, "intvelocity": _RATE}
+_UNLIKE = ("plugin", "motor", "damper", "cylinder", "muscle", "adhesion", "dcmotor", "orientation")
+"""Those whose controls are never positions or velocities of a joint, whatever their gains."""
+_GENERAL = ("gaintype", "biastype", "dyntype", "gainprm", "biasprm")
+
+
+class ControlMeaning(NamedTuple):
+    """The meaning of each control, and of the activation, of an actuator, in words; None for a plain number."""
+
+    controls: tuple[str | None, ...] = ()
+    activation: str | None = None
+
+
+@dataclass
+class ControlUnits:
+    """Determines the units for the actuators of a model that is complete except for its keys.
+
+    `joints` has the types of joints by name. `in_doubt` is set if there were errors before, so MuJoCo may not be
+    able to read the model.
+    """
+
+    linking: Linking
+    sink: Sink
+    joints: Mapping[str, str]
+    in_doubt: bool = False
+    known: dict[Node, ControlMeaning] = field(default_factory=dict)
+
+    def of(self, actuator: Node) -> ControlMeaning:
+        if actuator not in self.known:
+            self.known[actuator] = self._found(actuator)
+        return self.known[actuator]
+
+    def is_position(self, actuator: Node) -> bool:
+        """Return whether an actuator's control is the position of what it moves."""
+        control = None if actuator.tag in _UNLIKE else self._control(actuator)
+        if control is None and actuator.tag not in _UNLIKE and not self.in_doubt:
+            control = self._models[actuator].control if actuator in self._models else "other"
+        return control is not None and control.startswith(_POSITION)
+
+    def _found(self, actuator: Node) -> ControlMeaning:
+        joint = actuator.get("joint") or actuator.get("jointinparent")
+        if actuator.tag in _UNLIKE or self.joints.get(str(joint)) != "hinge":
+            return ControlMeaning()
+        gear = self._effective(actuator, "gear")
+        if gear and abs(numbers.read(gear)[0]) != 1:
+            return ControlMeaning()
+        control = self._control(actuator)
+        if control is None:
+            if self.in_doubt:  # MuJoCo would only repeat what is wrong
+                return ControlMeaning()
+            control = self._models[actuator].control if actuator in self._models else "other"
+        # What the activation is the integral of, or a filter for, is what the gain is for.
+        held = control.removeprefix("rate of ")
+        return ControlMeaning(tuple(map(_ANGLES.get, control.split("+"))), _ANGLES.get(held))
+
+    @cached_property
+    def _models(self) -> Mapping[Node, ActuatorModel]:
+        """Return the actuator models of all actuators that may be servos. MuJoCo computes them once."""
+        found = [each for each in self.linking.base.root.iterfind("actuator/*") if each.tag not in _UNLIKE]
+        return actuator_models(self.linking, self.sink, found) or {}
+
+    def _control(self, actuator: Node) -> str | None:
+        """Return the quantity of an actuator's control as far as the tree tells it.
+
+        As in MuJoCo, all actuator tags share the settings of classes.
+        """
+        tag, found = str(actuator.tag), self._class(actuator)
+        given = {each for each in GRAMMAR.section("actuator").children if found.sets(each)}
+        if tag == "intvelocity":
+            return _BY_TAG[tag]
+        if tag in _BY_TAG:  # their gains are their own; dynamics may come from a class
+            dynamic = found.lookup("general", "dyntype") or given - {
+                "general",
+                "position",
+                "velocity",
+                "motor",
+            }
+            # With `<default><position kp="50" kv="2"/></default>` MuJoCo 4.0 compiles `<velocity joint="j"/>` to a gain
+            # of 1 all the same.
+            return None if dynamic else _BY_TAG[tag]
+        if tag != "general" or given - {"general"}:
+            return None
+        words = {name: self._effective(actuator, name) or "" for name in _GENERAL}
+        if words["gaintype"] not in ("", "fixed") or words["biastype"] not in ("", "none", "affine"):
+            return "other"
+        gain, bias = ((*numbers.read(words[name]), *[0.0] * 10)[:10] for name in ("gainprm", "biasprm"))
+        return ActuatorModel(
+            "fixed", words["biastype"] or "none", words["dyntype"] or "none", gainprm=gain, biasprm=bias
+        ).control
+
+    def _class(self, actuator: Node) -> DefaultClass:
+        return self.linking.base.classes.get(str(actuator.get("class") or "") or None)
+
+    def _effective(self, actuator: Node, name: str) -> str | None:
+        return text_in_effect(actuator, kind_of(actuator), name, classes=self.linking.base.classes)

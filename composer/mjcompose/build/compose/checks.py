@@ -1,0 +1,250 @@
+"""Checks of the recipe's own elements against the whole model.
+
+Check the order of the lower and upper ends that the recipe writes.
+
+MuJoCo silently takes a wrong order as no limit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.sink import Sink
+from mjcompose.build.compose.editing import is_angular
+from mjcompose.build.compose.elements import ElementBuilder
+from mjcompose.build.plan.plan import AttachPart
+from mjcompose.language.form import Element
+from mjcompose.link import numbers
+from mjcompose.link.inertia import MEASURED, has_mass
+from mjcompose.link.key_layout import joint_type
+from mjcompose.link.linking import Linking, Part
+from mjcompose.link.unit_keys import keys_of
+from mjcompose.model.classes import MAIN, NESTED, childclass_of, own, written
+from mjcompose.model.edit import resolves, unresolved
+from mjcompose.model.files import Settings
+from mjcompose.model.grammar import GRAMMAR
+from mjcompose.model.names import DECLARES, naming_table, own_references, word
+from mjcompose.model.select import name_of
+from mjcompose.text.node import locate
+
+
+def check_class_angles(linking: Linking, making: ElementBuilder) -> None:
+    """Report the first joint for which such a number means another thing than in the class that gives it.
+
+    MuJoCo 4.0 makes 0 1.5708 of `range="0 90"` for the hinges of a class, and leaves it as it is for its slides: in a
+    model in radians no number is right for both.
+    """
+    for giver, element, name, angular in making.of_classes:
+        attribute = GRAMMAR.element("joint").attributes[name]
+        for joint in _taking(giver, name, linking):
+            if is_angular(attribute, joint_type(joint, linking.base.classes)) != angular:
+                _report(linking, making, element, name=name, joint=joint, angular=angular)
+                break
+    making.of_classes.clear()
+
+
+def _taking(giver: Node, name: str, linking: Linking) -> Iterator[Node]:
+    """Yield the joints of bodies that take an attribute from the element of a class."""
+    classes = linking.base.classes
+    for worldbody in linking.base.root.iterchildren("worldbody"):
+        for joint in worldbody.iter("joint"):
+            parent = joint.getparent()
+            if parent is None or parent.tag not in NESTED or written(joint, name) is not None:
+                continue
+            found = classes.get(str(joint.get("class") or childclass_of(joint) or "")).lookup("joint", name)
+            if found is not None and found[1] is giver:
+                yield joint
+
+
+def _report(
+    linking: Linking, making: ElementBuilder, element: Element, name: str, joint: Node, angular: bool
+) -> None:
+    kind, called = joint_type(joint, linking.base.classes), name_of(joint)
+    which = f"the {kind} `{called}`" if called else f"a {kind} without a name"
+    meant, other = ("an angle", "a length") if angular else ("a length", "an angle")
+    making.sink.error(
+        "bare-angle",
+        f"`{name}` of a class is {meant}, and {which} would take it for {other}",
+        making.span(element, name),
+        notes=(Note(f"{which} is written here", linking.span(linking.base, joint)),),
+        help=f"write `{name}` on the joints, or give the class to joints of one kind",
+        subjects=(called,),
+    )
+
+
+def check_intervals(making: ElementBuilder) -> None:
+    """Report ranges that end before they begin, when nothing more changes them.
+
+    Not before: `"range[0]"` and `"range[1]"` may be set one after the other. Two zeros are how MJCF says that there is
+    no range. What a source has is for MuJoCo to judge.
+    """
+    for (node, attribute), span in making.intervals.items():
+        ends = numbers.read(str(node.get(attribute) or ""))
+        # MuJoCo 4.0 compiles `<joint range="1 0"/>` to a joint without limits, and refuses it with `limited="true"`.
+        if len(ends) != 2 or ends[0] < ends[1] or not any(ends):
+            continue
+        name = name_of(node)
+        what = f"`{attribute}` of {node.tag} `{name}`" if name else f"`{attribute}` of a `{node.tag}`"
+        wrong = "begins where it ends" if ends[0] == ends[1] else "has its ends in the wrong order"
+        making.sink.error(
+            "out-of-range",
+            f"{what} {wrong}",
+            span,
+            notes=(Note("MuJoCo ignores such a range, or rejects the model"),),
+            help="write the lower end first, then the upper one"
+            if ends[0] > ends[1]
+            else "write two numbers, or `[0, 0]` for no range",
+            subjects=(name,),
+        )
+    making.intervals.clear()
+
+
+# What MuJoCo expands may bring mass.
+_OPAQUE = ("attach", "composite", "flexcomp")
+_TOO_LITTLE = 1e-15  # mjMINVAL
+_SHOWN = 3
+_RULES = (*MEASURED, "inertiafromgeom", "inertiagrouprange")
+
+
+def check_mass(step: AttachPart, part: Part, linking: Linking, making: ElementBuilder) -> None:
+    """Report the bodies without mass. Nothing is reported if only MuJoCo knows the mass.
+
+    MuJoCo asks for mass of what moves with the joint: the body itself, or a body that is fixed to it.
+    """
+    settings, default = linking.base.settings, Settings()
+    if not part.joints or any(getattr(settings, name) != getattr(default, name) for name in _RULES):
+        return
+    if part.content is None or (body := part.content.getparent()) is None or body.tag != "body":
+        return
+    fixed = list(_fixed(body))
+    if any(_may_have_mass(each, linking) for each in fixed):
+        return
+    notes = list(_reasons(fixed, linking))[:_SHOWN]
+    give = f"`add: [{{to: {part.prefix}, geom: {{type: sphere, size: [0.01], mass: 1}}}}]`"
+    making.sink.error(
+        "mujoco-rejects",
+        f"`joint` moves `{part.called}`, but nothing that is fixed to the joint has mass",
+        locate(making.document, (*step.at, "joint"), key=True),
+        notes=notes,
+        help=f"give it mass, for example {give}, or leave `joint` out"
+        if part.prefix
+        else "give a body in it mass",
+        subjects=(part.called,),
+    )
+
+
+def _reasons(fixed: list[Node], linking: Linking) -> Iterator[Note]:
+    """Yield notes on the bodies that lack mass, and on those with their own joint, whose mass does not count."""
+    for body in fixed[1:]:
+        inertial = next(iter(own(body, "inertial")), None)
+        why = "has no mass" if inertial is None else "has no mass, or no inertia"
+        yield Note(
+            f"{_called(body)} {why}", linking.span(linking.base, body if inertial is None else inertial)
+        )
+    for body in fixed:
+        for child in own(body, "body"):
+            for joint in own(child, "joint", "freejoint")[:1]:
+                message = f"{_called(child)} moves by a joint of its own, so that its mass does not count"
+                yield Note(message, linking.span(linking.base, joint))
+
+
+def _called(body: Node) -> str:
+    return f"the body `{body.get('name')}`" if body.get("name") else "this body"
+
+
+def _fixed(body: Node) -> Iterator[Node]:
+    """Yield the body, and the bodies below it that no joint moves relative to it."""
+    yield body
+    for child in own(body, "body"):
+        # In MuJoCo 4.0 the mass of a child counts for the joint above it, unless a joint of its own stands between:
+        # then "mass and inertia of moving bodies must be larger than mjMINVAL".
+        if not own(child, "joint", "freejoint"):
+            yield from _fixed(child)
+
+
+def _may_have_mass(body: Node, linking: Linking) -> bool:
+    if own(body, *_OPAQUE):
+        return True
+    inertials = own(body, "inertial")
+    if not inertials:
+        return any(has_mass(geom, linking.base.classes) for geom in own(body, "geom"))
+    values = [
+        number
+        for name in ("mass", "diaginertia")
+        for number in numbers.read(str(inertials[0].get(name) or ""))
+    ]
+    return inertials[0].get("fullinertia") is not None or all(number >= _TOO_LITTLE for number in values)
+
+
+def check_names(linking: Linking, making: ElementBuilder) -> None:
+    """First every new name is declared, then every reference looked up: elements may refer to later ones.
+
+    Those to keys wait for `check_names_of_keys`.
+    """
+    references: list[tuple[Node, str, str, str, str]] = []
+    for top, section in making.registered:
+        for node in top.iter("*"):
+            written = making.written(node)
+            for name, (kind, namespace) in naming_table(section).get(str(node.tag), {}).items():
+                if kind == DECLARES and name in written and (value := node.get(name)):
+                    _declare(linking, making, node, name=name, namespace=namespace, value=str(value))
+            references += [(node, *each) for each in own_references(node, section) if each[0] in written]
+    for node, name, namespace, value, typed_by in references:
+        if namespace == "key":
+            making.of_keys.append((node, name, value, typed_by))
+        else:
+            _look_up(linking, making, node, name=name, namespace=namespace, value=value, typed_by=typed_by)
+
+
+def check_names_of_keys(linking: Linking, making: ElementBuilder) -> None:
+    """Look up the references to keys, when these are laid out."""
+    if making.of_keys:
+        linking.names.declared["key"] = {str(key.get("name") or ""): key for key in keys_of(linking.base)}
+    for node, name, value, typed_by in making.of_keys:
+        _look_up(linking, making, node, name=name, namespace="key", value=value, typed_by=typed_by)
+
+
+def check_class(linking: Linking, sink: Sink, name: str, span: Span) -> None:
+    """Report a default class that the recipe names by its final name and that does not exist."""
+    if name != MAIN and linking.find_node("default", name) is None:
+        sink.add(unresolved(linking, "default", name, span=span, written="class: {}"))
+
+
+def refer_to_top_class(linking: Linking, node: Node, attribute: str) -> bool:
+    """If the attribute names the class `main`, write its name in the model. Return whether it does."""
+    if node.get(attribute) != MAIN:
+        return False
+    if linking.base_class is not None:
+        node.set(attribute, linking.base_class)
+    return True
+
+
+def _declare(
+    linking: Linking, making: ElementBuilder, node: Node, name: str, namespace: str, value: str
+) -> None:
+    known = linking.names.declared.setdefault(namespace, {})
+    earlier = known.setdefault(value, node)
+    if earlier is not node and namespace != "key":
+        making.sink.error(
+            "class-clash" if namespace == "default" else "name-clash",
+            f"the name `{value}` is taken by another {word(namespace)}",
+            making.span_of(node, name),
+            notes=(Note("it is declared here", linking.span(linking.base, earlier, "name")),),
+            help="choose another name",
+            subjects=(value,),
+        )
+
+
+def _look_up(
+    linking: Linking, making: ElementBuilder, node: Node, name: str, namespace: str, value: str, typed_by: str
+) -> None:
+    if namespace == "default" and refer_to_top_class(linking, node, name):
+        return
+    if not resolves(linking, namespace, value):
+        span = making.span_of(node, name)
+        making.sink.add(
+            unresolved(linking, namespace, value, span=span, written=f"{name}: {{}}", typed_by=typed_by)
+        )

@@ -1,0 +1,553 @@
+"""A plan is carried out: sources become units, parts are linked, steps act on the result."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import field, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from mjcompose.base.access import NOTHING
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Path as KeyPath
+from mjcompose.base.diagnostic import Span
+from mjcompose.base.limits import advice, in_force
+from mjcompose.base.sink import Sink
+from mjcompose.build.bundle.collect import check_files
+from mjcompose.build.compose.additions import EarlyAdditions, add
+from mjcompose.build.compose.attach import (
+    UnplacedRecord,
+    add_joints,
+    check_joints,
+    part_of,
+    placed_records,
+    unplaced_records,
+)
+from mjcompose.build.compose.checks import (
+    check_class_angles,
+    check_intervals,
+    check_mass,
+    check_names,
+    check_names_of_keys,
+)
+from mjcompose.build.compose.collisions import set_collisions
+from mjcompose.build.compose.editing import EditCost
+from mjcompose.build.compose.elements import ElementBuilder, append, set_default, set_singleton, settle_joints
+from mjcompose.build.compose.keyframe import write_keyframes
+from mjcompose.build.compose.keys import hold_poses
+from mjcompose.build.compose.load import Key, Library, Loader, PartRequest, key_of, part_requests
+from mjcompose.build.plan.plan import (
+    BASE,
+    Drawn,
+    EditOutcome,
+    ElementDraws,
+    Excluded,
+    PartRecord,
+    Plan,
+    Tables,
+    part_name,
+)
+from mjcompose.build.plan.step_table import STEPS
+from mjcompose.build.plan.steps import (
+    AddElement,
+    AppendElement,
+    DrawValues,
+    EditElements,
+    SetCollisions,
+    SetDefault,
+    SetSingleton,
+    Step,
+    WriteKeyframe,
+)
+from mjcompose.language.form import check_rows
+from mjcompose.link.agreement import SINGLETONS, common_settings, of_base, opinions, set_value
+from mjcompose.link.angles import model_angle
+from mjcompose.link.files import add_file
+from mjcompose.link.key_layout import joint_type
+from mjcompose.link.link import finish, link
+from mjcompose.link.linking import FileUse, Linking, Measure, Request
+from mjcompose.link.measure import measure_with
+from mjcompose.link.replicates import spare_added
+from mjcompose.link.source_check import STUMBLES, check_source, put_right
+from mjcompose.link.submodels import add_named_file, attached_size
+from mjcompose.link.unit_keys import KeyNotes, remove_keys
+from mjcompose.model.classes import MAIN
+from mjcompose.model.cost import check_size, written
+from mjcompose.model.merged_settings import Adopted
+from mjcompose.model.parse import parse_file
+from mjcompose.model.unit import Unit, Watch, nobody
+from mjcompose.sources.context import Context
+from mjcompose.sources.reference import Source
+from mjcompose.text.node import locate
+
+if TYPE_CHECKING:
+    from mjcompose.build.compose.edits import ModelEdits
+    from mjcompose.build.compose.mesh_jobs import Workshop
+    from mjcompose.build.plan.plan import MadeShapes
+    from mjcompose.link.subtree import Subtree
+    from mjcompose.mujoco.engine import Session
+
+Result = TypeVar("Result")
+# What else is added would change what `settotalmass` of the base gives each body: MuJoCo scales the whole model to it.
+_WEIGHTLESS = ("site", "camera", "light")
+# What writes a step into the joined model. The steps after these wait until all of it exists: edits and draws
+# (`model_edits.py`), and keys (`keyframe.py`).
+_WRITE: Mapping[type[Step], Callable[[Any, Linking, ElementBuilder], None]] = {
+    AddElement: add,
+    SetSingleton: set_singleton,
+    SetDefault: set_default,
+    AppendElement: append,
+}
+_AFTERWARDS: tuple[type[Step], ...] = (EditElements, DrawValues, WriteKeyframe, SetCollisions)
+check_rows(
+    "the steps that composer/mjcompose/build/compose/compose.py carries out", [*_WRITE, *_AFTERWARDS], STEPS
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Composed:
+    """One flat model, the files it names, the sources that are in it, what was drawn for it and made of its meshes.
+
+    `excluded` are the bodies that need not collide, where the recipe asks for these; `tables` says what was read of
+    the sources that are not MJCF.
+    """
+
+    model: Unit
+    files: tuple[FileUse, ...]
+    members: tuple[PartRecord, ...] = ()
+    drawn: tuple[Drawn, ...] = ()
+    tabled: tuple[ElementDraws, ...] = ()
+    shapes: tuple[MadeShapes, ...] = ()
+    excluded: tuple[Excluded, ...] = ()
+    keys: KeyNotes = field(default_factory=KeyNotes)
+    tables: Tables = field(default_factory=dict)
+
+
+class Composer:
+    """Composes plans.
+
+    `checks_sources` says whether all of a source has to be MJCF, or only what is looked at. `subtrees` has what became
+    of the models of which only one body is taken, by recipe and path. `parts` says of an element what the recipe calls
+    the part that it came from, where `notes_parts` asks for that or the plan needs it. `edits` has what each
+    entry of `edit` did, by recipe and path. `makes_shapes` says whether meshes are worked on, which may take minutes;
+    otherwise only what is kept of them is used.
+    """
+
+    def __init__(
+        self,
+        context: Context,
+        measure: Measure | None,
+        session: Session | None = None,
+        watch: Watch = nobody,
+        library: Library | None = None,
+        checks_sources: bool = False,
+        notes_parts: bool = False,
+        makes_shapes: bool = True,
+    ) -> None:
+        self.context, self.measure, self.watch = context, measure, watch
+        self.notes_parts, self.makes_shapes = notes_parts, makes_shapes
+        self.workshop: Workshop | None = None
+        self.needless: list[tuple[Node, str]] = []
+        self.loader = Loader(context, session, watch, library=library, checks=checks_sources)
+        self.subtrees: dict[tuple[str, KeyPath], Subtree] = {}
+        self.edits: dict[tuple[str, KeyPath], EditOutcome] = {}
+        self.cost = EditCost()
+        self.unplaced: dict[Node, list[UnplacedRecord]] = {}
+        self.parts: dict[Node, str] = {}
+        self.keys = KeyNotes()
+
+    def compose(self, plan: Plan) -> Composed | None:
+        """Return the model of a plan, or None if there were errors, including those of earlier stages."""
+        self.expect(plan)
+        self.notes_parts = self.notes_parts or plan.selects_parts
+        composed = self._compose(plan, True)
+        if composed is None or self.context.sink.has_errors:
+            return None
+        shapes = () if self.workshop is None else self.workshop.made(composed.model.root)
+        members = placed_records(self.unplaced[composed.model.root], composed.model.root)
+        excluded = tuple(
+            Excluded(str(node.get("body1")), str(node.get("body2")), why) for node, why in self.needless
+        )
+        tables = self.loader.tables()
+        return replace(
+            composed, members=members, shapes=shapes, excluded=excluded, keys=self.keys, tables=tables
+        )
+
+    def unit_of(self, plan: Plan, wanted: PartRequest) -> Unit | None:
+        """Return the base or a part of a plan alone, reduced to the requested subtree, or None if it has faults."""
+        return self.guarded(plan, wanted.stands, partial(Composer._unit, plan=plan, wanted=wanted))
+
+    def read_subtrees(self, plan: Plan) -> None:
+        """Take the subtrees of a plan, and compose only the sources that they come from."""
+        self.expect(plan)
+        self._read_subtrees(plan, True)
+
+    def _read_subtrees(self, plan: Plan, stands: bool) -> None:
+        for each in part_requests(plan, stands):
+            if each.body is not None or each.drop:
+                self.unit_of(plan, replace(each, edit=()))
+            elif isinstance(each.model, Plan):
+                self._read_subtrees(each.model, each.stands)
+
+    def expect(self, plan: Plan, stands: bool = True) -> None:
+        """Record which sources the plan needs, and how often."""
+        for place in plan.walk(stands):
+            if isinstance(place.model, Source):
+                self.loader.expect(place.model, place.stands)
+
+    def _compose(self, plan: Plan, stands: bool) -> Composed | None:
+        """Return the model of a plan. With `stands`, it is fixed in the world of the final model."""
+        return self.guarded(plan, stands, partial(Composer._composed, plan=plan, stands=stands))
+
+    def guarded(self, plan: Plan, stands: bool, work: Callable[[Composer], Result | None]) -> Result | None:
+        """Return the result of the work, or None if it fails because of a source that is not valid MJCF."""
+        try:
+            return work(self)
+        except STUMBLES:
+            library = dict(self._anew(plan, stands))
+            faulty = [unit for unit in library.values() if not check_source(unit, self.context.sink)]
+            if not faulty:
+                raise
+            self._try_put_right(plan, stands, work, library=library)
+            return None
+        except RecursionError:
+            self.context.sink.error(
+                "not-supported", f"elements of a model in `{plan.file}` stand too deep inside one another"
+            )
+            return None
+
+    def _try_put_right(
+        self, plan: Plan, stands: bool, work: Callable[[Composer], Result | None], library: Library
+    ) -> None:
+        """Repeat the work with the faults of the sources corrected. An exception that still occurs is a bug."""
+        for unit in library.values():
+            put_right(unit)
+        again = Composer(
+            replace(self.context, sink=Sink()), self.measure, self.loader.session, library=library
+        )
+        again.notes_parts = self.notes_parts
+        again.expect(plan, stands)
+        with suppress(RecursionError):
+            work(again)
+
+    def _composed(self, plan: Plan, stands: bool) -> Composed | None:
+        read = self._units(plan, stands)
+        if read is None or read[0] is None:
+            return None
+        base, *units = read
+        assert base is not None
+        given = [unit for unit in units if unit is not None]
+        if len(given) == len(units):
+            return self._joined(plan, base, given, stands=stands)
+        # Only for the errors that can still be found: a model without some of its parts is not given.
+        self._joined(self._without_lost(plan, units), base, given, stands=stands)
+        return None
+
+    def _units(self, plan: Plan, stands: bool) -> list[Unit | None] | None:
+        """Return the base and the parts, or None after a reported error if they have too many elements together."""
+        units: list[Unit | None] = []
+        elements, text, limits = 0, 0, in_force()
+        for each in part_requests(plan, stands):
+            unit = self._unit(plan, each)
+            if unit is not None:
+                check_size(unit, self.context.sink, attached_size(unit))
+                elements += written(unit.root)
+                text += unit.origins.size
+            for limit, name, count, most in (
+                ("elements", "elements", elements, limits.elements),
+                ("xml-size", "bytes of XML", text, limits.xml_size),
+            ):
+                if count > most:
+                    message = f"the parts up to here have {count} {name}; {most} are allowed"
+                    span = locate(plan.document, (*each.at, "model"))
+                    self.context.sink.error("limit-exceeded", message, span, help=advice(limit))
+                    return None
+            units.append(unit)
+        return units
+
+    def _without_lost(self, plan: Plan, units: list[Unit | None]) -> Plan:
+        """Return the plan with only the parts that could be read, in which more faults can be found."""
+        kept = [step for step, unit in zip(plan.parts, units, strict=True) if unit is not None]
+        self.context.sink.suppress_about(
+            part_name(step, plan.separator) for step in plan.parts if step not in kept
+        )
+        return replace(plan, parts=tuple(kept))
+
+    def _joined(self, plan: Plan, base: Unit, units: list[Unit], stands: bool) -> Composed | None:
+        """Attach the parts to the base, add the recipe's own elements, and return the result."""
+        before = self.context.sink.error_count
+        base.root.set("model", plan.name)
+        if plan.base.keyframes == "none" and BASE not in plan.key_sources:
+            remove_keys(base)
+        self.watch([base, *units], plan)
+        making = ElementBuilder.of(plan, base, self.context, model_angle="radian")
+        linking = self._linking(plan, base, units, making=making)
+        early = EarlyAdditions(plan, linking, making)
+        linking.later_places = early
+        if not link(linking):
+            return None
+        self.keys.join(linking)
+        _carry_out(plan, linking, making, early=early)
+        changes = self._model_edits(plan, linking, making)
+        self._edit(plan, changes, linking, making=making)
+        if self.context.sink.error_count > before:
+            return None
+        finish(linking)
+        spare_added(linking)
+        hold_poses(plan, linking, making, context=self.context, session=self.loader.session)
+        linking.watch(linking.units, hold_poses)
+        session = self.loader.session
+        self.needless += set_collisions(
+            plan, linking, making, context=self.context, session=session, samples=self.makes_shapes
+        )
+        check_names_of_keys(linking, making)
+        if changes:
+            changes.of_keys()
+        self.keys.add(linking)
+        roots = [base.root, *(unit.root for unit in units)]
+        self.unplaced[base.root] = unplaced_records(
+            plan,
+            part_requests(plan, stands),
+            linking.parts,
+            inner=[self.unplaced.get(root, []) for root in roots],
+        )
+        if self.context.sink.error_count > before:
+            return None
+        return Composed(
+            linking.flat(),
+            tuple(linking.files),
+            drawn=(*plan.drawn, *(changes.drawn if changes else ())),
+            tabled=tuple(changes.tabled) if changes else (),
+        )
+
+    def _linking(self, plan: Plan, base: Unit, units: list[Unit], making: ElementBuilder) -> Linking:
+        """Return the base and its parts, with the joints between them, ready to be linked."""
+        parts = [part_of(step, unit, making) for step, unit in zip(plan.parts, units, strict=True)]
+        linking = Linking(
+            base, parts, self.context.sink, request=_request(plan), measure=self.measure, watch=self.watch
+        )
+        self.watch(linking.units, linking)
+        if self.notes_parts:
+            self._note_parts(plan, units)
+        # Whether the model is in degrees is known only with all parts.
+        making.model_angle = model_angle(linking)
+        for step, part in zip(plan.parts, parts, strict=True):
+            add_joints(step, part, linking, making=making)
+        return linking
+
+    def _edit(self, plan: Plan, changes: ModelEdits | None, linking: Linking, making: ElementBuilder) -> None:
+        """Carry out the edits, lay out the keys, and report what is wrong with the model before it is finished."""
+        sink = self.context.sink
+        are_named = True
+        if changes and sink.has_errors:  # without what is at fault a selector means other things
+            are_named = changes.in_doubt()
+        elif changes:
+            changes.of_elements()
+        check_intervals(making)
+        if are_named:
+            write_keyframes(plan, linking, making)
+        if sink.has_errors:
+            # A missing file is reported beside other errors. What a joint moves is not known without what is at fault.
+            check_files(linking.base, linking.files, sink, shown=self.context.shown)
+        elif are_named:
+            for step, part in zip(plan.parts, linking.parts, strict=True):
+                check_mass(step, part, linking, making=making)
+        check_size(linking.base, sink, attached_size(linking.base))
+
+    def _model_edits(self, plan: Plan, linking: Linking, making: ElementBuilder) -> ModelEdits | None:
+        if not (plan.edits or plan.draws):
+            return None
+        from mjcompose.build.compose.edits import ModelEdits  # few recipes need it
+
+        return ModelEdits(
+            plan,
+            linking,
+            making,
+            parts=self.parts,
+            cost=self.cost,
+            outcomes=self.edits,
+            workshop=self._workshop(),
+        )
+
+    def _workshop(self) -> Workshop:
+        """Return the place where meshes are worked on, one for the whole composition."""
+        if self.workshop is None:
+            from mjcompose.build.compose.mesh_jobs import Workshop  # few recipes need it
+
+            self.workshop = Workshop(self.context, self.makes_shapes)
+        return self.workshop
+
+    def _note_parts(self, plan: Plan, units: list[Unit]) -> None:
+        """Record the part of each element before the units are joined. A nested recipe has already recorded its own."""
+        for step, unit in zip(plan.parts, units, strict=True):
+            name = part_name(step, plan.separator)
+            for node in unit.root.iter("*"):
+                inner = self.parts.get(node)
+                self.parts[node] = f"{name}/{inner}" if inner else name
+
+    def _anew(self, plan: Plan, stands: bool) -> Iterator[tuple[Key, Unit]]:
+        """Yield the sources of a plan as they are in their files."""
+        for place in plan.walk(stands):
+            if isinstance(place.model, Source) and place.model.format == "mjcf":
+                path = place.model.path
+                unit = parse_file(path, Sink(), file=self.context.shown(path), door=place.model.door)
+                if unit is not None:
+                    yield key_of(place.model, place.stands), unit
+
+    def _unit(self, plan: Plan, wanted: PartRequest) -> Unit | None:
+        """Return the base or a part of a plan, reduced to the requested subtree, or None if it has faults."""
+        if wanted.model is None:
+            return _empty(plan)
+        unit = self._whole(wanted, locate(plan.document, (*wanted.at, "model")))
+        if unit is None:
+            return None
+        if isinstance(wanted.model, Source):
+            self.keys.read(unit)
+        if wanted.body is not None:
+            subtree = wanted.take(unit, self.context.sink, self.measure)
+            if subtree is None:
+                return None
+            self.watch([unit], subtree)
+            self.subtrees[plan.place_of(wanted.at)] = subtree
+        if wanted.drop or wanted.edit:
+            from mjcompose.build.compose.edits import PartEdits  # few recipes need it
+
+            edits = PartEdits(
+                plan,
+                wanted,
+                unit,
+                context=self.context,
+                measure=self.measure,
+                watch=self.watch,
+                cost=self.cost,
+                outcomes=self.edits,
+                workshop=self._workshop(),
+                keys=self.keys,
+            )
+            dropped = edits.carry_out()
+            if dropped is None:
+                return None
+            if wanted.drop:
+                from mjcompose.link.subtree import Subtree
+
+                known = self.subtrees.get(plan.place_of(wanted.at), Subtree(None, ()))
+                self.subtrees[plan.place_of(wanted.at)] = Subtree(known.body, (*known.left, *dropped))
+        return unit
+
+    def _whole(self, wanted: PartRequest, span: Span) -> Unit | None:
+        if isinstance(wanted.model, Plan):
+            composed = self._compose(wanted.model, wanted.stands)
+            return composed.model if composed else None
+        assert wanted.model is not None
+        return self.loader.unit(wanted.model, span, wanted.stands)
+
+
+def _top_tags(plan: Plan) -> Iterator[str]:
+    """Yield the tags for which the recipe sets the top class."""
+    for step in plan.steps:
+        if isinstance(step, SetDefault) and step.name == MAIN:
+            yield from (child.tag for child in step.element.children)
+
+
+def _empty(plan: Plan) -> Unit:
+    return Unit(etree.Element("mujoco"), plan.file, plan.path.parent, label=plan.path.stem, door=NOTHING)
+
+
+def _request(plan: Plan) -> Request:
+    return Request(
+        plan.separator, plan.conflict, plan.settled, base_keyframes=plan.base.keyframes,
+        requested_keys=plan.key_sources if plan.keyframes else None,
+        isolated_tags=frozenset(_top_tags(plan)),
+        adds_mass=_adds_mass(plan),
+    )  # fmt: skip
+
+
+def _adds_mass(plan: Plan) -> bool:
+    """Return whether the recipe adds bodies, geoms or assets, and leaves the rules for the whole model to the base."""
+    if any(isinstance(step, SetSingleton) and step.section == "compiler" for step in plan.steps):
+        return False
+    return any(
+        step.section == "asset"
+        if isinstance(step, AppendElement)
+        else isinstance(step, AddElement) and step.element.tag not in _WEIGHTLESS
+        for step in plan.steps
+    )
+
+
+def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder, early: EarlyAdditions) -> None:
+    for step in plan.steps:
+        if not early.has_done(step) and (write := _WRITE.get(type(step))) is not None:
+            write(step, linking, making)
+            linking.watch(linking.units, step)
+    if making.pending:
+        classes = linking.base.classes
+
+        def kind(joint: Node) -> str:
+            return joint_type(joint, classes)
+
+        settle_joints(making, kind)
+        check_class_angles(linking, making)
+        linking.watch(linking.units, settle_joints)
+    check_names(linking, making)
+    linking.watch(linking.units, check_names)
+    for part in plan.parts:
+        check_joints(part, linking, making)
+    for node, attribute, name in making.files:
+        folder, door = making.folder_of(node, attribute), making.door_of(node, attribute)
+        add_named_file(
+            linking,
+            folder,
+            node,
+            attribute=attribute,
+            name=name,
+            door=door,
+            span=making.span_of(node, attribute),
+        )
+    if making.files:
+        linking.watch(linking.units, add_file)
+    making.files.clear()
+
+
+def adopted_settings(plan: Plan, context: Context, library: Library) -> tuple[Adopted, ...]:
+    """Return the settings that all parts agree on, among the parts that write them. A faulty model gives none.
+
+    Sources that the library has are not read again.
+    """
+    if not plan.parts:
+        return ()
+    aside = replace(context, sink=Sink())
+    composer = Composer(aside, measure_with(aside), library=library)
+    composer.expect(plan)
+    return composer.guarded(plan, True, lambda again: _settings(plan, again, True).adopted) or ()
+
+
+def _settings(plan: Plan, composer: Composer, stands: bool) -> Unit:
+    """Return a unit with only the settings of a plan's model."""
+    base, *parts = [_of(each, plan, composer) for each in part_requests(plan, stands)]
+    found, _ = common_settings(
+        asked := opinions(base),
+        [(step.prefix or part.label, opinions(part)) for step, part in zip(plan.parts, parts, strict=True)],
+        plan.settled,
+    )
+    adopted = (*of_base(base.adopted, asked, plan.settled), *found.values())
+    unit = Unit(base.root, base.file, base.directory, label=base.label, origins=base.origins, adopted=adopted)
+    for each in found.values():
+        if each.is_written:
+            set_value(unit, each.path, each.value)
+    making = ElementBuilder.of(plan, unit, composer.context, model_angle="radian")
+    linking = Linking(unit, [], composer.context.sink)
+    for step in plan.steps:
+        if isinstance(step, SetSingleton) and step.section in SINGLETONS:
+            set_singleton(step, linking, making)
+    return unit
+
+
+def _of(each: PartRequest, plan: Plan, composer: Composer) -> Unit:
+    if isinstance(each.model, Plan):
+        return _settings(each.model, composer, each.stands)
+    found = None if each.model is None else composer.unit_of(plan, each)
+    return found or Unit(etree.Element("mujoco"), plan.file, plan.path.parent, label=plan.path.stem)

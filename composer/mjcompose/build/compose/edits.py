@@ -1,0 +1,355 @@
+"""Steps: `drop` and `edit`, of parts and of the whole model."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Set
+from dataclasses import field, replace
+from typing import TYPE_CHECKING
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Note, Path
+from mjcompose.base.sink import Sink
+from mjcompose.build.compose.checks import check_intervals
+from mjcompose.build.compose.editing import EditCost, Editing, count_values
+from mjcompose.build.compose.elements import ElementBuilder
+from mjcompose.build.compose.load import PartRequest
+from mjcompose.build.compose.randomize import draw_values
+from mjcompose.build.compose.select import select_counted
+from mjcompose.build.compose.values import Masses, Unusable
+from mjcompose.build.plan.plan import Drawn, DropElements, EditOutcome, ElementDraws, ForeseenPlace, Plan
+from mjcompose.build.plan.steps import DrawValues, EditElements
+from mjcompose.build.verbs.remove import listed_kind, remove
+from mjcompose.build.verbs.table import CARRY_OUT
+from mjcompose.build.verbs.values import Entry
+from mjcompose.language.used_model import Drop
+from mjcompose.link.key_layout import element_of
+from mjcompose.link.keyframes import keyframes, lay_out_replaced
+from mjcompose.link.linking import Linking, Measure, Request
+from mjcompose.link.subtree import Left
+from mjcompose.link.unit_keys import KeyNotes, keys_of, layouts, remove_keys
+from mjcompose.model.select import section_of
+from mjcompose.model.selector import paths_of
+from mjcompose.model.unit import Key, PartKeys, Unit, Watch
+from mjcompose.sources.context import Context
+from mjcompose.text.node import Mapping as Located
+from mjcompose.text.node import locate, texts
+
+if TYPE_CHECKING:
+    from mjcompose.build.compose.mesh_jobs import Workshop
+
+_SETTINGS = ("option", "size", "visual", "statistic")
+
+
+def drop(entries: Iterable[Drop], editing: Editing, at: Path) -> list[Left]:
+    """Remove the elements that the entries select. Return all removed elements in the order of the entries."""
+    gone: list[Left] = []
+    for entry in entries:
+        path = (*at, entry.index)
+        if entry.select is not None:
+            found = select_counted(
+                editing, entry.select, path, expect=entry.expect, optional=entry.optional, counted_at=path
+            )
+        else:
+            found = _section_drop(editing, str(entry.section), path)
+        if found:
+            gone += remove(editing, found, cascade=True, at=path)
+    for section in list(editing.root.iterchildren("*")):
+        if section.tag != "worldbody" and not len(section) and not section.attrib:
+            editing.root.remove(section)
+    return gone
+
+
+def _section_drop(editing: Editing, tag: str, path: Path) -> list[Node]:
+    sections = list(editing.root.iterchildren(tag))
+    found = (
+        sections if tag in _SETTINGS else [each for section in sections for each in section.iterchildren("*")]
+    )
+    unit = editing.linking.base
+    if any(each.path.startswith(f"{tag}/") for each in unit.adopted):
+        unit.adopted = tuple(each for each in unit.adopted if not each.path.startswith(f"{tag}/"))
+        return found
+    if not found:
+        message = f"`{editing.linking.base.label}` has nothing in `{tag}` that could be left out"
+        editing.sink.error("selector", message, editing.span(path), help=f"take `{tag}` out of `drop`")
+    return found
+
+
+def edit(step: EditElements, editing: Editing, workshop: Workshop) -> EditOutcome | None:
+    """Apply an entry to every element that it selects. Report at most one error per entry.
+
+    Return what was changed, or None after an error.
+    """
+    entry = step.edit
+    found = select_counted(
+        editing,
+        entry.select,
+        (*entry.at, "select"),
+        expect=entry.expect,
+        optional=entry.optional,
+        counted_at=(*entry.at, "expect"),
+        values=count_values(entry.verbs),
+    )
+    if not found:
+        is_right = entry.expect == 0 or entry.optional
+        return EditOutcome({}) if is_right and not editing.cost.ended else None
+    selected = Counter(listed_kind(node, section_of(node)) for node in found)
+    work = Entry(editing, found, Masses(editing, found), workshop=workshop)
+    try:
+        for name, value in entry.verbs.items():
+            CARRY_OUT[name](work, value, (*entry.at, name))
+        work.check()
+    except Unusable:
+        return None
+    return EditOutcome(selected, tuple(work.gone), tuple(each.about for each in work.records))
+
+
+def is_of_keys(step: EditElements | DrawValues) -> bool:
+    """Return whether a step is about keys, and therefore waits until they are laid out."""
+    select = step.edit.select if isinstance(step, EditElements) else step.field.select
+    return select is not None and "keyframe/key" in paths_of(select.tag)
+
+
+@dataclass(slots=True)
+class PartEdits:
+    """Edits a unit. Its keys are laid out anew, and edits of keys are carried out after that."""
+
+    plan: Plan
+    wanted: PartRequest
+    unit: Unit
+    context: Context
+    measure: Measure | None
+    watch: Watch
+    cost: EditCost
+    outcomes: dict[ForeseenPlace, EditOutcome]
+    workshop: Workshop
+    keys: KeyNotes
+
+    def carry_out(self) -> tuple[Left, ...] | None:
+        """Carry out the drops and edits. Return what was dropped, or None after a reported error."""
+        before = self.context.sink.error_count
+        if self.wanted.keyframes == "none":
+            remove_keys(self.unit)
+        linking = Linking(
+            self.unit, [], self.context.sink, request=Request(self.plan.separator), measure=self.measure
+        )
+        # First of all: the numbers of the keys belong to joints and actuators as the source has them.
+        layouts(linking)
+        editing = self._editing(linking)
+        gone = self._dropped(editing) if self.wanted.drop else []
+        steps = [EditElements(each, locate(self.plan.document, each.at)) for each in self.wanted.edit]
+        self._edited([step for step in steps if not is_of_keys(step)], editing)
+        if self.context.sink.error_count == before:
+            inner = _still_meant(self.unit.part_keys, linking.keys.void_keys)
+            keyframes(linking)
+            self.watch([self.unit], keyframes)
+            self.unit.part_keys = inner
+            self._edited([step for step in steps if is_of_keys(step)], self._editing(linking))
+        self.keys.add(linking)
+        self.unit.forget_classes()
+        return tuple(gone) if self.context.sink.error_count == before else None
+
+    def _editing(self, linking: Linking) -> Editing:
+        plan, unit = self.plan, self.unit
+        making = ElementBuilder.of(plan, unit, self.context, model_angle=unit.settings.angle)
+        return Editing(
+            linking,
+            making,
+            plan.scope,
+            own=True,
+            cost=self.cost,
+            motors=plan.motors,
+        )
+
+    def _dropped(self, editing: Editing) -> list[Left]:
+        at = (*self.wanted.at, "drop")
+        gone = drop(self.wanted.drop, editing, at)
+        self.watch([self.unit], DropElements(self.wanted.drop, locate(self.plan.document, at)))
+        return gone
+
+    def _edited(self, steps: list[EditElements], editing: Editing) -> None:
+        for step in steps:
+            outcome = edit(step, editing, self.workshop)
+            if outcome is not None:
+                self.outcomes[self.plan.place_of(step.edit.at)] = outcome
+            self.watch([self.unit], step)
+        check_intervals(editing.making)
+
+
+def _still_meant(keys: Mapping[str, PartKeys], emptied: Set[Node]) -> dict[str, PartKeys]:
+    """Return the keys of the parts of a nested recipe without the numbers that lost their meaning."""
+
+    def kept(key: Key) -> Key:
+        values = {
+            vector: {holder: row for holder, row in columns.items() if element_of(holder) not in emptied}
+            for vector, columns in key.values.items()
+        }
+        return replace(key, values=values)
+
+    return {path: PartKeys(depth, tuple(map(kept, found))) for path, (depth, found) in keys.items()}
+
+
+# Errors that do not depend on what is missing: a name, an attribute or a selector that is wrong in any model.
+_CERTAIN = ("selector", "unknown-name", "unknown-attribute")
+_UNNAMING = {"remove", "rename"}  # after which an element does not have its name any more
+_SECTIONS_WITHOUT_NAMES = ("edit", "randomize", "check", "keyframe")
+
+
+@dataclass(frozen=True, slots=True)
+class ModelEdits:
+    """The edits and draws of a recipe on its model. Draws are appended to `drawn` and `tabled`."""
+
+    plan: Plan
+    linking: Linking
+    making: ElementBuilder
+    parts: Mapping[Node, str]
+    cost: EditCost
+    outcomes: dict[ForeseenPlace, EditOutcome]
+    workshop: Workshop
+    drawn: list[Drawn] = field(default_factory=list)
+    tabled: list[ElementDraws] = field(default_factory=list)
+
+    def of_elements(self) -> None:
+        """Carry out all edits and draws, except for those about keys."""
+        self._edit(of_keys=False)
+        self._draw(of_keys=False)
+
+    def in_doubt(self) -> bool:
+        """Carry out edits on a model that lacks what has errors elsewhere, to find more errors.
+
+        Only edits that select one name are carried out, and only errors that do not depend on what is missing are
+        reported. Return whether the elements have the names to which keys refer.
+        """
+        making, own = self.making, self.making.sink
+        making.sink = self.linking.sink = aside = own.fork()
+        aside.suppress_about(_declared(self.plan.document))
+        try:
+            return self._edit_by_name(aside)
+        finally:
+            making.sink = self.linking.sink = own
+            for each in aside.errors:
+                if each.code in _CERTAIN:
+                    own.add(each)
+
+    def _edit_by_name(self, sink: Sink) -> bool:
+        editing = self._editing()
+        for step in self.plan.edits:
+            before, selector = sink.error_count, step.edit.select
+            is_certain = selector.is_one_name and not sink.suppresses(selector.pattern)
+            if is_certain and not is_of_keys(step):
+                self._carry_out(step, editing)
+            if "rename" in step.edit.verbs and (not is_certain or sink.error_count > before):
+                return False
+        return True
+
+    def of_keys(self) -> None:
+        """Carry out edits and draws about keys. The edits do not change the keys that the recipe itself writes."""
+        if any(is_of_keys(step) for step in self.plan.edits):
+            places = self._taken_out()
+            self._edit(of_keys=True)
+            self._put_back(places)
+        self._draw(of_keys=True)
+
+    def _edit(self, of_keys: bool) -> None:
+        editing = self._editing()
+        replaced = lay_out_replaced(self.linking) if of_keys else []
+        for step in self.plan.edits:
+            if is_of_keys(step) == of_keys:
+                # Any other change to a key that the recipe replaces would be lost.
+                stand_ins = replaced if _UNNAMING & step.edit.verbs.keys() else []
+                replaced = self._edited_beside(step, editing, stand_ins) if stand_ins else replaced
+                if not stand_ins:
+                    self._carry_out(step, editing)
+                self.linking.watch(self.linking.units, step)
+
+    def _carry_out(self, step: EditElements, editing: Editing) -> None:
+        outcome = edit(step, editing, self.workshop)
+        if outcome is not None:
+            self.outcomes[self.plan.place_of(step.edit.at)] = outcome
+
+    def _draw(self, of_keys: bool) -> None:
+        """Write draws into the model after all edits."""
+        editing = self._editing()
+        for step in self.plan.draws:
+            if is_of_keys(step) == of_keys:
+                values, rows = draw_values(step, editing)
+                self.drawn.extend(values)
+                self.tabled.extend(rows)
+                self.linking.watch(self.linking.units, step)
+
+    def _editing(self) -> Editing:
+        plan = self.plan
+        return Editing(
+            self.linking,
+            self.making,
+            plan.scope,
+            parts=self.parts,
+            cost=self.cost,
+            motors=plan.motors,
+        )
+
+    def _edited_beside(self, step: EditElements, editing: Editing, keys: list[Node]) -> list[Node]:
+        """Carry out an edit on a model that also has the keys which are replaced later.
+
+        Return those of them that are still to be replaced: an edit may have removed or renamed some.
+        """
+        names = [str(key.get("name")) for key in keys]
+        self.linking.base.section("keyframe").extend(keys)
+        for key in keys:
+            editing.note(key)
+        self._carry_out(step, editing)
+        left = [
+            key
+            for key, name in zip(keys, names, strict=True)
+            if key.getparent() is not None and key.get("name") == name
+        ]
+        for key in left:
+            editing.forget(key)
+            _section_model_edits(key).remove(key)
+        return left
+
+    def _taken_out(self) -> list[tuple[Node, Node]]:
+        """Take the recipe's own keys out of the model. Return each with the comment that marks its place."""
+        names = {key.name for key in self.linking.keys.written}
+        places: list[tuple[Node, Node]] = []
+        for key in keys_of(self.linking.base):
+            if key.get("name") in names:
+                place = etree.Comment("")
+                _section_model_edits(key).replace(key, place)
+                places.append((key, place))
+        return places
+
+    def _put_back(self, places: list[tuple[Node, Node]]) -> None:
+        base = self.linking.base
+        others = {key.get("name"): key for key in keys_of(base)}
+        for key, place in places:
+            section = place.getparent()
+            if section is None or section.getparent() is not base.root:
+                base.section("keyframe").append(key)
+            else:
+                section.replace(place, key)
+            if (other := others.get(key.get("name"))) is not None:
+                self.making.sink.error(
+                    "name-clash",
+                    f"a key cannot be called `{key.get('name')}`: the recipe writes a key of that name",
+                    base.origins.span(other, base.file, "name"),
+                    notes=(Note("the other one", base.origins.span(key, base.file)),),
+                    help="choose another name",
+                    subjects=(str(key.get("name")),),
+                )
+
+
+def _section_model_edits(key: Node) -> Node:
+    section = key.getparent()
+    assert section is not None
+    return section
+
+
+def _declared(document: Located) -> Iterator[str]:
+    """Yield every text that may be the name of something that does not exist because of another error."""
+    for section, (_, value) in document.entries.items():
+        if section not in _SECTIONS_WITHOUT_NAMES:
+            yield from texts(value)

@@ -1,0 +1,472 @@
+"""Steps: the recipe's own elements and sections become MJCF nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import field
+from functools import partial
+from pathlib import Path
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from mjcompose.base.access import Door
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.rotation import quat_from_euler
+from mjcompose.base.sink import Sink
+from mjcompose.build.plan.plan import Plan
+from mjcompose.build.plan.steps import AngleContext, AngleSettings, AppendElement, SetDefault, SetSingleton
+from mjcompose.language.element import CONFIG
+from mjcompose.language.form import Element, Single, Value
+from mjcompose.link import numbers
+from mjcompose.link.angles import in_sequence
+from mjcompose.link.linking import Linking
+from mjcompose.model.classes import MAIN
+from mjcompose.model.edit import unresolved
+from mjcompose.model.grammar import GRAMMAR, Attribute, ElementType, to_text
+from mjcompose.model.unit import FileText, Origins, Unit, line_of
+from mjcompose.model.values import is_in_degrees
+from mjcompose.sources.context import Context
+from mjcompose.text.expression_values import Angle
+from mjcompose.text.node import Mapping as Located
+from mjcompose.text.node import Scalar, find, locate
+
+
+@dataclass(slots=True)
+class ElementBuilder:
+    """Turns a recipe's elements into nodes of one model, and keeps what it has made so far.
+
+    `angle_context` has the units of the recipe's bare angles, `model_angle` is the unit of the model's. Paths of files
+    in messages are relative to `folder`. `door_of_text` returns the door for a recipe in a folder, which decides
+    which files it may name.
+
+    `made` has the recipe's element for every node, `fragments` the line of nodes that came as text, counted as if
+    the text began below its key. `pending` are the angles of joints, which wait until the node is in the tree and
+    its class is known. `of_keys` are references to keys, which wait until the keys are laid out. `of_classes` are
+    the numbers in classes whose value depends on whether they are angles or lengths, with a flag for angles.
+    `intervals` are the pairs of lower and upper ends that the recipe writes, each with its place.
+    """
+
+    document: Located
+    file: str
+    sink: Sink
+    angle_context: AngleContext
+    model_angle: str
+    model_eulerseq: str
+    folder: Path
+    base_file: str
+    origins: Origins
+    door_of_text: Callable[[Path], Door]
+    made: dict[Node, Element] = field(default_factory=dict)
+    fragments: dict[Node, int] = field(default_factory=dict)
+    registered: list[tuple[Node, str]] = field(default_factory=list)
+    pending: list[tuple[Node, Element, str]] = field(default_factory=list)
+    of_keys: list[tuple[Node, str, str, str]] = field(default_factory=list)
+    of_classes: list[tuple[Node, Element, str, bool]] = field(default_factory=list)
+    files: list[tuple[Node, str, str]] = field(default_factory=list)
+    intervals: dict[tuple[Node, str], Span] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, plan: Plan, unit: Unit, context: Context, *, model_angle: str) -> ElementBuilder:
+        """Return what makes the elements of a plan's recipe in a unit, whose messages then quote the recipe."""
+        unit.origins.texts[plan.file] = FileText(plan.path)
+        return cls(
+            document=plan.document,
+            file=plan.file,
+            sink=context.sink,
+            angle_context=plan.angle_context,
+            model_angle=model_angle,
+            model_eulerseq=unit.settings.eulerseq,
+            folder=context.folder,
+            base_file=unit.file,
+            origins=unit.origins,
+            door_of_text=context.door_of_text,
+        )
+
+    def span(self, element: Element, attribute: str | None = None) -> Span:
+        """Return where an element is written: its key, or the value of the attribute if it is written there."""
+        for name in _written_as(element, attribute):
+            path = (*element.at, name)
+            if find(self.document, path) is not None:
+                return locate(self.document, path)
+        is_value = element.tag == CONFIG and attribute == "value"  # `config: {KEY: VALUE}`
+        return locate(self.document, element.at, key=not is_value)
+
+    def angle_settings_of(self, element: Element, attribute: str) -> AngleSettings:
+        """Return how an attribute of an element is read. In a fragment, it is read as the fragment is."""
+        path = (*element.at, attribute)
+        written = self.angle_context.others and find(self.document, path) is not None
+        return self.angle_context.at(path if written else (*element.at, "xml"))
+
+    def turned(self, value: object, settings: AngleSettings, radians: Callable[[float], float]) -> float:
+        """Return an angle in the model's unit. `radians` converts degrees as MuJoCo does for this attribute."""
+        return _in(value, settings, self.model_angle, radians=radians)
+
+    def span_of(self, node: Node, attribute: str | None = None) -> Span:
+        """Return where a node, or the value of its attribute, is written. A fragment is searched for its place."""
+        return self._span_of(node, self.made[node], self.fragments.get(node), attribute=attribute)
+
+    def _span_of(self, node: Node, element: Element, start: int | None, attribute: str | None) -> Span:
+        if start is None:
+            return self.span(element, attribute)
+        written = {str(name): str(value) for name, value in node.items()}
+        text = self.origins.text(self.file)
+        names = [attribute, "euler"] if attribute == "quat" else [attribute] if attribute else []
+        for line in (start, start - 1) if text is not None else ():  # below the key, or beside it
+            assert text is not None
+            tag = str(node.tag)
+            found = next(
+                (at for name in names if (at := text.attribute(tag, line, written, name=name))), None
+            )
+            if found is None and attribute == "name" and text.element(tag, line, written) is not None:
+                return locate(self.document, element.at, key=True)
+            found = found or text.element(tag, line, written)
+            if found is not None:
+                return Span(
+                    self.file, found.line, found.column, end_line=found.line, end_column=found.end_column
+                )
+        return locate(self.document, (*element.at, "xml"))
+
+    def folder_of(self, node: Node, attribute: str) -> Path:
+        """Return the folder of the recipe that writes the value of an attribute. Files are relative to it."""
+        return (self.folder / self.span_of(node, attribute).file).parent
+
+    def door_of(self, node: Node, attribute: str) -> Door:
+        """Return what the recipe that writes the value of an attribute may read."""
+        return self.door_of_text(self.folder_of(node, attribute))
+
+    def written(self, node: Node) -> Collection[str]:
+        """Return the attributes of a node that the recipe wrote."""
+        if node in self.fragments:
+            return [str(name) for name in node.keys()]  # noqa: SIM118 (an element is not a mapping)
+        made = self.made.get(node)
+        return made.attributes if made is not None else ()
+
+    def place(self, node: Node) -> None:
+        """Record where a new node and everything below it come from."""
+        for inner in node.iter("*"):
+            if inner in self.made:
+                # An edit puts another element in `made`: this is where the node comes from all the same.
+                element, start = self.made[inner], self.fragments.get(inner)
+                self.origins.own(inner, partial(self._span_of, inner, element, start))
+
+    def register(self, node: Node, section: str) -> None:
+        """Record a new node as `place` does, and have the names in it and below it checked later."""
+        self.place(node)
+        self.registered.append((node, section))
+
+
+def _written_as(element: Element, attribute: str | None) -> tuple[str, ...]:
+    """Return the keys under which the recipe may have an attribute: `_set_euler` writes an `euler` as a `quat`."""
+    if attribute is None:
+        return ()
+    return (attribute, "euler") if attribute == "quat" and "euler" in element.attributes else (attribute,)
+
+
+def make(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
+    """Return the node of a recipe element with its children."""
+    if element.xml is not None:
+        return _parsed(element, kind, making)
+    node = etree.Element(element.tag)
+    making.made[node] = element
+    for name, value in element.attributes.items():
+        attribute = kind.attributes.get(name)
+        if attribute is None:
+            continue
+        _set(node, element, attribute, value=value, making=making)
+    for child in element.children:
+        child_kind = kind.children.get(child.tag)
+        if child_kind is not None:
+            node.append(make(child, child_kind, making))
+    return node
+
+
+def update(node: Node, element: Element, kind: ElementType, making: ElementBuilder) -> None:
+    """Overwrite the attributes of an existing node, and of its children, with those of a recipe element."""
+    before = making.origins.owner(node, making.base_file)
+
+    def place(attribute: str | None) -> Span:
+        if attribute is None or attribute in element.attributes:
+            return making.span(element, attribute)
+        return making.origins.span_by(before, node, attribute)
+
+    making.origins.own(node, place)
+    for name, value in element.attributes.items():
+        attribute = kind.attributes.get(name)
+        if attribute is not None:
+            _set(node, element, attribute, value=value, making=making)
+    for child in element.children:
+        child_kind = kind.children[child.tag]
+        existing = next(node.iterchildren(child.tag), None)
+        if existing is None:
+            made = make(child, child_kind, making)
+            node.append(made)
+            making.place(made)
+        else:
+            update(existing, child, child_kind, making=making)
+
+
+def _set(node: Node, element: Element, attribute: Attribute, value: object, making: ElementBuilder) -> None:
+    name = attribute.name
+    if attribute.is_interval:
+        making.intervals[node, name] = making.span(element, name)
+    if attribute.angle == "orientation-euler" or attribute.angle == "replicate":
+        _set_euler(node, element, name, value=value, making=making)
+    elif attribute.angle == "orientation-axisangle" and isinstance(value, tuple):
+        *axis, angle = value
+        inner = making.turned(angle, making.angle_settings_of(element, name), numbers.orientation_radians)
+        node.set(name, numbers.text([*map(float, axis), inner]))
+    elif attribute.angle == "joint":
+        # The `range` of a hinge is an angle and that of a slide is not: of `range="0 90"` in degrees MuJoCo 4.0 makes 0
+        # 1.5708 and 0 90.
+        making.pending.append((node, element, name))
+    else:
+        if attribute.type == "file":
+            making.files.append((node, name, str(value)))
+        # `fovy` and `cutoff` are in degrees whatever `<compiler angle="radian"/>` says.
+        unit = "degree" if is_in_degrees(str(node.tag), name) else "radian"
+        node.set(name, to_text(attribute, _plain(value, unit)))
+
+
+def _set_euler(node: Node, element: Element, name: str, value: object, making: ElementBuilder) -> None:
+    assert isinstance(value, tuple)
+    settings = making.angle_settings_of(element, name)
+    turned = [making.turned(angle, settings, numbers.orientation_radians) for angle in value]
+    if settings.eulerseq == making.model_eulerseq:
+        node.set(name, numbers.text(turned))
+    elif node.tag != "replicate":
+        radians = [in_radians(angle, settings) for angle in value]
+        node.set("quat", numbers.text(quat_from_euler(radians, settings.eulerseq)))
+    # The schema has no `quat` for a `<replicate>`: only a turn about one axis can be written in another sequence.
+    elif (moved := in_sequence(turned, settings.eulerseq, making.model_eulerseq)) is not None:
+        node.set(name, numbers.text(moved))
+    else:
+        making.sink.error(
+            "not-supported",
+            f"`{name}` of a `replicate` turns about several axes in the sequence `{settings.eulerseq}`, "
+            f"the model reads `{making.model_eulerseq}`",
+            making.span(element, name),
+            help="give each axis a `replicate` of its own",
+        )
+
+
+def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> None:
+    """Write the ranges and references of joints after the classes, and so the joint types, are known."""
+    for node, element, name in making.pending:
+        value = element.attributes[name]
+        values = value if isinstance(value, tuple) else (value,)
+        kind = joint_type(node)
+        angular = kind == "hinge" or (kind == "ball" and name in ("range", "springyield"))
+        settings = making.angle_settings_of(element, name)
+        as_length = numbers.text([float(_plain(v, "radian")) for v in values])  # type: ignore[arg-type]
+        as_angle = numbers.text([making.turned(v, settings, numbers.joint_radians) for v in values])
+        node.set(name, as_angle if angular else as_length)
+        if as_angle != as_length and next(node.iterancestors("default"), None) is not None:
+            making.of_classes.append((node, element, name, angular))
+        bare = [at for at, v in enumerate(values) if not isinstance(v, Angle) and v != 0]
+        if angular and bare and settings.angle is None:
+            number = values[bare[0]]
+            making.sink.error(
+                "bare-angle",
+                f"`{name}` of a {kind} is an angle and {number} has no unit",
+                _item_span(making, node, element, name=name, index=bare[0]),
+                help=f"write `{number}deg` or `{number}rad`, or `angle: degree` at the top of the recipe",
+            )
+    making.pending.clear()
+
+
+def _item_span(making: ElementBuilder, node: Node, element: Element, name: str, index: int) -> Span:
+    path = (*element.at, name, index)
+    return (
+        making.span_of(node, name) if find(making.document, path) is None else locate(making.document, path)
+    )
+
+
+def joint_attributes(element: Element, making: ElementBuilder) -> dict[str, str]:
+    """Return the attributes of a joint between a place and a part. It has no class unless it names one."""
+    kind = GRAMMAR.element("body").children["joint"]
+    node = etree.Element("joint", {"class": MAIN})
+    making.made[node] = element
+    for name, value in element.attributes.items():
+        if name != "name" and name in kind.attributes:
+            _set(node, element, kind.attributes[name], value=value, making=making)
+    settle_joints(making, lambda joint: str(joint.get("type") or "hinge"))
+    return {str(name): str(value) for name, value in node.items()}
+
+
+def in_radians(
+    value: object, settings: AngleSettings, radians: Callable[[float], float] = numbers.orientation_radians
+) -> float:
+    """Return an angle in radians. `radians` converts degrees as MuJoCo does for this attribute."""
+    return _in(value, settings, "radian", radians=radians)
+
+
+def _in(value: object, settings: AngleSettings, unit: str, radians: Callable[[float], float]) -> float:
+    """Return an angle in `unit`. An angle without a unit is in the recipe's unit."""
+    if isinstance(value, Angle):
+        number, written = value.value, "degree" if value.unit == "deg" else "radian"
+    else:
+        number, written = float(value), settings.angle or unit  # type: ignore[arg-type]  # a bare one is 0
+    if written == unit:
+        return number
+    return radians(number) if unit == "radian" else number / numbers.RADIANS_PER_DEGREE
+
+
+def _plain(value: object, unit: str) -> object:
+    """Return an angle such as `90deg` in the unit that MJCF uses for a number that is not a pose."""
+    if isinstance(value, tuple):
+        return tuple(_plain(item, unit) for item in value)
+    if isinstance(value, Angle):
+        if unit == "degree":
+            return value.value if value.unit == "deg" else value.value / numbers.RADIANS_PER_DEGREE
+        return numbers.joint_radians(value.value) if value.unit == "deg" else value.value
+    return value
+
+
+def plain(value: Single) -> float:
+    """Return a number of a pose. An angle with a unit is converted to radians."""
+    return float(_plain(value, "radian"))  # type: ignore[arg-type]
+
+
+def _parsed(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
+    """Return the node of an MJCF fragment, whose angles are in the recipe's unit."""
+    # A recipe may be somebody else's: its text opens no file and no address.
+    parser = etree.XMLParser(remove_blank_text=True, resolve_entities=False, no_network=True)
+    node = etree.fromstring(element.xml or "", parser)
+    for name, value in element.attributes.items():
+        node.set(name, to_text(kind.attributes[name], value))
+    scalar = find(making.document, (*element.at, "xml"))
+    _read_fragment(
+        node, element, kind, making=making, line=scalar.span.line if isinstance(scalar, Scalar) else 0
+    )
+    return node
+
+
+def _read_fragment(
+    node: Node, element: Element, kind: ElementType, making: ElementBuilder, line: int
+) -> None:
+    """Read the numbers of a fragment as those of the recipe. Its other attributes stay as they are written."""
+    values: dict[str, Value] = {}
+    intervals: list[str] = []
+    for key, text in node.items():
+        name = str(key)
+        attribute = kind.attributes.get(name)
+        if attribute is None:
+            continue
+        if attribute.angle:
+            read = numbers.read(str(text))
+            values[name] = tuple(read) if attribute.max_length != 1 else read[0]
+        elif attribute.type == "file":
+            values[name] = str(text)
+        if attribute.is_interval:
+            intervals.append(name)
+    own = Element(element.tag, {**element.attributes, **values}, at=element.at)
+    making.made[node] = own
+    making.fragments[node] = line + (line_of(node) or 1)
+    for name, value in values.items():
+        if kind.attributes[name].angle in ("orientation-euler", "replicate"):
+            del node.attrib[name]
+        _set(node, own, kind.attributes[name], value=value, making=making)
+    for name in intervals:
+        making.intervals[node, name] = making.span_of(node, name)
+    for child in node.iterchildren("*"):
+        child_kind = kind.children.get(child.tag)
+        if child_kind is not None:
+            _read_fragment(child, element, child_kind, making=making, line=line)
+
+
+def default_kind(tag: str) -> ElementType:
+    return GRAMMAR.element(f"default/{tag}")
+
+
+def set_singleton(step: SetSingleton, linking: Linking, making: ElementBuilder) -> None:
+    """Write `option`, `visual` and the like. The recipe is written last, so its values win."""
+    node = linking.base.section(step.section)
+    update(node, step.element, GRAMMAR.section(step.section), making=making)
+
+
+def set_default(step: SetDefault, linking: Linking, making: ElementBuilder) -> None:
+    """Write the settings of a class, and create the class if needed. `main` is the base's own top class."""
+    name = (linking.base_class or MAIN) if step.name == MAIN else step.name
+    found = linking.names.find("default", name)
+    if found is None and name in (MAIN, linking.base_class):
+        found = linking.base.section("default") if name == MAIN else _class_node(linking, name)
+    if found is None:
+        parent = _parent(step, linking, making)
+        found = etree.Element("default", {"class": name})
+        if parent is not None:  # else that was reported, and the class counts as declared all the same
+            parent.append(found)
+        linking.names.declared.setdefault("default", {})[name] = found
+        making.origins.own(found, step.span)
+    elif step.parent is not None:
+        making.sink.error(
+            "class-clash",
+            f"the default class `{step.name}` exists already, and `parent` is for a new one",
+            making.span(step.element, "parent"),
+            notes=(Note(f"`{step.name}` is declared here", linking.span(linking.base, found)),),
+            help="leave `parent` out to change the class, or choose another name",
+            subjects=(step.name,),
+        )
+        return
+    for child in step.element.children:
+        kind = default_kind(child.tag)
+        existing = next(found.iterchildren(child.tag), None)
+        if existing is None:
+            # A class's own settings come before the classes nested in it.
+            node = make(child, kind, making)
+            found.insert(len(found) - len(list(found.iterchildren("default"))), node)
+            making.register(node, "default")
+        else:
+            update(existing, child, kind, making=making)
+            making.made[existing] = child
+            making.registered.append((existing, "default"))
+
+
+def _parent(step: SetDefault, linking: Linking, making: ElementBuilder) -> etree._Element | None:
+    if step.parent is None or step.parent == MAIN:
+        return (
+            _class_node(linking, linking.base_class)
+            if linking.base_class
+            else linking.base.section("default")
+        )
+    found = linking.names.find("default", step.parent)
+    if found is None:
+        span = making.span(step.element, "parent")
+        making.sink.add(unresolved(linking, "default", step.parent, span=span, written="parent: {}"))
+    return found
+
+
+def _class_node(linking: Linking, name: str) -> etree._Element:
+    return next(node for node in linking.base.root.iter("default") if node.get("class") == name)
+
+
+def append(step: AppendElement, linking: Linking, making: ElementBuilder) -> None:
+    """Append an element to a section that holds several."""
+    section = linking.base.section(step.section)
+    kind = GRAMMAR.section(step.section)
+    child = kind.children[step.element.tag]
+    node = make(step.element, child, making)
+    if step.section == "extension":
+        # All instances of a plugin are in one element, whichever part declares them.
+        existing = next((plugin for plugin in section if plugin.get("plugin") == node.get("plugin")), None)
+        if existing is not None:
+            existing.extend(list(node))
+            for instance in existing:
+                if instance in making.made:
+                    making.register(instance, step.section)
+            return
+    if linking.base_class is not None and node.get("class") is None and _has_class(child, linking):
+        node.set("class", linking.base_class)
+    section.append(node)
+    making.register(node, step.section)
+
+
+def _has_class(kind: ElementType, linking: Linking) -> bool:
+    """Return whether an element of a section must name the top class of the base."""
+    attribute = kind.attributes.get("class")
+    if attribute is None or attribute.since is None:
+        return attribute is not None
+    # `<texture class="c"/>` is an error before MuJoCo 3.17, in which classes have no settings for textures either.
+    top = _class_node(linking, str(linking.base_class))
+    return kind.tag in linking.request.isolated_tags or next(top.iterchildren(kind.tag), None) is not None

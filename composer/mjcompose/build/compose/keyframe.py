@@ -1,0 +1,413 @@
+"""Step: write the recipe's keys, from values by the names of joints, actuators and mocap bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import field, replace
+from functools import partial
+from typing import Any
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.suggest import closest, did_you_mean, exists_note, renaming, unknown_name
+from mjcompose.build.compose.actuators import ControlUnits
+from mjcompose.build.compose.elements import ElementBuilder, in_radians, plain
+from mjcompose.build.plan.plan import Plan
+from mjcompose.build.plan.steps import WriteKeyframe
+from mjcompose.language.form import Single, shown
+from mjcompose.language.keyframe import FROM, JOINT, TIME, VECTORS, Entry
+from mjcompose.link import numbers
+from mjcompose.link.key_layout import BLOCK, Copy, Layout, Slot, element_of
+from mjcompose.link.keyframes import part_keys
+from mjcompose.link.linking import Linking, Written
+from mjcompose.link.measure import emptied
+from mjcompose.link.unit_keys import final_layout
+from mjcompose.model.classes import through_frames
+from mjcompose.model.names import may_be_generated, word
+from mjcompose.model.unit import Key, KeySource, Number, taken
+from mjcompose.text.expression_values import Angle
+from mjcompose.text.node import find, locate
+
+_Holder = tuple[Node, Slot | None]
+"""A joint, an actuator or a mocap body; the slot is None for what always has the same width."""
+_JOINTS = ("joint", "freejoint")
+_MEANT = {
+    ("free", "qpos"): "position and quaternion, `[x, y, z, w, a, b, c]`",
+    ("free", "qvel"): "linear and angular velocity, `[x, y, z, a, b, c]`",
+    ("ball", "qpos"): "a quaternion, `[w, a, b, c]`",
+    ("ball", "qvel"): "an angular velocity, `[a, b, c]`",
+}
+
+
+def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> None:
+    """Resolve the names in the keys of the recipe. The linker lays them out with the keys of the parts."""
+    if not plan.keyframes:
+        return
+    layout = final_layout(linking)
+    if layout is None:
+        return
+    holders: dict[str, dict[str, _Holder]] = {
+        "joint": _joints(layout),
+        "actuator": {
+            _name(node): (node, slot)
+            for node, slot in layout.actuators.items()
+            if not isinstance(node, Copy) and node.tag != "attach" and _name(node)
+        },
+        "mocap body": {
+            _name(node): (node, None)
+            for node in layout.mocaps
+            if not isinstance(node, Copy) and node.tag == "body" and _name(node)
+        },
+    }
+    unnamed = [
+        node
+        for node in layout.actuators
+        if not isinstance(node, Copy) and node.tag != "attach" and not _name(node)
+    ]
+    parts = frozenset(plan.part_names)
+    types = {name: slot.kind for name, (_, slot) in holders["joint"].items() if slot is not None}
+    units = ControlUnits(linking, making.sink, types, in_doubt=making.sink.has_errors)
+    for step in plan.keyframes:
+        linking.keys.written.append(
+            _Writing(
+                step,
+                linking,
+                making,
+                holders=holders,
+                parts=parts,
+                units=units,
+                unnamed=unnamed,
+                actuators=layout.actuators,
+            ).key()
+        )
+
+
+def _joints(layout: Layout) -> dict[str, _Holder]:
+    """Return the joints by name. A joint without a name that is its body's only one has the name of the body."""
+    named = {_name(element_of(joint)) for joint in layout.joints}
+    found: dict[str, _Holder] = {}
+    for joint, slot in layout.joints.items():
+        if slot.kind == BLOCK or isinstance(joint, Copy):
+            continue
+        name = _name(joint)
+        if not name:
+            body = next(joint.iterancestors("body"))
+            name = _name(body)
+            if name in named or [each for each in through_frames(body) if each.tag in _JOINTS] != [joint]:
+                continue
+        found[name] = (joint, slot)
+    return found
+
+
+def _taken(key: Key, span: Span, void: Collection[Node]) -> Key:
+    """Return the key with each number marked as passed on by the `from` entry at `span`, if it is not `void`."""
+    values = {
+        vector: {holder: taken(row, span) for holder, row in columns.items()}
+        for vector, columns in key.values.items()
+    }
+    emptied(values, void)
+    time = None if key.time is None else taken([key.time], span)[0]
+    return replace(key, values=values, time=time)
+
+
+def _name(node: Node) -> str:
+    return str(node.get("name") or "")
+
+
+@dataclass(slots=True)
+class _Writing:
+    """One key that is being written."""
+
+    step: WriteKeyframe
+    linking: Linking
+    making: ElementBuilder
+    holders: Mapping[str, Mapping[str, _Holder]]
+    parts: frozenset[str]
+    units: ControlUnits
+    unnamed: Sequence[Node]
+    actuators: Mapping[Any, Slot]
+    values: dict[str, dict[Node, list[Number]]] = field(default_factory=dict)
+    noted: Written = field(init=False)
+
+    def key(self) -> Key:
+        asked, making, linking = self.step.key, self.making, self.linking
+        element = etree.Element("key")
+        making.origins.own(element, partial(self._written, element))
+        time = None
+        if asked.time is not None:
+            time = Number(numbers.text([asked.time]), KeySource("entry", TIME, span=self._at(TIME)))
+        key = Key(asked.name, time, element, file=making.file, origins=making.origins, values=self.values)
+        sources = self._sources()
+        self.noted = linking.keys.noted[element] = Written(
+            tuple(source.element for source in sources),
+            frozenset(linking.keys.void_keys),
+            asked.controls.hold == "forces",
+        )
+        for source in sources:
+            for vector, columns in source.values.items():
+                self.values.setdefault(vector, {}).update(columns)
+            if asked.time is None and source.time is not None:
+                self._take_time(key, source)
+        self._hold()
+        for vector, entries in asked.values.items():
+            for name, entry in entries.items():
+                self._set(vector, name, entry, path=(name,))
+        for joint, entry in asked.controls.joints.items():
+            found = self._of_joint(joint)
+            if found is not None:
+                self._place("ctrl", joint, found, entry=entry, path=(JOINT, joint))
+        return key
+
+    def _hold(self) -> None:
+        """Reserve the controls that hold the pose. Their values are known when the key is laid out."""
+        controls = self.step.key.controls
+        if controls.hold is not None:
+            for actuator, slot in self.actuators.items():
+                self._to_hold(actuator, slot, ("hold",))
+        for path in controls.held:
+            if path[0] == JOINT and len(path) > 1:
+                found = self._of_joint(path[1])
+            else:
+                found = self.holders["actuator"].get(path[0])
+                if found is None:
+                    self._unknown("ctrl", path[0])
+            if found is not None:
+                self._to_hold(found[0], found[1], path)
+
+    def _to_hold(self, actuator: Node, slot: Slot | None, path: tuple[str, ...]) -> None:
+        width = 1 if slot is None else slot.widths[0]
+        source = KeySource("entry", "ctrl", span=self._at("ctrl", *path))
+        self.values.setdefault("ctrl", {})[actuator] = [Number("0", source, at) for at in range(width)]
+        self.noted.held[element_of(actuator)] = self._at("ctrl", *path)
+
+    def _of_joint(self, joint: str) -> _Holder | None:
+        """Return the actuator that a joint name selects: the only one of the joint, or its only position servo."""
+        found = [
+            (node, slot)
+            for node, slot in self.actuators.items()
+            if not isinstance(node, Copy) and joint in (node.get("joint"), node.get("jointinparent"))
+        ]
+        if len(found) > 1:
+            servos = [each for each in found if self.units.is_position(each[0])]
+            found = servos if len(servos) == 1 else found
+        if len(found) == 1:
+            return found[0]
+        span = self._at("ctrl", JOINT, joint, key=True)
+        if found:
+            named = [f"`{_name(node)}`" for node, _ in found if _name(node)]
+            self.making.sink.error(
+                "unknown-name",
+                f"{len(found)} actuators act on the joint `{joint}`: which one is meant?",
+                span,
+                notes=(Note(f"those with a name: {', '.join(named)}"),) if named else (),
+                help="write it by the name of the actuator: `ctrl: {ACTUATOR: …}`",
+                subjects=(joint,),
+            )
+            return None
+        driven = [
+            str(end)
+            for node in self.actuators
+            if not isinstance(node, Copy) and (end := node.get("joint") or node.get("jointinparent"))
+        ]
+        exists = self.linking.names.find("joint", joint) is not None
+        self.making.sink.error(
+            "unknown-name",
+            f"the joint `{joint}` has no actuator" if exists else f"the joint `{joint}` does not exist",
+            span,
+            notes=(Note(f"joints with an actuator: {', '.join(dict.fromkeys(driven)) or 'none'}"),),
+            help=did_you_mean(joint, driven) if not exists else "write the actuator by its name",
+            subjects=(joint,),
+        )
+        return None
+
+    def _written(self, element: Node, attribute: str | None) -> Span:
+        path = (*self.step.key.at, attribute or "")
+        if attribute is None or find(self.making.document, path) is None:
+            return self.step.span
+        return locate(self.making.document, path)
+
+    def _at(self, *path: str, key: bool = False) -> Span:
+        return locate(self.making.document, (*self.step.key.at, *path), key=key)
+
+    def _sources(self) -> list[Key]:
+        """Return the keys that `from` names. Keys of a part come after those of what contains it."""
+        known = part_keys(self.linking)
+        found: list[tuple[int, Key]] = []
+        for part, name in self.step.key.sources.items():
+            there = known.get(part)
+            key = there.named(name) if there is not None else None
+            if there is not None and key is not None:
+                found.append((there.depth, _taken(key, self._at(FROM, part), self.linking.keys.void_keys)))
+                continue
+            if part not in self.parts:
+                continue  # the plan reports it
+            names = there.names if there is not None else []
+            span, message = self._at(FROM, part), f"`{part}` has no key `{name}`"
+            self.making.sink.add(
+                unknown_name(
+                    "key", name, names, span=span, message=message, written=f"{part}: {{}}", about=(part,)
+                )
+            )
+        return [key for _, key in sorted(found, key=lambda each: each[0])]
+
+    def _take_time(self, key: Key, source: Key) -> None:
+        assert source.time is not None
+        if key.time is None:
+            key.time = source.time
+        elif numbers.read(key.time.text) != numbers.read(source.time.text):
+            self.making.sink.error(
+                "keyframe-conflict",
+                f"the keys that `{key.name}` is made from have different times: {key.time.text} and {source.time.text}",
+                self._at(FROM, key=True),
+                notes=(Note("the second one is here", source.span(TIME)),),
+                help=f"write the time of the key: `{TIME}: {source.time.text}`",
+                subjects=(key.name,),
+            )
+
+    def _set(self, vector: str, name: str, entry: Entry, path: tuple[str, ...]) -> None:
+        known = self.holders[VECTORS[vector]].get(name)
+        if known is None:
+            self._unknown(vector, name)
+        else:
+            self._place(vector, name, known, entry=entry, path=path)
+
+    def _place(self, vector: str, name: str, known: _Holder, entry: Entry, path: tuple[str, ...]) -> None:
+        """Write the numbers of an entry. `path` is the place of the entry below its vector."""
+        node, slot = known
+        if slot is not None:
+            width = slot.widths[vector in ("qvel", "act")]
+            if len(entry) != width:
+                self._wrong_width(vector, name, slot, entry=entry, width=width, path=path)
+                return
+        meant = self._meant(vector, name, node, slot=slot, width=len(entry))
+        values = [
+            plain(value) if words is None else self._angle(vector, value, words, path=path)
+            for value, words in zip(entry, meant, strict=True)
+        ]
+        source = KeySource("entry", vector, span=self._at(vector, *path))
+        self.noted.entries.setdefault(vector, {})[node] = (values, self._at(vector, *path))
+        self.values.setdefault(vector, {})[node] = [
+            Number(text, source, at) for at, text in enumerate(numbers.text(values).split())
+        ]
+
+    def _meant(
+        self, vector: str, name: str, node: Node, slot: Slot | None, width: int
+    ) -> Sequence[str | None]:
+        """Return in words what each number of an entry is if it is an angle, else None."""
+        if slot is not None and slot.kind == "hinge":
+            return [f"`{vector}` of the hinge `{name}` is an angle"]
+        if vector not in ("ctrl", "act"):
+            return [None] * width
+        meant = self.units.of(node)
+        words = meant.controls if vector == "ctrl" else [meant.activation]
+        if len(words) != width:
+            return [None] * width
+        joint = node.get("joint") or node.get("jointinparent")
+        moves = f"`{vector}` of `{name}`, which moves the hinge `{joint}`, is"
+        return [each and f"{moves} {each}" for each in words]
+
+    def _angle(self, vector: str, value: Single, words: str, path: tuple[str, ...]) -> float:
+        settings = self.making.angle_context.at((*self.step.key.at, vector, *path))
+        if settings.angle is None and not isinstance(value, Angle) and value != 0:
+            self.making.sink.error(
+                "bare-angle",
+                f"{words} and {shown(value)} has no unit",
+                self._at(vector, *path),
+                help=f"write `{shown(value)}deg` or `{shown(value)}rad`, or `angle: degree` at the top of the recipe",
+            )
+        # Keys are in radians in any model: `<key qpos="90"/>` of a hinge is 90 in MuJoCo 4.0 under `angle="degree"`,
+        # too.
+        return in_radians(value, settings, numbers.joint_radians)
+
+    def _wrong_width(
+        self, vector: str, name: str, slot: Slot, entry: Entry, width: int, path: tuple[str, ...]
+    ) -> None:
+        kind = "actuator" if slot.kind == "actuator" else f"{slot.kind} joint"
+        count = f"{width} number{'' if width == 1 else 's'}" if width else "no numbers"
+        meant = _MEANT.get((slot.kind, vector))
+        self.making.sink.error(
+            "wrong-length",
+            f"`{vector}` of the {kind} `{name}` has {count}, got {len(entry)}",
+            self._at(vector, *path),
+            help=f"write {meant}" if meant else "leave it out" if not width else None,
+            subjects=(name,),
+        )
+
+    def _unknown(self, vector: str, name: str) -> None:
+        kind, linking, sink = VECTORS[vector], self.linking, self.making.sink
+        span = self._at(vector, name, key=True)
+        names = list(self.holders[kind])
+        declared = linking.names.find(kind, name)
+        if declared is not None and declared.getroottree().getroot() is not linking.base.root:
+            sink.suppress_about([name])  # it was lost with another fault
+        if kind == "joint" and declared is None and may_be_generated(name, linking.base.root):
+            sink.error(
+                "not-supported",
+                f"`{name}` in `{vector}` may be a joint that MuJoCo makes of a `<replicate>` or the like, "
+                "which a key cannot set yet",
+                span,
+                notes=(exists_note(kind, names, name),),
+                help="attach the part as often as it is needed: `replicate` in `attach`",
+                subjects=(name,),
+            )
+            return
+        near = closest(name, names)
+        help = f"did you mean `{near[0]}`?" if near else None
+        notes = [exists_note(kind, names, name)]
+        others = [each for each in linking.names.kinds_of(name) if each != kind]
+        if others and not near:
+            notes.insert(0, Note(f"`{name}` is {word(others[0], article=True)}"))
+            drives = [each for each, (node, _) in self.holders[kind].items() if node.get(others[0]) == name]
+            if drives:
+                named = " and ".join(f"`{each}`" for each in drives)
+                verb = "is the" if len(drives) == 1 else "are"
+                help = f"{named} {verb} {kind}{'s' * (len(drives) > 1)} of that {others[0]}"
+        if kind == "actuator" and self.unnamed:
+            notes.append(Note(f"{_count(len(self.unnamed))} no name, and a key goes by names"))
+            driven = [each for each in self.unnamed if name in (each.get("joint"), each.get("jointinparent"))]
+            if driven and vector == "ctrl":
+                # What has a name may be another actuator than the one that is meant.
+                also = f"; {help}" if help else ""
+                help = f"write it by its joint: `{vector}: {{joint: {{{name}: …}}}}`{also}"
+            help = help or _naming(self.unnamed, name)
+        sink.error(
+            "unknown-name",
+            f"the {kind} `{name}` to set `{vector}` of does not exist",
+            span,
+            notes=notes,
+            help=help,
+            subjects=(name,),
+            fix=None if others else renaming(name, names),
+        )
+
+
+def _count(actuators: int) -> str:
+    return "one actuator has" if actuators == 1 else f"{actuators} actuators have"
+
+
+def _naming(actuators: Sequence[Node], name: str) -> str:
+    """Return advice on naming those actuators, or those of them that act on the element with the name."""
+    ends = [
+        (each, str(attribute))
+        for each in actuators
+        for attribute, value in each.items()
+        if attribute in _TRANSMISSIONS and value == name
+    ]
+    if not ends:
+        common = [end for end in _TRANSMISSIONS if all(each.get(end) for each in actuators)]
+        new = f"${{{common[0]}}}" if common else "a${index}"
+        return (
+            f"""name them: `edit: [{{select: {{actuator: "**", where: {{name: ""}}}}, rename: "{new}"}}]`"""
+        )
+    (actuator, end), *more = ends
+    tag = actuator.tag if all(each.tag == actuator.tag for each, _ in more) else "actuator"
+    new = f'"{name}_${{index}}"' if more else name
+    which = "those that act on it have" if more else f"the `{tag}` that acts on it has"
+    select = f'{tag}: "**", where: {{{end}: {name}, name: ""}}'
+    return f"{which} no name; give one: `edit: [{{select: {{{select}}}, rename: {new}}}]`"
+
+
+_TRANSMISSIONS = ("joint", "jointinparent", "tendon", "site", "body", "cranksite", "slidersite")

@@ -1,0 +1,177 @@
+"""Keys during edits: removed, held, or scaled in vain."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from typing import TYPE_CHECKING, Any
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.diagnostic import Note, Path
+from mjcompose.build.compose.editing import Editing
+from mjcompose.build.compose.elements import ElementBuilder
+from mjcompose.build.compose.load import FINISHED, keep_finished
+from mjcompose.build.plan.plan import Plan
+from mjcompose.build.plan.steps import WriteKeyframe
+from mjcompose.language.keyframe import CTRL
+from mjcompose.language.value import attribute_and_index
+from mjcompose.link import numbers
+from mjcompose.link.key_layout import Layout
+from mjcompose.link.linking import Linking
+from mjcompose.link.unit_keys import keys_of
+from mjcompose.model.select import kind_of
+from mjcompose.model.unit import KeySource, Number, numbers_of, texts
+from mjcompose.mujoco import engine
+from mjcompose.text.node import locate
+
+if TYPE_CHECKING:
+    from mjcompose.sources.context import Context
+
+
+def only_zeros(editing: Editing, found: Iterable[Node], keys: Iterable[str]) -> list[str]:
+    """Return the attributes, or single numbers of them (`friction[0]`), that are zero on every element."""
+    nodes = list(found)
+    return [key for key in keys if nodes and all(_is_zero(editing, node, key) for node in nodes)]
+
+
+def report_only_zeros(editing: Editing, found: Sequence[Node], key: str, at: Path, help: str) -> None:
+    """Warn about a factor for a value that is zero on every element."""
+    whose = editing.called(found[0]) if len(found) == 1 else f"each of the {len(found)} selected elements"
+    editing.sink.warning(
+        "scale-of-zero",
+        f"`{key}` of {whose} is 0, and a factor does not change it",
+        editing.span(at),
+        notes=[Note(f"{editing.called(found[0])} is written here", editing.span_of(found[0]))],
+        help=help,
+    )
+
+
+def _is_zero(editing: Editing, node: Node, key: str) -> bool:
+    name, subscript = attribute_and_index(key)
+    attribute = kind_of(node).attributes.get(name)
+    if attribute is None or not attribute.is_number:
+        return False
+    have = numbers.read(editing.effective(node, name) or "")
+    those = have if subscript is None else have[subscript : subscript + 1]
+    return bool(those) and not any(those)
+
+
+@contextmanager
+def without_keys(root: Node) -> Iterator[None]:
+    """Remove the keys from a tree during the block."""
+    # MuJoCo 4.0 refuses numbers that are too many for the model as it is: "keyframe 0: invalid ctrl size, expected
+    # length 0".
+    sections = [(root.index(section), section) for section in root.iterchildren("keyframe")]
+    for _, section in sections:
+        root.remove(section)
+    try:
+        yield
+    finally:
+        for at, section in sections:
+            root.insert(at, section)
+
+
+def hold_poses(
+    plan: Plan, linking: Linking, making: ElementBuilder, context: Context, session: engine.Session | None
+) -> None:
+    """Write the controls, and the activations of filters and integrators, of every key that holds its pose."""
+    steps = [step for step in plan.keyframes if step.key.controls.hold or step.key.controls.held]
+    layout = linking.keys.final_layout
+    if not steps or layout is None:
+        return
+    with ExitStack() as stack:
+        session = session or stack.enter_context(engine.Session())
+        if keep_finished(linking, context, session):
+            for step in steps:
+                _hold(step, layout, linking, making=making, session=session)
+
+
+def _hold(
+    step: WriteKeyframe, layout: Layout, linking: Linking, making: ElementBuilder, session: engine.Session
+) -> None:
+    from mjcompose.mujoco.controls import hold  # needs numpy, and few keys hold
+
+    keys = list(keys_of(linking.base))
+    index = next(at for at, key in enumerate(keys) if key.get("name") == step.key.name)
+    controls, path = step.key.controls, (*step.key.at, CTRL)
+    question = {"key": index, "forces": controls.hold == "forces"}
+    answer = engine.call(session, hold, [FINISHED], argument=question)
+    if not answer.ok:
+        making.sink.error("mujoco-crash", f"MuJoCo stumbles over the key `{step.key.name}`: {answer.error}",
+                          locate(making.document, path))  # fmt: skip
+        return
+    found: dict[str, Any] = answer.value
+    if found["left"]:
+        making.sink.warning(
+            "not-held",
+            f"the actuators cannot hold the key `{step.key.name}`: {found['left']:.4g} N or N m are left",
+            locate(making.document, path),
+        )
+    for vector, rows in (("ctrl", found["ctrl"]), ("act", found["act"])):
+        _write(vector, rows, found, step=step, key=keys[index], layout=layout, linking=linking, making=making)
+
+
+def _write(
+    vector: str, values: list[float | None], found: dict[str, Any], step: WriteKeyframe, key: Node,
+    layout: Layout, linking: Linking, making: ElementBuilder,
+) -> None:  # fmt: skip
+    """Write the values of the holding actuators into the row of a key."""
+    record = linking.base.origins.keys.get(key)
+    row = numbers_of(record, key, vector) or [
+        Number("0", KeySource("zero", vector), at) for at in range(len(values))
+    ]
+    singles = {locate(making.document, (*step.key.at, CTRL, *path)): path for path in step.key.controls.held}
+    given = set(step.key.values.get(vector, {}))
+    controls = dict(enumerate(numbers_of(record, key, "ctrl")))
+    changed, unknown = False, []
+    for actuator, at, width, control in _addresses(layout, vector):
+        source = controls[control].source if control in controls else None
+        span = None if source is None else source.span
+        whole = span == locate(making.document, (*step.key.at, CTRL, "hold"))
+        if source is None or source.kind != "entry" or not (whole or span in singles):
+            continue
+        kind = found["unlike"].get(str(control))
+        if kind and not whole and vector == "ctrl":
+            _no_control(step, singles[span], kind, making=making)  # type: ignore[index]
+        name = "" if isinstance(actuator, str) else str(getattr(actuator, "get", lambda _: "")("name") or "")
+        if kind and whole and vector == "ctrl" and control in found["unknown"]:
+            unknown.append(f"`{name}` ({kind})" if name else f"{kind} without a name")
+        for place in range(at, at + width):
+            value = values[place]
+            # What the recipe says of an activation itself stands.
+            if value is not None and not (vector == "act" and name in given):
+                text = numbers.text([value + 0.0])
+                row[place] = Number(text, KeySource("entry", vector, span=span), place - at)
+                changed = True
+    if changed:
+        key.set(vector, " ".join(texts(row)))
+        if record is not None:
+            record.numbers[vector] = row
+    if unknown:
+        making.sink.warning(
+            "not-held",
+            f"nothing says which control of {', '.join(unknown)} holds the key `{step.key.name}`: it is 0 there",
+            locate(making.document, (*step.key.at, CTRL)),
+            help="write the control beside `hold`: `ctrl: {hold: positions, ACTUATOR: 0.3}`",
+        )
+
+
+def _addresses(layout: Layout, vector: str) -> Iterator[tuple[Any, int, int, int]]:
+    """Yield every actuator with the start and count of its numbers in a vector, and the start of its controls."""
+    at = control = 0
+    for actuator, slot in layout.actuators.items():
+        width = slot.widths[vector == "act"]
+        yield actuator, at, width, control
+        at += width
+        control += slot.widths[0]
+
+
+def _no_control(step: WriteKeyframe, path: tuple[str, ...], kind: str, making: ElementBuilder) -> None:
+    making.sink.error(
+        "not-held",
+        f"no control of `{path[-1]}` holds the pose of the key `{step.key.name}`: it is {kind}",
+        locate(making.document, (*step.key.at, CTRL, *path)),
+        help="write its control, or `ctrl: {hold: forces}`, which balances what acts on the model in that pose",
+        subjects=(path[-1],),
+    )

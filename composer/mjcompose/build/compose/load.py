@@ -1,0 +1,203 @@
+"""Steps: a source becomes a unit, or one body of it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import field
+from pathlib import Path as PathlibPath
+from typing import TYPE_CHECKING
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Note, Path, Span
+from mjcompose.base.sink import Sink
+from mjcompose.build.plan.plan import BASE, Plan, Tables, part_name, stands_in_world
+from mjcompose.language.used_model import Drop, Edit
+from mjcompose.link.linking import KeyPolicy, Linking, Measure
+from mjcompose.link.measure import folder_of
+from mjcompose.link.source_check import check_source
+from mjcompose.model.parse import all_admitted, parse_file
+from mjcompose.model.unit import Unit, Watch, element_at, nobody
+from mjcompose.model.xml_text import write
+from mjcompose.mujoco import engine
+from mjcompose.mujoco.messages import parse, report, translate
+from mjcompose.sources.context import Context
+from mjcompose.sources.reference import Source
+from mjcompose.sources.ros import UrdfChoices
+from mjcompose.text.node import locate
+
+if TYPE_CHECKING:
+    from mjcompose.link.subtree import Subtree
+    from mjcompose.mujoco.engine import Session
+
+FINISHED = "finished"
+
+
+def keep_finished(linking: Linking, context: Context, session: engine.Session) -> bool:
+    """Compile the model and keep it in the session as `FINISHED`.
+
+    Return False if MuJoCo refuses it, which is reported.
+    """
+    unit = linking.flat()
+    text = write(unit.root)
+    with folder_of(unit) as folder:
+        found = engine.compile(folder, text=text.decode(), keep=FINISHED, session=session)
+    if not found.ok:
+        fault = parse(found.error or "")
+        element = None if fault.line is None else element_at(unit.root, text, fault.line)
+        report(translate(" ".join(fault.message.split()), element), element, unit, context=context)
+    return found.ok
+
+
+Key = tuple[PathlibPath, tuple[tuple[str, PathlibPath], ...], UrdfChoices, bool]
+"""`Source.read_as`, and whether it stands in the world."""
+
+Library = dict[Key, Unit]
+"""Units as their files have them, for all that are composed with it."""
+
+
+@dataclass(slots=True)
+class Loader:
+    """Loads the units of source files.
+
+    `expect` announces how often each is needed, so the last use needs no copy. Units that are in the `library` are
+    not read again, and new ones are added to it. `checks` is set if every file must be valid MJCF as a whole, not
+    only where the composition reads it.
+    """
+
+    context: Context
+    session: Session | None = None
+    watch: Watch = nobody
+    library: Library | None = None
+    checks: bool = False
+    parsed: dict[Key, Unit | None] = field(default_factory=dict)
+    uses: Counter[Key] = field(default_factory=Counter)
+
+    def expect(self, model: Source, stands: bool) -> None:
+        self.uses[key_of(model, stands)] += 1
+
+    def unit(self, model: Source, span: Span | None, stands: bool) -> Unit | None:
+        """Return the unit of a source, or None if it has faults. With `stands`, it is fixed in the world."""
+        key = key_of(model, stands)
+        if key not in self.parsed:
+            refused = (
+                self.parsed.get((*key[:3], not key[3]), ...) is None
+            )  # one fault of a file is reported once
+            self.parsed[key] = None if refused else self._known(key) or self._read(model, span, stands)
+        unit = self.parsed[key]
+        self.uses[key] -= 1
+        # Linking uses a unit up.
+        if unit is not None and self.uses[key] > 0:
+            unit = unit.copied()
+        if unit is not None:
+            self.watch([unit], model)
+        return unit
+
+    def tables(self) -> Tables:
+        """Return what was read of each source that is not MJCF, and what was not."""
+        return {key[:3]: unit.table for key, unit in self.parsed.items() if unit is not None and unit.table}
+
+    def _known(self, key: Key) -> Unit | None:
+        unit = self.library.get(key) if self.library is not None else None
+        return None if unit is None else unit.copied()
+
+    def _read(self, model: Source, span: Span | None, stands: bool) -> Unit | None:
+        unit = self._new(model, span, stands)
+        if unit is not None and self.library is not None:
+            self.library[key_of(model, stands)] = unit.copied()
+        return unit
+
+    def _new(self, model: Source, span: Span | None, stands: bool) -> Unit | None:
+        if model.format == "urdf":
+            from mjcompose.build.compose.urdf import urdf_unit  # few recipes need it
+
+            return urdf_unit(model, self.context, self.session, span=span, stands=stands)
+        sink, shown = self.context.sink, self.context.shown
+        unit = parse_file(model.path, sink, file=shown(model.path), span=span, door=model.door)
+        if unit is None or not all_admitted(unit, sink, shown):
+            return None
+        if self.checks and not check_source(unit, sink):
+            return None
+        return unit
+
+
+def key_of(model: Source, stands: bool) -> Key:
+    """Return a key that is equal for sources that read the same. For MJCF, `stands` does not matter."""
+    return *model.read_as, stands or model.format != "urdf"
+
+
+@dataclass(frozen=True, slots=True)
+class PartRequest:
+    """A model of a plan, base or part, and the name of the body to take; None for the whole model.
+
+    `at` is the path to the model's mapping in the recipe, `span` the place of `subtree`. `stands` is set if the
+    model is fixed in the world of the final model.
+    """
+
+    model: Source | Plan | None
+    body: str | None
+    at: Path
+    keyframes: KeyPolicy
+    span: Span
+    stands: bool
+    drop: tuple[Drop, ...] = ()
+    edit: tuple[Edit, ...] = ()
+
+    def take(self, unit: Unit, sink: Sink, measure: Measure | None) -> Subtree | None:
+        """Reduce the unit to the body. Return None after a reported error if that is impossible."""
+        from mjcompose.link.subtree import take_subtree  # few recipes need it
+
+        assert self.body is not None
+        found = take_subtree(unit, self.body, sink, span=self.span, keyframes=self.keyframes, measure=measure)
+        if found is not None and found.cut:
+            _report_cut(unit, found, sink, span=self.span)
+        return found
+
+
+def part_requests(plan: Plan, stands: bool) -> Iterator[PartRequest]:
+    """Yield the requests for the base of a plan and for its parts, in their order.
+
+    `stands` says whether the model of the plan is fixed in the world.
+    """
+    base, document = plan.base, plan.document
+    span = locate(document, ("base", "subtree"))
+    key_sources = plan.key_sources
+    keyframes: KeyPolicy = "merge" if BASE in key_sources else base.keyframes
+    yield PartRequest(
+        base.model,
+        base.subtree,
+        (BASE,),
+        keyframes=keyframes,
+        span=span,
+        stands=stands,
+        drop=base.drop,
+        edit=base.edit,
+    )
+    for step in plan.parts:
+        part = step.attachment
+        span = locate(document, (*step.at, "subtree"))
+        keyframes = "merge" if part_name(step, plan.separator) in key_sources else part.keyframes
+        inside = stands and stands_in_world(part)
+        yield PartRequest(
+            step.model,
+            part.subtree,
+            step.at,
+            keyframes=keyframes,
+            span=span,
+            stands=inside,
+            drop=part.drop,
+            edit=part.edit,
+        )
+
+
+def _report_cut(unit: Unit, found: Subtree, sink: Sink, span: Span) -> None:
+    """What concerns the subtree and something else is left; nobody should miss that."""
+    alone = len(found.cut) == 1
+    what = f"the {found.cut[0].called}" if alone else f"{len(found.cut)} elements"
+    sink.warning(
+        "subtree-cut",
+        f"the subtree `{found.body}` of `{unit.label}` comes without {what}, which {'reaches' if alone else 'reach'}"
+        " out of it",
+        span,
+        notes=tuple(Note(f"the {each.called} needs {each.lacks}", each.span) for each in found.cut),
+    )

@@ -1,0 +1,130 @@
+"""What a plan will do and need, found out without building."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from mjcompose.base.files import read_regular
+from mjcompose.base.sink import Sink
+from mjcompose.build.bundle.bundle import unwritable
+from mjcompose.build.bundle.staging import staged_file
+from mjcompose.build.compose.actuators import models_in
+from mjcompose.build.compose.compose import Composed, Composer, adopted_settings
+from mjcompose.build.compose.load import Library
+from mjcompose.build.compose.shape_store import kept_beside
+from mjcompose.build.plan.describe import acknowledge
+from mjcompose.build.plan.plan import EditOutcome, Foreseen, Gains, Plan
+from mjcompose.link.linking import Measure
+from mjcompose.link.measure import measure_with
+from mjcompose.model.grammar import GRAMMAR
+from mjcompose.model.merged_settings import Adopted
+from mjcompose.mujoco import engine
+from mjcompose.sources.context import Context
+
+
+def foresee(plan: Plan, context: Context) -> Foreseen:
+    """Return what the plan will remove, what edits select, and on what the parts agree. Errors go to the sink.
+
+    The model is composed once, if edits or contacts need it. Otherwise only the sources that matter are read.
+    """
+    library: Library = {}
+    measure = measure_with(context)
+    composer = Composer(context, measure, library=library)
+    composed: Composed | None = None
+    if plan.edits_elements:
+        composed = composer.compose(plan)
+        acknowledge(plan, context.sink, context.shown, whole=False)
+    else:
+        if plan.takes_subtrees:
+            composer.read_subtrees(plan)
+        if _excludes_touching(plan):
+            composed = _composed_aside(plan, context, library)
+    adopted = _adopted(plan, composed, context, library=library)
+    excluded = () if composed is None else composed.excluded
+    gains = tuple(_gains(composed, composer.edits.values(), measure))
+    return Foreseen(composer.subtrees, composer.edits, adopted, excluded=excluded, gains=gains)
+
+
+def _composed_aside(plan: Plan, context: Context, library: Library) -> Composed | None:
+    """Return the composed model for the bodies that touch. Its errors are not reported here."""
+    aside = replace(context, sink=Sink())
+    with engine.Session() as session:
+        measure = measure_with(aside, session=session)
+        return Composer(aside, measure, session, library=library).compose(plan)
+
+
+def _adopted(
+    plan: Plan, composed: Composed | None, context: Context, library: Library
+) -> tuple[Adopted, ...]:
+    if composed is None:
+        return adopted_settings(plan, context, library)
+    return composed.model.adopted if plan.parts else ()
+
+
+def _excludes_touching(plan: Plan) -> bool:
+    return any(each.excludes_touching for each in plan.plans())
+
+
+def _gains(composed: Composed | None, edits: Iterable[EditOutcome], measure: Measure) -> Iterator[Gains]:
+    """Yield what the servos do to their joints, if an edit is about actuators."""
+    actuators = GRAMMAR.section("actuator").children
+    if composed is None or not any(
+        kind in ("actuator", *actuators) for each in edits for kind in each.selected
+    ):
+        return
+    found = composed.model.root.findall("actuator/*")
+    for node, model in (models_in(composed.model, measure, found) or {}).items():
+        if model.gear and (model.kp or model.kv):
+            name = node.get("name") or f"the {node.tag} of {node.get('joint') or node.get('tendon')}"
+            yield Gains(
+                str(name),
+                model.kp * model.gear**2,
+                model.kv * model.gear**2,
+                gear=model.gear,
+                unit=model.unit,
+            )
+
+
+def made_for(plans: Iterable[Plan], context: Context) -> dict[str, bytes]:
+    """The results that plans need, by key; what is not kept yet is made now. Faults go to the context's sink."""
+    found: dict[str, bytes] = {}
+    library: Library = {}
+    working = [plan for plan in plans if plan.works_on_meshes]
+    if not working:
+        return found
+    assert context.fetching is not None
+    context.fetching.remakes_shapes = True
+    try:
+        with engine.Session() as session:
+            for plan in working:
+                measure = measure_with(context, session=session)
+                composer = Composer(context, measure, session, library=library)
+                composer.compose(plan)
+                acknowledge(plan, context.sink, context.shown, whole=False)
+                if composer.workshop is not None:
+                    found |= composer.workshop.store.used
+    finally:
+        context.fetching.remakes_shapes = False
+    return found
+
+
+def write_beside(folder: Path, shapes: Mapping[str, bytes]) -> None:
+    """Let a folder beside a recipe have these results and no others. Raises OutputError."""
+    before = kept_beside(folder)
+    if not shapes and not before:
+        return
+    try:
+        folder.mkdir(exist_ok=True)
+        for key, content in shapes.items():
+            path = folder / f"{key}.json"
+            if key not in before or read_regular(path) != content:
+                with staged_file(path, rewrites=True) as stage:
+                    stage.write_bytes(content)
+        for key in before.keys() - shapes.keys():
+            before[key].unlink(missing_ok=True)
+        if not shapes and not any(folder.iterdir()):
+            folder.rmdir()
+    except OSError as error:
+        raise unwritable(str(folder), error) from error

@@ -1,0 +1,407 @@
+"""Verbs `collision` and `simplify`: meshes that are replaced or made smaller.
+
+Verb `collision`: new geoms touch in the place of a mesh's geom, which stays as it is seen.
+
+The mass and the inertia of a body stay what they were: the old geom keeps what it weighs, and the new ones weigh
+nothing.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.access import held
+from mjcompose.base.diagnostic import Fault, Note, Path
+from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose
+from mjcompose.build.compose.editing import Editing
+from mjcompose.build.compose.mesh_jobs import Asked, Record, Workshop
+from mjcompose.build.compose.values import Unusable, refuse
+from mjcompose.build.plan.plan import MadeShapes
+from mjcompose.link import numbers
+from mjcompose.link.files import ASSETS
+from mjcompose.link.inertia import has_mass
+from mjcompose.link.linking import FileUse
+from mjcompose.link.numbers import read_pose
+from mjcompose.model.classes import ORIENTATIONS, childclass_of, own
+from mjcompose.model.edit import assign, changing, referrers
+from mjcompose.model.files import written_path
+from mjcompose.model.select import name_of, section_of
+
+_NEUTRAL = {"scale": "1 1 1", "refpos": "0 0 0", "refquat": "1 0 0 0"}
+_FILE_NAME = re.compile(r"[^\w.+-]")
+
+
+def obj(shape: Mapping[str, Any]) -> bytes:
+    r"""Vertices and faces as a file.
+
+    >>> obj({"vertices": [[0, 0, 0], [1, 0, 0.5], [0, 1, 0]], "faces": [[0, 1, 2]]}).decode()
+    'v 0 0 0\nv 1 0 0.5\nv 0 1 0\nf 1 2 3\n'
+    """
+    lines = [f"v {' '.join(f'{each:.7g}' for each in vertex)}" for vertex in shape["vertices"]]
+    lines += [f"f {' '.join(str(corner + 1) for corner in face)}" for face in shape["faces"]]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def write_file(editing: Editing, mesh: Node, name: str, key: str, shape: Mapping[str, Any]) -> None:
+    """Give a mesh the shape as its file, where it stands as the shape says, whatever its class says of scales."""
+    linking, unit = editing.linking, editing.linking.base
+    content = obj(shape)
+    # The key keeps it apart from every file that the model has.
+    file = f"{_FILE_NAME.sub('_', name)}.{key[:8]}.obj"
+    classes = dict.fromkeys(_NEUTRAL)
+    for attribute in (*classes, "content_type", "vertex", "normal", "texcoord", "face", "builtin", "params"):
+        mesh.attrib.pop(attribute, "")
+    for attribute, neutral in _NEUTRAL.items():
+        if (editing.effective(mesh, attribute) or neutral).split() != neutral.split():
+            mesh.set(attribute, neutral)
+    linking.files = [use for use in linking.files if use.element is not mesh]
+    if editing.own:
+        mesh.set("file", file)
+        path = written_path(unit.settings, mesh, file)
+        unit.contents = {**unit.contents, path: content}
+        return
+    folders, _, last = name.rpartition("/")
+    path = f"{ASSETS}/{_folder(folders)}{_FILE_NAME.sub('_', last)}.{key[:8]}.obj"
+    mesh.set("file", path)
+    linking.files.append(
+        FileUse(mesh, "file", path, source=held(os.path.join(unit.directory, path)), content=content)
+    )
+
+
+def _folder(names: str) -> str:
+    steps = [_FILE_NAME.sub("_", each).strip(".") for each in names.split("/")]
+    return "".join(f"{each}/" for each in steps if each)
+
+
+_TAKEN = (
+    "condim", "priority", "friction", "solmix", "solref", "solimp", "margin", "gap", "surfacevel", "adhesion",
+)  # fmt: skip
+"""What a geom says of its contacts; the new ones say the same, and are of the same class."""
+_UNSEEN = 3
+"""MuJoCo's viewers show the groups 0 to 2 as long as nobody asks for more."""
+_SUFFIXES = {"hull": "hull", "decompose": "part", "spheres": "sphere"}
+
+
+def collide(
+    editing: Editing, workshop: Workshop, found: list[Node], value: Mapping[str, Any], at: Path
+) -> list[Record]:
+    """Make the geoms; gives what was made, or nothing where there was no time for it."""
+    span = editing.span(at)
+    asked: list[tuple[Node, Asked]] = []
+    for node in found:
+        mesh = _mesh_of(editing, node, at)
+        _check_free(editing, node, at)
+        each = workshop.asked(editing, mesh, value["method"], wanted=value["wanted"], span=span)
+        if each is None:
+            raise Unusable
+        asked.append((node, each))
+    before = editing.sink.error_count
+    results = workshop.results(editing, [each for _, each in asked])
+    if results is None:
+        if editing.sink.error_count > before:
+            raise Unusable
+        return []
+    meshes: dict[tuple[str, int], str] = {}
+    records = [
+        _made_collision(editing, node, each, result=results[each.key], meshes=meshes, at=at)
+        for node, each in asked
+    ]
+    workshop.records += records
+    return records
+
+
+def _mesh_of(editing: Editing, node: Node, at: Path) -> Node:
+    """The asset of a geom, which must be of type `mesh`."""
+    type = editing.effective(node, "type") or "sphere"
+    name = editing.effective(node, "mesh")
+    if type != "mesh" or not name:
+        what = f"it is of type `{type}`"
+        help = "select the geoms of meshes alone: `where: {type: mesh}`"
+        if type in ("box", "sphere", "capsule", "cylinder", "ellipsoid") and not name:
+            what = f"it is a {type} already"
+        refuse(
+            editing,
+            node,
+            Fault("wrong-type", f"{editing.called(node)} has no mesh to start from: {what}", at, help=help),
+        )
+    ends = numbers.read(editing.effective(node, "fromto") or "")
+    if node.get("mesh") is None or (ends and not any(map(math.isnan, ends))):
+        what = "its mesh" if node.get("mesh") is None else "`fromto`"
+        message = f"a class gives {editing.called(node)} {what}, and would give it to the new geoms too"
+        refuse(editing, node, Fault("not-supported", message, at, help="write it on the geoms"))
+    return mesh_called(editing, node, str(name), at=at)
+
+
+def mesh_called(editing: Editing, node: Node, name: str, at: Path) -> Node:
+    """The asset of that name, which a geom names."""
+    mesh = editing.find_node("mesh", name)
+    if mesh is None:
+        refuse(
+            editing,
+            node,
+            Fault("unknown-name", f"the mesh `{name}` of {editing.called(node)} does not exist", at),
+        )
+    assert mesh is not None
+    return mesh
+
+
+def _check_free(editing: Editing, node: Node, at: Path) -> None:
+    """What names the geom for its contacts would be about something that touches nothing."""
+    name = name_of(node)
+    if not name:
+        return
+    users = [
+        each.node
+        for each in referrers(editing, "geom", name)
+        if each.node.tag == "pair" or (each.node.tag == "contact" and section_of(each.node) == "sensor")
+    ]
+    if users:
+        notes = tuple(Note(f"{editing.called(each)} names it", editing.span_of(each)) for each in users)
+        message = f"{editing.called(node)} cannot get other collision shapes: its contacts are referred to"
+        help = "remove what names it, or select the other geoms"
+        refuse(editing, node, Fault("still-referred-to", message, at, notes=notes, help=help))
+
+
+def _made_collision(
+    editing: Editing,
+    node: Node,
+    asked: Asked,
+    result: dict[str, Any],
+    meshes: dict[tuple[str, int], str],
+    at: Path,
+) -> Record:
+    mesh_name = name_of(asked.node) or ""
+    shapes = result["shapes"]
+    many = len(shapes) > 1 or asked.method in ("decompose", "spheres")
+    pose = _pose(editing, node)
+    made = []
+    for number, shape in enumerate(shapes):
+        suffix = _SUFFIXES.get(asked.method, shape["type"])
+        end = f"_{suffix}{number:0{len(str(len(shapes) - 1))}d}" if many else f"_{suffix}"
+        geom = node.makeelement("geom")
+        geom.set("name", _free(editing, "geom", f"{name_of(node) or mesh_name}{end}"))
+        if shape["type"] == "mesh":
+            known = meshes.get((asked.key, number))
+            if known is None:
+                known = meshes[asked.key, number] = _new_mesh(
+                    editing, asked, f"{mesh_name}{end}", shape=shape, at=at
+                )
+            _write(editing, node, geom, given={"type": "mesh", "mesh": known}, pose=pose)
+        else:
+            own = Pose(tuple(shape["pos"]), tuple(shape["quat"]))
+            given = {"type": shape["type"], "size": numbers.text(shape["size"])}
+            _write(editing, node, geom, given=given, pose=pose @ own)
+        made.append(geom)
+    parent = node.getparent()
+    assert parent is not None
+    place = parent.index(node) + 1
+    for number, geom in enumerate(made):
+        parent.insert(place + number, geom)
+        _leave_out(editing, geom)
+        editing.making.origins.own(geom, editing.span(at))
+        editing.note(geom)
+    assign(editing, node, {"contype": "0", "conaffinity": "0"})
+    editing.write(node, {"contype": at, "conaffinity": at})
+    about = MadeShapes(
+        name_of(node) or "",
+        mesh_name,
+        asked.method,
+        wanted=asked.wanted,
+        shapes=tuple(name_of(geom) or "" for geom in made),
+        faces=result["mesh"]["faces"],
+        error=result["error"],
+        made_with=result["made_with"],
+        key=asked.key,
+        span=asked.span,
+    )
+    return Record(node, asked.node, tuple(made), about=about)
+
+
+def _write(editing: Editing, old: Node, geom: Node, given: Mapping[str, str], pose: Pose) -> None:
+    """The attributes of a new geom, but for those that undo what its class says."""
+    if old.get("class"):
+        geom.set("class", str(old.get("class")))
+    for name, text in given.items():
+        geom.set(name, text)
+    if pose.pos != ORIGIN:
+        geom.set("pos", numbers.text(pose.pos))
+    if pose.quat != IDENTITY_QUAT:
+        geom.set("quat", numbers.text(pose.quat))
+    contype, conaffinity = (
+        int(float(editing.effective(old, name) or 1)) for name in ("contype", "conaffinity")
+    )
+    if not contype and not conaffinity:
+        contype = conaffinity = 1  # it was only seen: now it touches, as MuJoCo's geoms do
+    geom.set("contype", str(contype))
+    geom.set("conaffinity", str(conaffinity))
+    geom.set("group", str(max(_UNSEEN, int(float(editing.effective(old, "group") or 0)))))
+    geom.set("mass", "0")
+    for name in _TAKEN:
+        if old.get(name):
+            geom.set(name, str(old.get(name)))
+
+
+def _leave_out(editing: Editing, geom: Node) -> None:
+    """Take back what the class says and the shape does not, and leave out what MuJoCo says anyway."""
+    classes, childclass = editing.classes, childclass_of(geom)
+    if (
+        geom.get("pos") is None
+        and numbers.read(classes.effective(geom, childclass, "pos") or "0") != [0.0] * 3
+    ):
+        geom.set("pos", "0 0 0")
+    if geom.get("quat") is None and _orientation(editing, geom) is not None:
+        geom.set("quat", "1 0 0 0")
+    if (editing.effective(geom, "fluidshape") or "none") != "none":
+        geom.set("fluidshape", "none")
+    for name in ("contype", "conaffinity"):
+        text = geom.attrib.pop(name)
+        if int(float(editing.effective(geom, name) or 1)) != int(str(text)):
+            geom.set(name, text)
+
+
+def _pose(editing: Editing, node: Node) -> Pose:
+    """Where a geom stands in its body, what its class says included."""
+    given = {name: str(node.get(name)) for name in ("pos", *ORIENTATIONS) if node.get(name)}
+    if "pos" not in given and (pos := editing.effective(node, "pos")):
+        given["pos"] = pos
+    turned = _orientation(editing, node)
+    if turned is not None and given.keys().isdisjoint(ORIENTATIONS):
+        given[turned[0]] = turned[1]
+    making = editing.making
+    return read_pose(given, making.model_angle == "degree", making.model_eulerseq)
+
+
+def _orientation(editing: Editing, node: Node) -> tuple[str, str] | None:
+    """The orientation that a class gives a geom."""
+    name = node.get("class") or childclass_of(node)
+    found = editing.classes.get(str(name) if name else None)
+    return None if found is None else found.orientation("geom")
+
+
+def _new_mesh(editing: Editing, asked: Asked, name: str, shape: Mapping[str, Any], at: Path) -> str:
+    free = _free(editing, "mesh", name)
+    section = asked.node.getparent()
+    assert section is not None
+    mesh = section.makeelement("mesh", {"name": free})
+    section.append(mesh)
+    write_file(editing, mesh, free, key=asked.key, shape=shape)
+    # A thin piece would have too little volume for MuJoCo's inertia; nothing weighs anything by it.
+    mesh.set("inertia", "shell")
+    editing.making.origins.own(mesh, editing.span(at))
+    editing.note(mesh)
+    return free
+
+
+def _free(editing: Editing, namespace: str, name: str) -> str:
+    """The name, or with a number where something has it already."""
+    free, number = name, 1
+    while editing.find_node(namespace, free) is not None:
+        number += 1
+        free = f"{name}_{number}"
+    return free
+
+
+def simplify(
+    editing: Editing, workshop: Workshop, found: list[Node], value: Mapping[str, Any], at: Path
+) -> list[Record]:
+    """Give the meshes fewer faces; what has no more than that stays as it is."""
+    span = editing.span(at)
+    asked: list[Asked] = []
+    for mesh in dict.fromkeys(_mesh(editing, node, at) for node in found):
+        for geom in _geoms(editing, name_of(mesh) or ""):
+            if _is_weighed(editing, geom):
+                what = f"the inertia of {_body(editing, geom)} follows from it"
+                message = f"{editing.called(mesh)} cannot be simplified: {what}"
+                help = (
+                    "write the `inertial` of the body, or give the geom `mass: 0` if another one has its mass"
+                )
+                refuse(editing, geom, Fault("mesh-unusable", message, at, help=help))
+        each = workshop.asked(editing, mesh, "simplify", wanted=dict(value), span=span)
+        if each is None:
+            raise Unusable
+        asked.append(each)
+    before = editing.sink.error_count
+    results = workshop.results(editing, asked)
+    if results is None:
+        if editing.sink.error_count > before:
+            raise Unusable
+        return []
+    for each in asked:
+        _check_textures(editing, each.node, results[each.key], at=at)
+    records = [_made_simplify(editing, each, results[each.key], at=at) for each in asked]
+    workshop.records += records
+    return records
+
+
+def _mesh(editing: Editing, node: Node, at: Path) -> Node:
+    if node.tag == "mesh":
+        return node
+    name = editing.effective(node, "mesh") if node.tag == "geom" else None
+    if not name:
+        refuse(editing, node, Fault("wrong-type", f"{editing.called(node)} has no mesh to simplify", at))
+    return mesh_called(editing, node, str(name), at=at)
+
+
+def _geoms(editing: Editing, mesh: str) -> Iterator[Node]:
+    for section in editing.root.iterchildren("worldbody"):
+        for geom in section.iter("geom"):
+            if editing.effective(geom, "mesh") == mesh:
+                yield geom
+
+
+def _body(editing: Editing, geom: Node) -> str:
+    holder = next(geom.iterancestors("body"), None)
+    return "the world" if holder is None else editing.called(holder)
+
+
+def _is_weighed(editing: Editing, geom: Node) -> bool:
+    """Whether the mass of a body comes from the geom, or may."""
+    holder = next(geom.iterancestors("body"), None)
+    if holder is None or not has_mass(geom, editing.classes):
+        return False
+    return not own(holder, "inertial") or editing.linking.flat().settings.inertiafromgeom == "true"
+
+
+def _check_textures(editing: Editing, mesh: Node, result: Mapping[str, Any], at: Path) -> None:
+    """Fewer faces do not say where a picture goes on them."""
+    if not result["mesh"]["mapped"]:
+        return
+    for geom in _geoms(editing, name_of(mesh) or ""):
+        name = editing.effective(geom, "material") or mesh.get("material")
+        material = editing.find_node("material", str(name)) if name else None
+        if material is not None and (material.get("texture") or len(material)):
+            message = (
+                f"{editing.called(mesh)} cannot be simplified: it says where the texture of `{name}` goes"
+            )
+            help = "select the meshes of geoms without a texture"
+            refuse(editing, geom, Fault("mesh-unusable", message, at, help=help))
+
+
+def _made_simplify(editing: Editing, asked: Asked, result: Mapping[str, Any], at: Path) -> Record:
+    mesh, name = asked.node, name_of(asked.node) or ""
+    shape = result["shapes"][0]
+    about = MadeShapes(
+        "",
+        name,
+        "simplify",
+        wanted=asked.wanted,
+        shapes=(),
+        faces=len(shape["faces"]),
+        error=result["error"],
+        made_with=result["made_with"],
+        key=asked.key,
+        span=asked.span,
+    )
+    if len(shape["faces"]) < result["mesh"]["faces"]:
+        with changing(editing, mesh):
+            if not mesh.get("name"):
+                mesh.set("name", name)
+            write_file(editing, mesh, name, key=asked.key, shape=shape)
+        editing.write(mesh, {"file": at})
+    return Record(mesh, mesh, (), about=about)

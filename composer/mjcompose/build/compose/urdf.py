@@ -1,0 +1,78 @@
+"""Step: read a URDF source as a unit, and report missing files as for other models."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mjcompose.base.access import held
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.sink import Sink
+from mjcompose.build.bundle.collect import collect
+from mjcompose.link.linking import FileUse
+from mjcompose.model.files import join
+from mjcompose.model.unit import Unit
+from mjcompose.mujoco.convert import PACKAGE
+from mjcompose.sources.context import Context
+from mjcompose.sources.reference import Source
+from mjcompose.urdf.read import UrdfReader
+from mjcompose.urdf.robot import Robot, mesh_of
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.convert import Converted
+    from mjcompose.mujoco.engine import Session
+
+
+def urdf_unit(
+    source: Source, context: Context, session: Session | None, span: Span | None, *, stands: bool = True
+) -> Unit | None:
+    """Return the unit of a URDF file or xacro template, or None after a reported error.
+
+    `span` is the place in the recipe that refers to it. If the robot `stands` in the world, its root link is merged
+    with the world, as MuJoCo does for a URDF alone.
+    """
+    beside = _Beside(context, span)
+    reader = UrdfReader(
+        source,
+        context.sink,
+        session,
+        shown=context.shown,
+        asked=span,
+        stands=stands,
+        missing=beside.report_missing,
+        relative=beside.relative,
+    )
+    return reader.unit()
+
+
+@dataclass(frozen=True, slots=True)
+class _Beside:
+    """What only the caller knows: where the recipe refers to the file, and how missing files are reported."""
+
+    context: Context
+    asked: Span | None
+
+    def relative(self, folder: Path) -> str:
+        """Return the path of a folder as the recipe writes it."""
+        recipe = self.context.folder / (self.asked.file if self.asked else "")
+        return Path(os.path.relpath(folder, recipe.parent)).as_posix()
+
+    def report_missing(self, robot: Robot, converted: Converted) -> None:
+        uses = []
+        for file in converted.meshes:
+            if not file.startswith(PACKAGE) and file not in robot.made and not os.path.isfile(file):
+                found = held(join(str(robot.path.parent), join(converted.folder, file)))
+                uses.append(
+                    FileUse(
+                        mesh_of(robot.root, file), "filename", file, source=found, content=None, shared=False
+                    )
+                )
+        sink = Sink()
+        collect(robot.unit, uses, sink, shown=self.context.shown)
+        asked = () if self.asked is None else (Note("the recipe takes it from here", self.asked),)
+        for each in sink.diagnostics:
+            help = each.help or "put the file there, or correct `filename`"
+            self.context.sink.add(replace(each, notes=(*each.notes, *asked), help=help))

@@ -1,0 +1,274 @@
+"""The parts of a recipe and what they are attached to, also in pieces for other builds."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Set
+from collections.abc import Mapping as Map
+from collections.abc import Sequence as AbcSequence
+from itertools import product
+
+from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.sink import Sink
+from mjcompose.base.suggest import closest, renaming, unknown_name
+from mjcompose.build.plan.plan import AttachPart, Plan, part_name
+from mjcompose.language.attach import RESERVED, Attachment, Axis
+from mjcompose.language.checks.unchanged import Unchanged
+from mjcompose.language.expand import expand, has_conditions
+from mjcompose.language.keyframe import FROM
+from mjcompose.language.parameters import choose, node_of, read_axes
+from mjcompose.language.validate import validate_what_remains
+from mjcompose.text.node import Mapping, Node, Scalar, Sequence, is_template, locate, spans
+
+Copy = tuple[int, ...]
+"""The number of a copy on each axis, from 0."""
+
+
+def copies(axes: AbcSequence[Axis]) -> Iterator[tuple[str, Copy]]:
+    """Yield the suffix of each copy after the part's prefix, and its numbers; the last axis runs first.
+
+    >>> [suffix for suffix, _ in copies([Axis(2), Axis(11)])][9:12]
+    ['0_09', '0_10', '1_00']
+    """
+    widths = [len(str(axis.count - 1)) for axis in axes]
+    for copy in product(*(range(axis.count) for axis in axes)):
+        numbers = (str(number).zfill(width) for number, width in zip(copy, widths, strict=True))
+        yield "_".join(numbers), copy
+
+
+def in_order(parts: Map[str, Attachment], document: Mapping, sink: Sink) -> list[str]:
+    """Return the keys of the parts in their order.
+
+    A part with `before` or `after` is placed directly before or after the other part, and after parts that were
+    moved there earlier in the file. Contradictions are reported, and these parts keep their place.
+    """
+    asked = {key: dict(_asked(key, parts, document, sink=sink)) for key in parts}
+    order = [key for key in parts if not asked[key]]
+    waiting = [key for key in parts if asked[key]]
+    behind: dict[str, list[str]] = {key: [] for key in parts}
+    while waiting:
+        ready = next((key for key in waiting if all(other in order for other in asked[key].values())), None)
+        if ready is None:
+            _ring(waiting, asked, document, sink=sink)
+            return list(parts)
+        waiting.remove(ready)
+        before, after = asked[ready].get("before"), asked[ready].get("after")
+        if after is not None:
+            last = after
+            while behind[last]:
+                last = behind[last][-1]
+            at = order.index(last) + 1
+            behind[after].append(ready)
+            if before is not None and order.index(before) < at:
+                _contradiction(ready, before, after, document=document, sink=sink)
+        else:
+            assert before is not None
+            at = order.index(before)
+        order.insert(at, ready)
+    return order
+
+
+def _asked(key: str, parts: Map[str, Attachment], document: Mapping, sink: Sink) -> Iterator[tuple[str, str]]:
+    for word in ("before", "after"):
+        other = getattr(parts[key], word)
+        if other in parts:
+            yield word, other
+        elif other is not None:
+            known = [each for each in parts if each != key]
+            span = locate(document, ("attach", key, word))
+            first = f"the {RESERVED} always comes first: leave `{word}` out" if other == RESERVED else None
+            purpose, written = f" for `{key}` to stand {word}", f"{word}: {{}}"
+            sink.add(
+                unknown_name(
+                    "part",
+                    other,
+                    known,
+                    span=span,
+                    purpose=purpose,
+                    written=written,
+                    help=first,
+                    about=(key,),
+                )
+            )
+
+
+def _ring(waiting: list[str], asked: Map[str, Map[str, str]], document: Mapping, sink: Sink) -> None:
+    ring = [waiting[0]]
+    while True:
+        word, other = next((word, each) for word, each in asked[ring[-1]].items() if each in waiting)
+        if other in ring:
+            break
+        ring.append(other)
+    ring = ring[ring.index(other) :]
+    steps = []
+    for key in ring:
+        word, other = next((word, each) for word, each in asked[key].items() if each in waiting)
+        steps.append(f"`{key}` {word} `{other}`")
+    first = ring[0]
+    word = next(word for word, each in asked[first].items() if each in waiting)
+    sink.error(
+        "part-order",
+        "parts shall stand in a ring: " + ", ".join(steps),
+        locate(document, ("attach", first, word)),
+        help="take one `before` or `after` out",
+    )
+
+
+def _contradiction(key: str, before: str, after: str, document: Mapping, sink: Sink) -> None:
+    sink.error(
+        "part-order",
+        f"`{key}` shall stand after `{after}` and before `{before}`, which comes earlier",
+        locate(document, ("attach", key, "before")),
+        notes=(Note("`after` is here", locate(document, ("attach", key, "after"))),),
+        help="leave one of the two out",
+        subjects=(key, after, before),
+    )
+
+
+def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> tuple[AttachPart, ...]:
+    """Report parts that are attached to one another in a ring; return the others."""
+    prefixes = {part.prefix for part in parts}
+    hangs_on = {part.prefix: _mount_of(part, prefixes) for part in parts}
+    reported: set[str] = set()
+    for part in parts:
+        ring = [part.prefix]
+        while (mount := hangs_on.get(ring[-1])) is not None and mount not in ring:
+            ring.append(mount)
+        if mount == part.prefix and part.prefix not in reported:
+            reported.update(ring)
+            names = ", which is attached to ".join(f"`{prefix}`" for prefix in [*ring[1:], mount])
+            alone = len(ring) == 1
+            sink.error(
+                "attach-cycle",
+                f"`{part.prefix}` is attached to itself"
+                if alone
+                else f"`{part.prefix}` is attached to {names}",
+                part.span,
+                help=f"{'it' if alone else 'one of them'} must be attached to the base or to the world",
+                subjects=ring,
+            )
+    if reported:
+        sink.suppress_about(part_name(part, separator) for part in parts if part.prefix in reported)
+    return tuple(part for part in parts if part.prefix not in reported)
+
+
+def _mount_of(part: AttachPart, prefixes: Collection[str]) -> str | None:
+    """Return the prefix of the part that this one is attached to, the longest match; None for base and world."""
+    attachment = part.attachment
+    place = attachment.site or attachment.body or attachment.frame or ""
+    return next((place[:end] for end in range(len(place), 0, -1) if place[:end] in prefixes), None)
+
+
+def check_part_names(plan: Plan, sink: Sink) -> None:
+    """Report names that are not parts of the recipe, or are ambiguous."""
+    parts = list(plan.part_names)
+    _of_checks(plan, parts, sink)
+    _of_keys(plan, parts, sink)
+
+
+def _of_checks(plan: Plan, parts: list[str], sink: Sink) -> None:
+    """Report checks about something that is not a part."""
+    for check in plan.checks:
+        if not isinstance(check, Unchanged) or check.part is None or check.part in parts:
+            continue
+        near = closest(check.part, parts)
+        sink.add(
+            unknown_name(
+                "part",
+                check.part,
+                parts,
+                span=locate(plan.document, (*check.at, "unchanged", "part")),
+                message=f"check `{check.name}` is about `{check.part}`, which is not a part of this recipe",
+                help=f"write `part: {near[0]}`" if near else None,
+                fix=renaming(check.part, parts),
+                about=(check.name,),
+            )
+        )
+
+
+def _of_keys(plan: Plan, parts: list[str], sink: Sink) -> None:
+    """Report keys that are made from parts that do not exist."""
+    for step in plan.keyframes:
+        for part in step.key.sources:
+            if parts.count(part) > 1:
+                sink.error(
+                    "name-clash",
+                    f"`{part}` may be two parts: one has it as its prefix, and one without a prefix as its key",
+                    locate(plan.document, (*step.key.at, FROM, part), key=True),
+                    help="give the one without a prefix another key",
+                    subjects=(part,),
+                )
+            elif part not in parts:
+                span = locate(plan.document, (*step.key.at, FROM, part), key=True)
+                sink.add(unknown_name("part", part, parts, span=span, purpose=" to take a key from"))
+
+
+# These may be correct in a build that also chooses another piece.
+_MAY_BE_ELSEWHERE = ("missing-key", "expression", "unknown-name")
+
+
+def check_pieces(document: Mapping, given: Map[str, Node], sink: Sink) -> None:
+    """Validate the pieces of a recipe that a build leaves out, and report their faults.
+
+    These are the items that `when` limits to other builds, and each piece of `variants` that is not chosen, merged
+    over the recipe.
+    """
+    if has_conditions(document):
+        _judge(document, given, None, sink=sink)
+    axes = read_axes(document, Sink())
+    chosen = choose(axes, given, Sink())
+    for axis, values in axes.items():
+        for value, (key, piece) in values.entries.items():
+            if value != chosen.get(axis):
+                _judge(document, {**given, axis: node_of(value, key.span)}, set(spans(piece)), sink=sink)
+
+
+def _judge(document: Mapping, given: Map[str, Node], places: Set[Span] | None, sink: Sink) -> None:
+    """Report the faults, in these places, of a build with the items of all builds."""
+    aside, computed = Sink(), set(_computed(document))
+    validate_what_remains(expand(document, given, aside, any=True).document, aside)
+    for fault in aside.errors:
+        is_reported = places is None or fault.span in places
+        if is_reported and fault.code not in _MAY_BE_ELSEWHERE and fault.span not in computed:
+            sink.add(fault)
+
+
+def _computed(node: Node) -> Iterator[Span]:
+    """Yield the places of computed values, which differ in their own build, and of lists of such values."""
+    if isinstance(node, Scalar):
+        if isinstance(node.value, str) and is_template(node.value):
+            yield node.span
+        return
+    items = node.items if isinstance(node, Sequence) else [value for _, value in node.entries.values()]
+    if isinstance(node, Sequence) and any(
+        isinstance(item, Scalar) and is_template(item.text) for item in items
+    ):
+        yield node.span
+    for item in items:
+        yield from _computed(item)
+
+
+_OF_MODELS = ("base", "model", "with")
+_OF_PIECES = ("variants", "matrix")
+
+
+def parameters_choose(recipe: Node | None) -> bool:
+    """Return whether a parameter can change the models: by `when`, or by an expression in a reference. No I/O."""
+    waiting = [(recipe, False)]
+    while waiting:
+        node, naming = waiting.pop()
+        if isinstance(node, Scalar):
+            if naming and "${" in node.text:
+                return True
+        elif isinstance(node, Sequence):
+            waiting += [(each, naming) for each in node.items]
+        elif isinstance(node, Mapping):
+            if "when" in node.entries:
+                return True
+            waiting += [(value, naming or name in _OF_MODELS) for name, (_, value) in node.entries.items()]
+    return False
+
+
+def is_one_choice(recipe: Node | None) -> bool:
+    """Return whether a recipe has the same models in all its builds. No I/O."""
+    pieces = isinstance(recipe, Mapping) and any(name in recipe.entries for name in _OF_PIECES)
+    return not pieces and not parameters_choose(recipe)

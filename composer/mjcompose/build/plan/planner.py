@@ -1,0 +1,468 @@
+"""Plan a recipe: resolve references, plan nested recipes, and put every step in its order."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from collections.abc import Mapping as Map
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.diagnostic import Path as KeyPath
+from mjcompose.base.limits import advice, in_force
+from mjcompose.build.plan.locked import use_lock
+from mjcompose.build.plan.matrix import drawn_parameters, read_matrix
+from mjcompose.build.plan.parts import check_part_names, check_pieces, copies, in_order, without_rings
+from mjcompose.build.plan.plan import AttachPart, Drawn, LoadBase, Plan
+from mjcompose.build.plan.read import Given, folder_of, validated
+from mjcompose.build.plan.step_table import steps_of
+from mjcompose.build.plan.steps import (
+    AngleContext,
+    AngleSettings,
+    SetSingleton,
+    StepInput,
+    angle_context_of,
+    check_bare_angles,
+)
+from mjcompose.language.attach import Attachment
+from mjcompose.language.expand import Concrete
+from mjcompose.language.placing import with_inherited
+from mjcompose.language.randomize import DrawField, Randomize
+from mjcompose.language.recipe import Recipe
+from mjcompose.language.used_model import Base
+from mjcompose.language.validate import validate_what_remains
+from mjcompose.sources import ros
+from mjcompose.sources.context import Context, as_text
+from mjcompose.sources.lock import resolve
+from mjcompose.sources.reference import Source, SourceError
+from mjcompose.sources.ros import UrdfChoices
+from mjcompose.text.node import Mapping, find, locate
+
+Outer = tuple[tuple[Path, "Span | None"], ...]
+"""The recipe files around a nested one, outermost first, each with the place that names it."""
+
+
+def make_plan(
+    recipe: Path, context: Context, given: Given | None = None, *, name: str | None = None, sample: int = 0
+) -> Plan | None:
+    """Return what a build of the recipe will do, or None if it or something that it refers to has errors.
+
+    `name` and `sample` are as in `plan_what_remains`.
+    """
+    before = context.sink.error_count
+    plan = plan_what_remains(recipe, context, given, name=name, sample=sample)
+    return plan if context.sink.error_count == before else None
+
+
+def plan_what_remains(
+    recipe: Path, context: Context, given: Given | None = None, *, name: str | None = None, sample: int = 0
+) -> Plan | None:
+    """Return the plan without its faulty pieces, so that later stages can find more errors; None without a base.
+
+    `name` is that of a cell of the matrix; without it, the recipe's own, and the matrix is checked too. `sample`
+    selects the draws; 0 has none.
+    """
+    if use_lock(recipe, context) is None:
+        return None
+    path = context.folder / recipe
+    try:
+        plan = _Planner(context).plan(path, (), given=given or {}, name=name, sample=sample)
+    except RecursionError:  # if the limit `nesting` was raised
+        context.sink.error(
+            "not-supported", f"recipes that `{recipe}` leads to stand too deep inside one another"
+        )
+        return None
+    if name is None and plan is not None:
+        matrix = read_matrix(path, context, given)
+        if matrix is not None:
+            check_pieces(matrix.document, given or {}, context.sink)
+            if matrix.cells:
+                plan = replace(plan, cells=len(matrix.cells), cells_at=matrix.cells[0].span)
+    return plan
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """A recipe that was read from a file, or from the path `at` in a file."""
+
+    path: Path
+    recipe: Recipe
+    document: Mapping
+    concrete: Concrete | None
+    angle_context: AngleContext
+    at: KeyPath = ()
+
+
+class _Planner:
+    def __init__(self, context: Context) -> None:
+        self.context = context
+        self.sink = context.sink
+        self.nested = 0
+        self.sources: dict[tuple[str, Path], Source] = {}
+        self.sizes: dict[int, tuple[Plan, int]] = {}
+        """How many parts a plan has, those of nested recipes counted, by the identity of the plan, which is kept."""
+
+    def plan(
+        self,
+        path: Path,
+        outer: Outer,
+        span: Span | None = None,
+        *,
+        given: Given,
+        name: str | None = None,
+        sample: int = 0,
+        source: Source | None = None,
+    ) -> Plan | None:
+        """Return the plan of one recipe; `outer` are the recipes around it, outermost first."""
+        key = Path(os.path.realpath(path))
+        around = [recipe for recipe, _ in outer]
+        if key in around:
+            ring = [*around[around.index(key) :], path]
+            self.sink.error(
+                "source-cycle",
+                "recipes contain one another: " + " → ".join(each.name for each in ring),
+                span,
+                help="a recipe cannot be a part of itself: take one of these references out",
+            )
+            return None
+        if not self._may_nest(len(outer), span):
+            return None
+        read = self._read(path, given)
+        if read is None:
+            return None
+        recipe, document, concrete = read
+        randomize = recipe.randomize if not outer else None
+        drawn: tuple[Drawn, ...] = ()
+        if randomize is not None and randomize.at_run_time:
+            for field in randomize.of_parameters:
+                self._no_table(field, document)
+        elif randomize is not None and randomize.of_parameters and concrete is not None:
+            values, drawn = drawn_parameters(randomize, sample, concrete, document=document, sink=self.sink)
+            if values:
+                read = self._read(path, {**given, **values})
+                if read is None:
+                    return None
+                recipe, document, concrete = read
+                randomize = recipe.randomize
+        found = _Found(
+            path,
+            recipe,
+            document,
+            concrete=concrete,
+            angle_context=self._angle_context(path, recipe, document, concrete=concrete),
+        )
+        return self._assembled(
+            found, (*outer, (key, span)), name or recipe.name or as_text(path.stem),
+            randomize=randomize, sample=sample, drawn=drawn, source=source,
+            extended=self.context.recipes[path].extended,
+        )  # fmt: skip
+
+    def _assembled(
+        self,
+        found: _Found,
+        inside: Outer,
+        name: str,
+        *,
+        at: KeyPath = (),
+        randomize: Randomize | None = None,
+        sample: int = 0,
+        drawn: tuple[Drawn, ...] = (),
+        source: Source | None = None,
+        extended: tuple[tuple[Source, Span], ...] = (),
+    ) -> Plan | None:
+        """Return the plan of a recipe that was read, with its base and parts planned; `at` is its path in the file."""
+        recipe, document, concrete = found.recipe, found.document, found.concrete
+        base = self._base(found, inside)
+        parts = without_rings(tuple(self._parts(found, inside)), recipe.separator, self.sink)
+        if base is None:
+            return None
+        steps = tuple(steps_of(StepInput(recipe, document, randomize, sample=sample)))
+        plan = Plan(
+            name=name,
+            description=recipe.description,
+            path=found.path,
+            file=self.context.shown(found.path),
+            document=document,
+            separator=recipe.separator,
+            conflict=recipe.conflict,
+            angle_context=found.angle_context,
+            base=base,
+            parts=parts,
+            steps=steps,
+            settled=frozenset(
+                path for step in steps if isinstance(step, SetSingleton) for path in step.settled
+            ),
+            scope=concrete.scope if concrete else {},
+            variants=concrete.variants if concrete else {},
+            checks=recipe.check,
+            motors=recipe.motors,
+            randomize=randomize,
+            sample=sample,
+            drawn=drawn,
+            source=source,
+            extended=extended,
+            at=at,
+        )
+        check_part_names(plan, self.sink)
+        return plan if self._may_have(plan) else None
+
+    def _may_nest(self, depth: int, span: Span | None) -> bool:
+        """Return whether one more recipe may be planned: nesting two recipes in each level grows exponentially."""
+        limits = in_force()
+        self.nested += 1
+        if depth > limits.nesting:
+            message = f"more than {limits.nesting} recipes are nested in one another"
+            self.sink.error("limit-exceeded", message, span, help=advice("nesting"))
+        elif self.nested == limits.parts + 1:  # once, however many are left
+            message = f"more than {limits.parts} recipes are nested"
+            self.sink.error("limit-exceeded", message, span, help=advice("parts"))
+        return depth <= limits.nesting and self.nested <= limits.parts
+
+    def _may_have(self, plan: Plan) -> bool:
+        """Return whether a plan is within the limit of parts, including copies and parts of nested recipes."""
+        inner = [1 + self._size_of(part.model) for part in plan.parts]
+        size = sum(inner) + self._size_of(plan.base.model)
+        self.sizes[id(plan)] = plan, size
+        most = in_force().parts
+        if size <= most:
+            return True
+        at = plan.parts[inner.index(max(inner))].span if inner else locate(plan.document, ("base", "model"))
+        message = f"the recipe has {size} parts; {most} are allowed"
+        self.sink.error("limit-exceeded", message, at, help=advice("parts", size))
+        return False
+
+    def _size_of(self, model: Source | Plan | None) -> int:
+        return self.sizes[id(model)][1] if isinstance(model, Plan) else 0
+
+    def _no_table(self, field: DrawField, document: Mapping) -> None:
+        self.sink.error(
+            "draw-at-run-time",
+            f"field `{field.name}` draws a parameter, which a model that is compiled does not have any more",
+            locate(document, (*field.at, "param")),
+            help="write `emit: models`, which builds every sample",
+            subjects=(field.name,),
+        )
+
+    def _read(self, path: Path, given: Given) -> tuple[Recipe, Mapping, Concrete | None] | None:
+        found = validated(path, given, self.context)
+        if found is None:
+            return None
+        self.sink.suppress_about(found.lost)
+        return found.recipe, found.document, found.concrete
+
+    def _angle_context(
+        self, path: Path, recipe: Recipe, document: Mapping, concrete: Concrete | None
+    ) -> AngleContext:
+        """Return how bare angles are read; a file without a setting allows none."""
+        whole = AngleSettings(recipe.angle, recipe.eulerseq)
+        files = self.context.recipes[path].said
+        if concrete is None or len(files) < 2:
+            return AngleContext(document, whole)
+        angle_context = angle_context_of(concrete, document, whole, files=files, sink=self.sink)
+        check_bare_angles(angle_context, self.sink)
+        return angle_context
+
+    def _base(self, found: _Found, inside: Outer) -> LoadBase | None:
+        recipe, document = found.recipe, found.document
+        if recipe.base is None:
+            return LoadBase(None, "merge", None)
+        span = locate(document, ("base", "model"))
+        model = self._model(recipe.base, ("base",), found, inside=inside)
+        if model is None:
+            return None
+        base = recipe.base
+        return LoadBase(model, base.keyframes, span, subtree=base.subtree, drop=base.drop, edit=base.edit)
+
+    def _parts(self, found: _Found, inside: Outer) -> Iterator[AttachPart]:
+        recipe, document = found.recipe, found.document
+        taken: dict[str, Span] = {}
+        for key in in_order(recipe.attach, document, self.sink):
+            attachment = recipe.attach[key]
+            at = ("attach", key)
+            span = locate(document, at, key=True)
+            name = key if attachment.prefix is None else attachment.prefix
+            numbered = [(name + suffix, copy) for suffix, copy in copies(attachment.replicate)]
+            prefixes = {own + recipe.separator if own else "": copy for own, copy in numbered}
+            clash = next((prefix for prefix in prefixes if prefix and prefix in taken), None)
+            if clash is not None:
+                self.sink.error(
+                    "name-clash",
+                    f"two parts have the prefix `{clash}`",
+                    span if attachment.prefix is None else locate(document, (*at, "prefix")),
+                    notes=(Note("the other part", taken[clash]),),
+                    help="give one of them another key, or another `prefix`",
+                    subjects=(clash,),
+                )
+                continue
+            taken.update(dict.fromkeys(prefixes, span))
+            model = self._model(attachment, at, found, inside=inside)
+            if model is None:
+                self.sink.suppress_about(own for own, _ in numbered)
+            else:
+                for prefix, copy in prefixes.items():
+                    yield AttachPart(prefix, model, attachment, at=at, span=span, copy=copy)
+
+    def _resolved(self, reference: str, folder: Path) -> Source:
+        """Return the source of a reference, which is looked for once. Raises SourceError."""
+        if (reference, folder) not in self.sources:
+            self.sources[reference, folder] = resolve(
+                reference,
+                relative_to=folder,
+                environment=self.context.environment,
+                fetching=self.context.fetching,
+            )
+        return self.sources[reference, folder]
+
+    def _model(
+        self,
+        asked: Base | Attachment,
+        at: KeyPath,
+        around: _Found,
+        inside: Outer,
+    ) -> Source | Plan | None:
+        """Return the model for the mapping at `at`: a source, or the plan of a nested recipe."""
+        document, outer = around.document, around.recipe
+        written = find(document, (*at, "model"))
+        if not isinstance(asked.model, str):
+            assert isinstance(written, Mapping)
+            return self._in_place(at, written, around, inside=inside)
+        span = locate(document, (*at, "model"))
+        folder = folder_of(span, self.context)
+        try:
+            source = self._resolved(asked.model, folder)
+        except SourceError as error:
+            self.sink.add(error.at(span))
+            return None
+        given = find(document, (*at, "with"))
+        if asked.packages and source.format != "urdf":
+            self._only_for("packages", "URDF", f"`{asked.model}`", document=document, at=at)
+        if source.format == "recipe":
+            values = (
+                {name: value for name, (_, value) in given.entries.items()}
+                if isinstance(given, Mapping)
+                else {}
+            )
+            plan = self.plan(source.path, inside, span, given=values, source=source)
+            if plan is not None and plan.separator != outer.separator:
+                self._separators(f"`{asked.model}`", plan, outer, span=span)
+            return plan
+        if source.format != "urdf":
+            for key, what in (("with", "recipes and xacro templates"), ("urdf", "URDF")):
+                if find(document, (*at, key)) is not None:
+                    self._only_for(key, what, f"`{asked.model}`", document=document, at=at)
+            return source
+        packages = tuple(self._packages(asked.packages, document, at))
+        door = source.door.wider(tuple(folder for _, folder in packages)) if packages else source.door
+        arguments = tuple(self._arguments(asked.given, document, at))
+        keys = asked.urdf
+        choices = UrdfChoices(
+            arguments, keys.visuals, keys.fixed, actuators=keys.actuators, inertia=keys.inertia
+        )
+        return replace(source, packages=packages, door=door, urdf=choices)
+
+    def _in_place(self, at: KeyPath, model: Mapping, around: _Found, inside: Outer) -> Plan | None:
+        """Return the plan of a recipe that is written in place of a model reference."""
+        for key, what in (("with", "recipes in files"), ("packages", "URDF"), ("urdf", "URDF")):
+            if find(around.document, (*at, key)) is not None:
+                self._only_for(key, what, "a model in place", document=around.document, at=at)
+        read = validate_what_remains(with_inherited(model, around.document), self.sink)
+        if read is None:
+            return None
+        recipe = read.recipe
+        if recipe.separator != around.recipe.separator:
+            self._separators("the model in place", recipe, around.recipe, span=model.span)
+        own = {"angle", "eulerseq"} & model.entries.keys()
+        others = {} if own else around.angle_context.others
+        angle_context = AngleContext(read.document, AngleSettings(recipe.angle, recipe.eulerseq), others)
+        found = _Found(
+            around.path,
+            recipe,
+            read.document,
+            concrete=around.concrete,
+            angle_context=angle_context,
+            at=(*around.at, *at, "model"),
+        )
+        return self._assembled(found, inside, recipe.name or str(at[-1]), at=found.at)
+
+    def _separators(self, model: str, inner: Recipe | Plan, outer: Recipe, span: Span) -> None:
+        self.sink.error(
+            "separator-mismatch",
+            f"{model} separates names with `{inner.separator}`, this recipe with `{outer.separator}`",
+            span,
+            help=f'give both the same: `separator: "{inner.separator}"`',
+        )
+
+    def _only_for(
+        self, key: str, what: str, model: str, document: Mapping, at: tuple[str | int, ...]
+    ) -> None:
+        self.sink.error(
+            "unknown-key",
+            f"`{key}` is for {what}, and {model} is not one",
+            locate(document, (*at, key), key=True),
+            help=f"take `{key}` out",
+            subjects=(key,),
+        )
+
+    def _arguments(
+        self, given: Map[str, Any], document: Mapping, at: tuple[str | int, ...]
+    ) -> Iterator[tuple[str, str]]:
+        """Yield the arguments of a xacro template as text."""
+        for name, value in given.items():
+            if isinstance(value, list):
+                self.sink.error(
+                    "wrong-type",
+                    f"the argument `{name}` of a xacro template is text or a number, got a list",
+                    locate(document, (*at, "with", name)),
+                )
+                continue
+            yield name, str(value).lower() if isinstance(value, bool) else str(value)
+
+    def _packages(
+        self, packages: Map[str, str], document: Mapping, at: tuple[str | int, ...]
+    ) -> Iterator[tuple[str, Path]]:
+        """Yield the folders of the packages that a URDF refers to."""
+        # A workspace first, so that a package that is named counts.
+        for name, written in sorted(packages.items(), key=lambda each: each[0] != "*"):
+            span = locate(document, (*at, "packages", name))
+            folder = folder_of(span, self.context) / written
+            door = self.context.door_of_text(folder_of(span, self.context))
+            if not door.sees(folder):
+                door.outside(str(folder)).report(self.sink, span)
+                continue
+            if not os.path.isdir(folder):
+                self.sink.error(
+                    "file-not-found",
+                    f"the folder of the package `{name}` does not exist: `{self.context.shown(folder)}`",
+                    span,
+                    help="the path is relative to the recipe, and leads to the folder that `package://"
+                    f"{name}` stands for",
+                )
+            if name == "*":
+                yield from self._workspace(folder, span)
+            else:
+                yield name, folder
+
+    def _workspace(self, folder: Path, span: Span) -> Iterator[tuple[str, Path]]:
+        """Yield the packages of a ROS workspace."""
+        found: dict[str, Path] = {}
+        for name, at in ros.in_workspace(folder):
+            if name in found:
+                self.sink.error(
+                    "name-clash",
+                    f"two packages of the workspace are called `{name}`",
+                    span,
+                    notes=(Note(f"`{self.context.shown(found[name])}` and `{self.context.shown(at)}`"),),
+                    help=f"say which one is meant: `{name}: …`, and put a file `COLCON_IGNORE` into the other",
+                )
+            found.setdefault(name, at)
+        if not found and os.path.isdir(folder):
+            self.sink.error(
+                "file-not-found",
+                f"the workspace `{self.context.shown(folder)}` has no package",
+                span,
+                help="name the folder with the packages, each of which has a `package.xml`",
+            )
+        yield from found.items()

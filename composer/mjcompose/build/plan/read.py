@@ -1,0 +1,536 @@
+"""A recipe file becomes a concrete recipe, with the files that it uses and what it may reach.
+
+Expand and validate a recipe file with given values, once for each pair in a run.
+
+A plan, the matrix, its samples and a recipe that is nested twice request the same pairs.
+
+The section `trust`: what the outer recipe lets models and fetched recipes reach on this machine.
+
+It is read first, because it decides what may be read; so it allows no expressions and no conditions.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Callable, Iterator
+from collections.abc import Mapping as AbcMapping
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple, TypeVar
+
+from mjcompose.base.access import Door
+from mjcompose.base.diagnostic import Path as Place
+from mjcompose.base.diagnostic import Span
+from mjcompose.base.files import Refused, TooLarge, read_argument, read_regular, unsaved_text
+from mjcompose.base.limits import advice, in_force
+from mjcompose.base.sink import Sink
+from mjcompose.base.suggest import exists_note, unknown_key
+from mjcompose.build.plan.plan import Plan
+from mjcompose.build.plan.steps import SETTINGS, AddElement, AppendElement
+from mjcompose.language.expand import Concrete, expand
+from mjcompose.language.form import Element, kind_of
+from mjcompose.language.recipe import Recipe
+from mjcompose.language.validate import validate_what_remains
+from mjcompose.model.files import CUBE, file_attributes, join, written_path
+from mjcompose.model.grammar import number_text
+from mjcompose.model.parse import parse_file
+from mjcompose.sources import ros
+from mjcompose.sources.context import Context, ReadRecipe
+from mjcompose.sources.fetching import Fetching, model_files, nearest
+from mjcompose.sources.lock import resolve as resolve_sources
+from mjcompose.sources.reference import Origin, Source, SourceError
+from mjcompose.sources.trust import Trust
+from mjcompose.text.decode import refuse_size
+from mjcompose.text.load import load
+from mjcompose.text.merge import merge
+from mjcompose.text.node import (
+    Mapping,
+    Node,
+    Scalar,
+    Sequence,
+    check_characters,
+    is_template,
+    locate,
+    resolve,
+    to_python,
+)
+from mjcompose.urdf.robot import SCHEMES
+from mjcompose.urdf.xacro import files_named
+from mjcompose.urdf.xacro import is_template as is_template_urdf
+
+Given = AbcMapping[str, Node]
+"""Values of parameters and variants by name, each with the place that sets it."""
+
+Result = TypeVar("Result")
+_KEPT = 256
+"""How many results a run keeps: a matrix may have many more cells."""
+
+
+class ValidRecipe(NamedTuple):
+    """A recipe without its faulty pieces, the tree that it was read from, and its expansion.
+
+    `concrete` is None if the file is not a mapping. `lost` has the names of the pieces that were left out.
+    """
+
+    recipe: Recipe
+    document: Mapping
+    concrete: Concrete | None
+    lost: frozenset[str]
+
+
+def expanded(path: Path, given: Given, context: Context) -> Concrete | None:
+    """Return the concrete recipe, or None if the file is not a mapping.
+
+    Errors go to the context's sink on each call.
+    """
+
+    def work(own: Context) -> Concrete | None:
+        node = read_recipe(path, own)
+        return expand(node, given, own.sink) if isinstance(node, Mapping) else None
+
+    return _once(("expanded", path, _values(given)), context, work)
+
+
+def validated(path: Path, given: Given, context: Context) -> ValidRecipe | None:
+    """Return the valid recipe, or None if the file is unreadable. Errors go to the context's sink on each call."""
+
+    def work(own: Context) -> ValidRecipe | None:
+        concrete = expanded(path, given, own)
+        node = read_recipe(path, replace(own, sink=Sink())) if concrete is None else concrete.document
+        gone = frozenset() if concrete is None else concrete.gone
+        found = None if node is None else validate_what_remains(node, own.sink, gone)
+        if found is None:
+            return None
+        lost = found.lost | (concrete.lost if concrete else frozenset())
+        return ValidRecipe(found.recipe, found.document, concrete, lost=lost)
+
+    return _once(("validated", path, _values(given)), context, work)
+
+
+def _values(given: Given) -> tuple[tuple[str, str], ...]:
+    return tuple(sorted((name, repr(node)) for name, node in given.items()))
+
+
+def _once(key: tuple[object, ...], context: Context, work: Callable[[Context], Result]) -> Result:
+    """Return the result of the work, computed only if it is not kept; its diagnostics go to the context's sink."""
+    known = context.concrete.pop(key, None)
+    if known is None:
+        own = replace(context, sink=Sink())
+        result = work(own)
+        known = result, tuple(own.sink.diagnostics)
+        while len(context.concrete) >= _KEPT:
+            del context.concrete[next(iter(context.concrete))]
+    context.concrete[key] = known
+    for diagnostic in known[1]:
+        context.sink.add(diagnostic)
+    value: Result = known[0]
+    return value
+
+
+_COLUMN = 60
+
+
+def expanded_text(plan: Plan) -> str:
+    """Return YAML, each line with the file and line of its value as a comment."""
+    read = [
+        f"# in {file}: angle: {each.angle or 'none'}, eulerseq: {each.eulerseq}"
+        for file, each in plan.angle_context.others.items()
+    ]
+    written = [f"{text:<{_COLUMN}}  # {span.file}:{span.line}" for text, span in _lines(plan.document, "")]
+    return "\n".join([*read, *written])
+
+
+def _lines(node: Mapping, indent: str) -> Iterator[tuple[str, Span]]:
+    for name, (key, value) in node.entries.items():
+        yield from _entry(f"{indent}{_text_expanded(name)}:", value, indent + "  ", span=key.span)
+
+
+def _entry(start: str, value: Node, indent: str, span: Span) -> Iterator[tuple[str, Span]]:
+    if isinstance(value, Scalar) or _is_short(value):
+        yield f"{start} {_flow(value)}", value.span
+    elif isinstance(value, Mapping):
+        yield start, span
+        yield from _lines(value, indent)
+    else:
+        yield start, span
+        for item in value.items:
+            if isinstance(item, Mapping) and not _is_short(item):
+                inner = list(_lines(item, indent + "  "))
+                (first, place), *rest = inner
+                yield f"{indent}- {first.lstrip()}", place
+                yield from rest
+            else:
+                yield f"{indent}- {_flow(item)}", item.span
+
+
+def _is_short(node: Node) -> bool:
+    """Return whether a node contains only values from one line of one file."""
+    if isinstance(node, Scalar):
+        return True
+    inside = list(node.items) if isinstance(node, Sequence) else [value for _, value in node.entries.values()]
+    places = {(each.span.file, each.span.line) for each in inside}
+    return len(places) <= 1 and all(isinstance(each, Scalar) or _is_short(each) for each in inside)
+
+
+def _flow(node: Node) -> str:
+    if isinstance(node, Scalar):
+        return _value(node)
+    if isinstance(node, Sequence):
+        return f"[{', '.join(_flow(item) for item in node.items)}]"
+    return (
+        "{"
+        + ", ".join(f"{_text_expanded(name)}: {_flow(value)}" for name, (_, value) in node.entries.items())
+        + "}"
+    )
+
+
+def _value(node: Scalar) -> str:
+    if isinstance(node.value, str):
+        return _text_expanded(node.value)
+    if node.value is None or isinstance(node.value, bool):
+        return "null" if node.value is None else str(node.value).lower()
+    return number_text(node.value)
+
+
+def _text_expanded(text: str) -> str:
+    """Return text in YAML, quoted only if necessary."""
+    plain = (
+        text
+        and text == text.strip()
+        and not set(text) & set("{}[],&*#?|<>=!%@`\"'\n\t\\")
+        and text[0] not in "-:"
+    )
+    if plain and ": " not in text and not text.endswith(":") and isinstance(resolve(text), str):
+        return text
+    return json.dumps(text, ensure_ascii=False)
+
+
+EXTENDS = "extends"
+_EMPTY = "write `recipe: 1` as its first line; `mjcompose new NAME.yaml` writes a recipe to begin with"
+
+
+def read_recipe(path: Path, context: Context) -> Node | None:
+    """Return the tree of a recipe merged with all that it extends, or None after errors.
+
+    Errors go to the context's sink. Each recipe is read once in a run.
+    """
+    fetching = context.fetching = context.fetching or Fetching()
+    fetching.outer = fetching.outer or path
+    known = context.recipes.get(path)
+    if known is None:
+        own = replace(context, sink=Sink())
+        before, extended = fetching.trust, list[tuple[Source, Span]]()
+        said: dict[str, Mapping] = {}
+        node = _read(path, own, (), extended=extended, said=said)
+        known = ReadRecipe(
+            node, tuple(own.sink.diagnostics), tuple(extended), said=said, trust=fetching.trust
+        )
+        fetching.trust = before
+        context.recipes[path] = known
+    if path == fetching.outer:  # nested recipes cannot set trust
+        fetching.trust = fetching.trust.with_more(known.trust)
+    for diagnostic in known.found:
+        context.sink.add(diagnostic)
+    return known.node
+
+
+def _read(
+    path: Path,
+    context: Context,
+    chain: tuple[Path, ...],
+    extended: list[tuple[Source, Span]],
+    said: dict[str, Mapping],
+) -> Node | None:
+    before = context.sink.error_count
+    text = _text(path, context)
+    node = None if text is None else load(text, context.shown(path), context.sink, empty=_EMPTY)
+    if (
+        node is not None and text is not None and b"\\" in text
+    ):  # without escapes YAML has none of them either
+        check_characters(node, context.sink)
+    if node is None or context.sink.error_count > before:
+        return None
+    if not isinstance(node, Mapping):
+        return node
+    _take_trust(node, path, context, top=chain[0] if chain else path)
+    settings = {name: node.entries[name] for name in SETTINGS if name in node.entries}
+    said[context.shown(path)] = Mapping(settings, node.span)
+    if EXTENDS not in node.entries:
+        return node
+    _, named = node.entries[EXTENDS]
+    upper = Mapping({name: entry for name, entry in node.entries.items() if name != EXTENDS}, node.span)
+    source = _extended(named, path, context, chain=(*chain, path))
+    if source is None:
+        return None
+    extended.append((source, named.span))
+    lower = _read(source.path, context, (*chain, path), extended=extended, said=said)
+    if not isinstance(lower, Mapping):
+        if lower is not None:
+            context.sink.error("wrong-type", "what is extended is not a recipe", named.span)
+        return None
+    return merge(lower, upper, context.sink)
+
+
+def _take_trust(node: Mapping, path: Path, context: Context, top: Path) -> None:
+    """Apply the `trust` of a local recipe, if the `top` of its `extends` chain is the outermost recipe."""
+    fetching = context.fetching
+    if TRUST not in node.entries or fetching is None:
+        return
+    if (origin := fetching.around(path)) is not None:
+        refuse_trust(node, origin, context.sink)
+        return
+    trust = read_trust(node, path.parent, context.sink)
+    if top == fetching.outer:
+        fetching.trust = fetching.trust.with_more(trust)
+
+
+def folder_of(span: Span, context: Context) -> Path:
+    """Return the folder that a path written at a place is relative to."""
+    return (context.folder / span.file).parent
+
+
+def _extended(named: Node, path: Path, context: Context, chain: tuple[Path, ...]) -> Source | None:
+    sink = context.sink
+    if not isinstance(named, Scalar) or not isinstance(named.value, str):
+        sink.error(
+            "wrong-type", "`extends` names another recipe", named.span, help="write `extends: ./other.yaml`"
+        )
+        return None
+    if is_template(named.value):
+        message = "`extends` is read before any parameter is known"
+        help = "write the path itself; `variants` can choose between pieces of recipe"
+        sink.error("expression", message, named.span, help=help)
+        return None
+    try:
+        source = resolve_sources(
+            named.value, relative_to=path.parent, environment=context.environment, fetching=context.fetching
+        )
+    except SourceError as error:
+        sink.add(error.at(named.span))
+        return None
+    if source.format != "recipe":
+        sink.error(
+            "source-kind", f"`{named.value}` is not a recipe, which is all that can be extended", named.span,
+            help=f"start from it: `base: {named.value}`",
+        )  # fmt: skip
+        return None
+    most = in_force().nesting
+    if len(chain) > most:
+        sink.error("limit-exceeded", f"more than {most} recipes extend one another", named.span,
+                   help=advice("nesting"))  # fmt: skip
+        return None
+    real = os.path.realpath(source.path)
+    if any(os.path.realpath(each) == real for each in chain):
+        ring = " → ".join([*(each.name for each in chain), source.path.name])
+        sink.error("source-cycle", f"recipes extend one another: {ring}", named.span,
+                   help="take one of these `extends` out")  # fmt: skip
+        return None
+    return source
+
+
+def _text(path: Path, context: Context) -> bytes | None:
+    if (kept := unsaved_text(path)) is not None:
+        return kept
+    shown = context.shown(path)
+    try:
+        is_argument = context.fetching is not None and path == context.fetching.outer
+        text = (read_argument if is_argument else read_regular)(path, in_force().recipe_size)
+    except Refused as error:
+        context.sink.error("file-unreadable", f"`{shown}` {error.why}", help="name a file")
+        return None
+    except TooLarge:
+        refuse_size(shown, context.sink)
+        return None
+    except OSError as error:
+        _unreadable(path, shown, error, context=context)
+        return None
+    if text.lstrip().startswith(b"<"):
+        context.sink.error(
+            "source-kind",
+            f"`{shown}` is XML and no recipe",
+            Span(shown, 1, 1),
+            help=f"a recipe names its models: `base: ./{path.with_suffix('.xml').name}`",
+        )
+        return None
+    return text
+
+
+def _unreadable(path: Path, shown: str, error: OSError, context: Context) -> None:
+    folder = path if os.path.isdir(path) else path.parent
+    recipes = [each for each in model_files(folder, 1) if each.endswith((".yaml", ".yml"))]
+    if os.path.isdir(path):
+        notes = [exists_note("recipe", recipes)]
+        help: str | None = "name a file in it; `mjcompose new` writes a recipe to begin with"
+        if len(recipes) == 1:
+            help = f"did you mean `{context.shown(folder / recipes[0])}`?"
+        context.sink.error("file-unreadable", f"`{shown}` is a folder, not a recipe", notes=notes, help=help)
+    elif isinstance(error, FileNotFoundError):
+        near = nearest(path.name, recipes)
+        help = f"did you mean `{context.shown(folder / near)}`?" if near else None
+        if not recipes:
+            help = f"`mjcompose new {shown}` writes a recipe to begin with"
+        notes = [exists_note("recipe", recipes)] if recipes else []
+        context.sink.error("file-not-found", f"the recipe `{shown}` does not exist", notes=notes, help=help)
+    else:
+        reason = (error.strerror or str(error)).lower()
+        context.sink.error("file-unreadable", f"`{shown}` cannot be read: {reason}")
+
+
+TRUST = "trust"
+FILES, REFERENCES = "files", "references"
+KEYS = (FILES, REFERENCES)
+
+
+def read_trust(node: Mapping, folder: Path, sink: Sink) -> Trust:
+    """Return the section of a recipe in `folder`; faulty entries go to the sink and allow nothing."""
+    written = node.entries[TRUST][1]
+    if not isinstance(written, Mapping):
+        message = f"`{TRUST}` expects a mapping, got {kind_of(to_python(written))}"
+        sink.error("wrong-type", message, written.span, help=f"write `{TRUST}: {{{FILES}: [FOLDER]}}`")
+        return Trust()
+    for name, (key, _) in written.entries.items():
+        if name not in KEYS:
+            sink.add(unknown_key(name, KEYS, key.span, message=f"`{TRUST}` has no key `{name}`"))
+    files = [_folder(text, span, folder, sink=sink) for text, span in _texts(written, FILES, sink)]
+    references = tuple(
+        text for text, span in _texts(written, REFERENCES, sink) if _is_narrow(text, span, sink)
+    )
+    return Trust(tuple(each for each in files if each is not None), references)
+
+
+def refuse_trust(node: Mapping, origin: Origin, sink: Sink) -> None:
+    """Report the section in a recipe from elsewhere, which cannot grant trust to itself."""
+    sink.error(
+        "source-outside",
+        f"`{TRUST}` in a recipe of `{origin.id}` counts for nothing: only your own recipe says what it trusts",
+        node.entries[TRUST][0].span,
+        help=f"write in your own recipe what you trust; this `{TRUST}` has to go",
+    )
+
+
+def _texts(written: Mapping, name: str, sink: Sink) -> list[tuple[str, Span]]:
+    if name not in written.entries:
+        return []
+    value = written.entries[name][1]
+    items: tuple[Node, ...] = value.items if isinstance(value, Sequence) else ()
+    found = []
+    if not isinstance(value, Sequence):
+        message = f"`{TRUST}.{name}` expects a list, got {kind_of(to_python(value))}"
+        sink.error("wrong-type", message, value.span, help=f"write `{name}: [{_example(value)}]`")
+    for item in items:
+        if isinstance(item, Scalar) and item.value == "":
+            sink.error("wrong-type", f"an entry of `{TRUST}.{name}` is empty", item.span, help="take it out")
+        elif not isinstance(item, Scalar) or not isinstance(item.value, str):
+            message = f"`{TRUST}.{name}` expects texts, got {kind_of(to_python(item))}"
+            sink.error("wrong-type", message, item.span)
+        elif is_template(item.value):
+            message = f"`{TRUST}` is read before any parameter is known"
+            sink.error("expression", message, item.span, help="write the text itself")
+        else:
+            found.append((item.value, item.span))
+    return found
+
+
+def _example(value: Node) -> str:
+    return value.text if isinstance(value, Scalar) and value.text else "…"
+
+
+def _folder(text: str, span: Span, folder: Path, sink: Sink) -> Path | None:
+    path = folder / text
+    if not os.path.isdir(path):
+        hint = "`~` is not expanded: write the whole path" if text.startswith("~") else None
+        sink.error(
+            "file-not-found", f"the folder `{text}` of `{TRUST}.{FILES}` does not exist", span, help=hint
+        )
+        return None
+    return Path(os.path.realpath(path))
+
+
+def _is_narrow(text: str, span: Span, sink: Sink) -> bool:
+    """Return whether a reference names something specific, and not a whole kind of server."""
+    if text.strip("/:+@#").lower() not in ("", "http", "https", "git+https", "git+ssh"):
+        return True
+    message = f"`{text}` in `{TRUST}.{REFERENCES}` would allow everything"
+    sink.error(
+        "source-outside", message, span, help="name what is trusted: `git+file:///srv/robots`, `package:NAME`"
+    )
+    return False
+
+
+_MESH = re.compile(r"""\bfilename\s*=\s*["']([^"']+)["']""")
+_FILE = re.compile(r"""\bfile\w*\s*=\s*["']([^"']+)["']""")
+
+
+def files_of_source(source: Source) -> Iterator[Path]:
+    """Yield the files of a model that exist and that it may read.
+
+    Files that are missing, broken or outside are reported where they are read.
+    """
+    found = _of_urdf(source) if source.format == "urdf" else _of_mjcf(source.path, source.door, set())
+    seen = (path for path in found if source.door.sees(path))
+    yield from (path for path in (*seen, *source.licences) if os.path.isfile(path))
+
+
+def files_of_recipe(plan: Plan, context: Context) -> Iterator[Path]:
+    """Yield the files that a recipe itself names in its elements and may name."""
+    folder = context.folder
+    for step in plan.steps:
+        if isinstance(step, AddElement | AppendElement):
+            for at, name in _named(step.element):
+                beside = folder / locate(plan.document, at).file  # this recipe, or one that it extends
+                path = Path(join(str(beside.parent), name))
+                if context.door_of_text(beside.parent).sees(path) and os.path.isfile(path):
+                    yield path
+
+
+def _named(element: Element) -> Iterator[tuple[Place, str]]:
+    if element.xml is not None:
+        yield from (((*element.at, "xml"), name) for name in _FILE.findall(element.xml))
+    for attribute in ("file", *CUBE):
+        if isinstance(value := element.attributes.get(attribute), str):
+            yield (*element.at, attribute), value
+    for child in element.children:
+        yield from _named(child)
+
+
+def _of_mjcf(path: Path, door: Door, seen: set[Path]) -> Iterator[Path]:
+    if path in seen:
+        return
+    seen.add(path)
+    yield path
+    unit = parse_file(path, Sink(), door=door) if door.sees(path) else None
+    if unit is None:
+        return
+    yield from map(Path, unit.origins.texts)  # the included files too
+    for element, _, name in file_attributes(unit.root):
+        yield Path(join(str(unit.directory), written_path(unit.settings, element, name)))
+    for model in unit.root.iterfind("asset/model"):
+        if inner := model.get("file"):
+            yield from _of_mjcf(Path(join(str(unit.directory), inner)), door, seen)
+
+
+def _of_urdf(source: Source) -> Iterator[Path]:
+    yield source.path
+    try:
+        text = source.door.read(source.path).decode("utf-8", "replace")
+    except OSError:
+        return
+    given = dict(source.packages)
+    if is_template_urdf(source.path, text.encode()):
+        yield from files_named(
+            source.path, text.encode(), source.door, packages=ros.all_folders(source.path, given)
+        )
+        return
+    packages = ros.folders(ros.packages_in(text), source.path, given)
+    for name in _MESH.findall(text):
+        scheme = next((each for each in SCHEMES if name.startswith(each)), "")
+        package, _, inside = name.removeprefix(scheme).partition("/")
+        if scheme:
+            if package in packages:
+                yield packages[package] / inside
+        else:
+            name = name.removeprefix("file://")
+            yield source.path.parent / name
+            yield source.path.parent / Path(name).name

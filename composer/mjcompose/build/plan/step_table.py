@@ -1,0 +1,49 @@
+"""All types of steps in the order in which they are carried out: settings, classes, and what may use them."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterator
+
+from mjcompose.build.plan.steps import (
+    AddElement,
+    AppendElement,
+    DrawValues,
+    EditElements,
+    SetCollisions,
+    SetDefault,
+    SetSingleton,
+    Step,
+    StepInput,
+    WriteKeyframe,
+)
+from mjcompose.language.form import check_rows
+from mjcompose.language.recipe import Recipe
+
+STEPS: tuple[type[Step], ...] = (
+    AddElement,
+    SetSingleton,
+    SetDefault,
+    AppendElement,
+    EditElements,
+    DrawValues,
+    WriteKeyframe,
+    SetCollisions,
+)
+# Keys that the planner reads itself: settings of the whole recipe, and what is composed and verified.
+_PLANNED = "recipe name description angle eulerseq separator conflict allow base attach check motors".split()
+
+for _each in STEPS:
+    if inspect.isabstract(_each):
+        raise TypeError(f"the step {_each.__name__} lacks {', '.join(sorted(_each.__abstractmethods__))}")
+check_rows(
+    "the keys of a recipe in composer/mjcompose/build/plan/step_table.py",
+    [*_PLANNED, *(section for each in STEPS for section in each.sections)],
+    Recipe.model_fields,
+)
+
+
+def steps_of(given: StepInput) -> Iterator[Step]:
+    """Yield the steps of a recipe, in the order in which they are carried out."""
+    for each in STEPS:
+        yield from each.of(given)

@@ -1,0 +1,408 @@
+"""All types of steps, in the order in which they are carried out, and what angles and added places mean to them."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Container, Iterator, Sequence
+from collections.abc import Mapping as Map
+from dataclasses import field as field_dataclasses
+from typing import ClassVar, Literal
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Path, Span
+from mjcompose.base.sink import Sink
+from mjcompose.language.expand import Concrete
+from mjcompose.language.form import Element
+from mjcompose.language.fragment import names_in
+from mjcompose.language.keyframe import Keyframe
+from mjcompose.language.parameters import Substitution
+from mjcompose.language.randomize import DrawField, Randomize
+from mjcompose.language.recipe import Recipe, sections_of
+from mjcompose.language.sections import Elements, Singleton
+from mjcompose.language.select import Collisions
+from mjcompose.language.used_model import Edit
+from mjcompose.language.validate import judge
+from mjcompose.text.node import Mapping, Node, locate, to_python
+
+SETTINGS = ("angle", "eulerseq")
+
+
+@dataclass(frozen=True, slots=True)
+class AngleSettings:
+    """The settings of one file.
+
+    `angle` is the unit of angles without a unit (None: they are not allowed), `eulerseq` the sequence of `euler`.
+    """
+
+    angle: str | None = None
+    eulerseq: str = "xyz"
+
+
+@dataclass(frozen=True, slots=True)
+class AngleContext:
+    """The settings of a merged recipe as a `whole`, and those of its files that differ from it."""
+
+    document: Mapping
+    whole: AngleSettings = AngleSettings()
+    others: Map[str, AngleSettings] = field_dataclasses(default_factory=dict)
+
+    def at(self, path: Path) -> AngleSettings:
+        """Return the settings for the value at a path."""
+        return self.others.get(locate(self.document, path).file, self.whole) if self.others else self.whole
+
+
+def angle_context_of(
+    concrete: Concrete, document: Mapping, whole: AngleSettings, files: Map[str, Node], sink: Sink
+) -> AngleContext:
+    """Return the angle context of a concrete recipe's `document`. `files` has the settings of each file."""
+    others: dict[str, AngleSettings] = {}
+    for file, said in files.items():
+        node = Substitution(concrete.scope, concrete.parameters, frozenset(), sink=sink).of(said)
+        assert isinstance(node, Mapping)
+        faults = [fault for fault in judge(node)[1] if fault.at[:1] in [(name,) for name in SETTINGS]]
+        for fault in faults:
+            sink.error(fault.code, fault.message, locate(node, fault.at, key=fault.key), help=fault.help)
+        read = whole if faults else AngleSettings(**to_python(node))
+        if read != whole:
+            others[file] = read
+    return AngleContext(document, whole, others)
+
+
+def check_bare_angles(angle_context: AngleContext, sink: Sink) -> None:
+    """Report bare angles in files that do not set `angle` if another file does."""
+    if angle_context.whole.angle is None or all(
+        each.angle is not None for each in angle_context.others.values()
+    ):
+        return
+    document = angle_context.document
+    silent = Mapping(
+        {name: each for name, each in document.entries.items() if name != "angle"}, document.span
+    )
+    for fault in judge(silent)[1]:
+        if fault.code == "bare-angle" and angle_context.at(fault.at).angle is None:
+            message = f"{fault.message}, and its file does not say which"
+            sink.error(fault.code, message, locate(document, fault.at), help=fault.help)
+
+
+@dataclass(frozen=True, slots=True)
+class StepInput:
+    """The input of steps: a recipe, its document, its draws and the sample."""
+
+    recipe: Recipe
+    document: Mapping
+    randomize: Randomize | None
+    sample: int
+
+    def span(self, at: Path, key: bool = False) -> Span:
+        """Return the place of a value in the recipe, or of its key."""
+        return locate(self.document, at, key=key)
+
+
+class Step(ABC):
+    """One thing that a recipe writes. A type of step is a frozen dataclass with a `span`, and a row in `table.py`.
+
+    `sections` are the top-level keys of a recipe that steps of this type carry out.
+    """
+
+    __slots__ = ()
+    sections: ClassVar[tuple[str, ...]]
+    span: Span
+
+    @classmethod
+    @abstractmethod
+    def of(cls, given: StepInput) -> Iterator[Step]:
+        """Yield the steps of this type in a recipe, in the order in which they are carried out."""
+
+    @property
+    @abstractmethod
+    def words(self) -> str:
+        """The line that `plan` prints for the step."""
+
+    @property
+    @abstractmethod
+    def reason(self) -> str:
+        """The reason that `explain` gives for an element or attribute written by the step."""
+
+
+def words_of_element(element: Element) -> str:
+    """Return the name of an element in the words of a step.
+
+    >>> words_of_element(Element("geom")), words_of_element(Element("site", {"name": "tip"}))
+    ('a geom', 'site tip')
+    """
+    name = element.attributes.get("name")
+    article = "an" if element.tag[0] in "aeiou" else "a"
+    return f"{element.tag} {name}" if name is not None else f"{article} {element.tag}"
+
+
+@dataclass(frozen=True, slots=True)
+class AddElement(Step):
+    """Add an element to a body, a frame or the world (`to_kind` world, body, frame)."""
+
+    sections: ClassVar[tuple[str, ...]] = ("add",)
+    to_kind: Literal["world", "body", "frame"]
+    to: str
+    element: Element
+    to_span: Span
+    span: Span
+
+    @classmethod
+    def of(cls, given: StepInput) -> Iterator[Step]:
+        for item in given.recipe.add:
+            path = (*item.at, "to", "frame") if item.to_kind == "frame" else (*item.at, "to")
+            spans = given.span(path), given.span(item.element.at)
+            yield cls(item.to_kind, item.to, item.element, *spans)
+
+    @property
+    def words(self) -> str:
+        where = "the world" if self.to_kind == "world" else f"the {self.to_kind} {self.to}"
+        return f"add {words_of_element(self.element)} to {where}"
+
+    @property
+    def reason(self) -> str:
+        return "added by the recipe"
+
+
+KINDS = ("body", "frame", "site")
+
+
+@dataclass(frozen=True, slots=True)
+class AddedPlace:
+    """A place and the step that adds it; `span` is where its name is written."""
+
+    step: AddElement
+    span: Span
+
+
+def added_places(steps: Sequence[Step], document: Mapping) -> dict[tuple[str, str], AddedPlace]:
+    """Return every place that the steps add, by kind and name; for duplicate names, the first one."""
+    found: dict[tuple[str, str], AddedPlace] = {}
+    for step in steps:
+        if isinstance(step, AddElement):
+            for kind, name, span in _places(step.element, document):
+                found.setdefault((kind, name), AddedPlace(step, span))
+    return found
+
+
+def makers(
+    places: Map[tuple[str, str], AddedPlace], kind: str, name: str, done: Container[int] = ()
+) -> list[AddElement]:
+    """Return the steps that create a place, in the order in which they must run; none if no step does.
+
+    A place on an added element needs the step that adds this element first. `done` has the ids of steps that have run.
+    """
+    found: dict[int, AddElement] = {}
+    while (place := places.get((kind, name))) is not None and id(place.step) not in found:
+        if id(place.step) in done:
+            break
+        found[id(place.step)] = place.step
+        kind, name = place.step.to_kind, place.step.to
+    return [*reversed(found.values())]
+
+
+def _places(element: Element, document: Mapping) -> Iterator[tuple[str, str, Span]]:
+    if element.xml is not None:
+        span = locate(document, (*element.at, "xml"))
+        yield from ((tag, name, span) for tag, name in names_in(element.xml, KINDS))
+        return
+    name = element.attributes.get("name")
+    if name is not None and element.tag in KINDS:
+        yield element.tag, str(name), locate(document, (*element.at, "name"))
+    for child in element.children:
+        yield from _places(child, document)
+
+
+@dataclass(frozen=True, slots=True)
+class AppendElement(Step):
+    """Append an element to a section."""
+
+    sections: ClassVar[tuple[str, ...]] = sections_of(Elements)
+    section: str
+    element: Element
+    span: Span
+
+    @classmethod
+    def of(cls, given: StepInput) -> Iterator[Step]:
+        for section in cls.sections:
+            for element in getattr(given.recipe, section):
+                if isinstance(element, Element):
+                    yield cls(section, element, given.span(element.at, key=True))
+
+    @property
+    def words(self) -> str:
+        return f"add {words_of_element(self.element)} to {self.section}"
+
+    @property
+    def reason(self) -> str:
+        return "written in the recipe"
+
+
+@dataclass(frozen=True, slots=True)
+class DrawValues(Step):
+    """Draw the values of a field for a sample; for sample 0, which has no draws, check those of all other samples."""
+
+    sections: ClassVar[tuple[str, ...]] = ("randomize",)
+    field: DrawField
+    seed: int
+    sample: int
+    samples: int
+    span: Span
+    tabled: bool = False
+
+    @classmethod
+    def of(cls, given: StepInput) -> Iterator[Step]:
+        randomize = given.randomize
+        for field in randomize.fields if randomize is not None else ():
+            if randomize is not None and field.select is not None:
+                span = given.span(field.drawn_at)
+                tabled = randomize.at_run_time
+                yield cls(field, randomize.seed, given.sample, randomize.samples, span, tabled)
+
+    @property
+    def words(self) -> str:
+        return self.field.words
+
+    @property
+    def reason(self) -> str:
+        return f"{self.words}, sample {self.sample}"
+
+
+@dataclass(frozen=True, slots=True)
+class EditElements(Step):
+    """Change the selected elements, in the whole model or in one part."""
+
+    sections: ClassVar[tuple[str, ...]] = ("edit",)
+    edit: Edit
+    span: Span
+
+    @classmethod
+    def of(cls, given: StepInput) -> Iterator[Step]:
+        for edit in given.recipe.edit:
+            yield cls(edit, given.span(edit.at))
+
+    @property
+    def words(self) -> str:
+        return self.edit.words
+
+    @property
+    def reason(self) -> str:
+        return self.words
+
+
+@dataclass(frozen=True, slots=True)
+class SetCollisions(Step):
+    """Exclude contacts between bodies, or make geoms collide."""
+
+    sections: ClassVar[tuple[str, ...]] = ()
+    collisions: Collisions
+    span: Span
+
+    @classmethod
+    def of(cls, given: StepInput) -> Iterator[Step]:
+        for each in given.recipe.contact:
+            if isinstance(each, Collisions):
+                yield cls(each, given.span(each.at))
+
+    @property
+    def words(self) -> str:
+        if self.collisions.samples is not None:
+            drawn = f"{self.collisions.samples} samples, seed {self.collisions.seed}"
+            return f"exclude contacts between bodies that need not collide ({drawn})"
+        if not self.collisions.sides:
+            return "exclude contacts between bodies of different parts that touch"
+        one, other = (", ".join(side) for side in self.collisions.sides)
+        if self.collisions.what == "exclude":
+            return f"exclude contacts between {one} and {other}"
+        return f"let {one} and {other} collide"
+
+    @property
+    def reason(self) -> str:
+        return self.words
+
+
+@dataclass(frozen=True, slots=True)
+class SetDefault(Step):
+    """Set a default class, creating it if it does not exist."""
+
+    sections: ClassVar[tuple[str, ...]] = ("default",)
+    name: str
+    parent: str | None
+    element: Element
+    span: Span
+
+    @classmethod
+    def of(cls, given: StepInput) -> Iterator[Step]:
+        for each in given.recipe.default:
+            yield cls(each.name, each.parent, each.element, given.span(each.element.at, key=True))
+
+    @property
+    def words(self) -> str:
+        return f"set the default class {self.name}: {', '.join(child.tag for child in self.element.children)}"
+
+    @property
+    def reason(self) -> str:
+        return "set by the recipe"
+
+
+@dataclass(frozen=True, slots=True)
+class SetSingleton(Step):
+    """Set attributes of a section that a model has once (`option`, `visual`, …)."""
+
+    sections: ClassVar[tuple[str, ...]] = sections_of(Singleton)
+    section: str
+    element: Element
+    span: Span
+
+    @classmethod
+    def of(cls, given: StepInput) -> Iterator[Step]:
+        for section in cls.sections:
+            element: Element | None = getattr(given.recipe, section)
+            if element is not None:
+                yield cls(section, element, given.span(element.at, key=True))
+
+    @property
+    def words(self) -> str:
+        return f"set {self.section}: {', '.join(_settings(self.element))}"
+
+    @property
+    def reason(self) -> str:
+        return "set by the recipe"
+
+    @property
+    def settled(self) -> Iterator[str]:
+        """The paths of the values that are set (`option/cone`)."""
+        return _paths(self.element, self.section)
+
+
+def _settings(element: Element, path: str = "") -> Iterator[str]:
+    yield from (f"{path}{name} = {value}" for name, value in element.attributes.items())
+    for child in element.children:
+        yield from _settings(child, f"{path}{child.tag}.")
+
+
+def _paths(element: Element, path: str) -> Iterator[str]:
+    yield from (f"{path}/{name}" for name in element.attributes)
+    for child in element.children:
+        yield from _paths(child, f"{path}/{child.tag}")
+
+
+@dataclass(frozen=True, slots=True)
+class WriteKeyframe(Step):
+    """Write a key by the names of joints, actuators and mocap bodies, replacing an existing key of that name."""
+
+    sections: ClassVar[tuple[str, ...]] = ("keyframe",)
+    key: Keyframe
+    span: Span
+
+    @classmethod
+    def of(cls, given: StepInput) -> Iterator[Step]:
+        for key in given.recipe.keyframe:
+            yield cls(key, given.span(key.at, key=True))
+
+    @property
+    def words(self) -> str:
+        return f"write the keyframe {self.key.name}"
+
+    @property
+    def reason(self) -> str:
+        return self.words

@@ -1,0 +1,311 @@
+"""From the text of a recipe to a verified bundle. Each stage takes what the one before it gives:
+
+    read       text of the recipe → located tree                 plan/read.py, document/load.py
+    merge      trees of it and of what it extends → one tree     plan/read.py, document/merge.py
+    expand     parameters, variants, `when`, `${…}` → concrete   plan/concrete.py, expand/expand.py
+    validate   concrete tree → `Recipe`                          plan/concrete.py, recipe/validate.py
+    resolve    model references → files                          plan/planner.py, sources/resolve.py
+    plan       `Recipe` → `Plan`                                 plan/planner.py
+    compose    plan → units, on which the recipe's steps act     compose/compose.py
+    link       units → one flat tree                             link/link.py, called by compose
+    bundle     tree and files → `Bundle`                         bundle/assemble.py
+    verify     bundle → MuJoCo's verdict, the recipe's checks    verify/compile_report.py, verify/checks.py
+    aim        bundle → what another program reads               targets/aim.py, where a target is asked for
+
+`planned` is the first six, which a recipe that is nested in another goes through too; `Build` is the rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import field, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.build.bundle.assemble import Making, assemble, described, renamed_in
+from mjcompose.build.bundle.bundle import Bundle
+from mjcompose.build.compose.compose import Composed, Composer
+from mjcompose.build.compose.load import Library
+from mjcompose.build.plan.describe import acknowledge
+from mjcompose.build.plan.locked import check_lock, planned_whole
+from mjcompose.build.plan.plan import Plan
+from mjcompose.build.plan.planner import plan_what_remains
+from mjcompose.build.plan.read import Given
+from mjcompose.link.measure import measure_with
+from mjcompose.mujoco import engine
+from mjcompose.sources.context import Context
+from mjcompose.text.node import locate
+
+if TYPE_CHECKING:
+    from mjcompose.build.verify.outcome import Outcome
+    from mjcompose.link.files import Merged
+    from mjcompose.mujoco.engine import Compiled, Limits, Session
+
+Ahead = Callable[[Bundle], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Built:
+    """The result of a build; `compiled` is None if it was not verified, `merged` is empty if no assets were merged."""
+
+    plan: Plan
+    composed: Composed
+    bundle: Bundle
+    compiled: Compiled | None
+    merged: Merged
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """A request for one model.
+
+    `given` are values of parameters and variants; `name` is that of a cell of the matrix or of a `sample`, whose
+    draws the model has. `verified` says whether MuJoCo compiles it, `deduplicated` whether equal assets are merged,
+    `pictured` whether the manifest names a picture next to the bundle. `target` is the program that it is written
+    for, None for MuJoCo.
+    """
+
+    recipe: Path
+    given: Given = field(default_factory=dict)
+    name: str | None = None
+    sample: int = 0
+    verified: bool = True
+    deduplicated: bool = False
+    pictured: bool = False
+    target: str | None = None
+
+
+def build(
+    request: Request,
+    context: Context,
+    *,
+    session: Session | None = None,
+    limits: Limits | None = None,
+    library: Library | None = None,
+    outcomes: list[Outcome] | None = None,
+) -> Built | None:
+    """Return the bundle of a recipe, without writing it, or None if `context.sink` has errors.
+
+    MuJoCo runs in one process: that of `session`, or one with `limits` that ends with the build. `library` has
+    source files that were read before; `outcomes` gets what came of each check.
+    """
+    plan = planned(request, context)
+    if plan is None:
+        return None
+    with ExitStack() as stack:
+        session = session or stack.enter_context(engine.Session(limits))
+        return Build(
+            plan,
+            request,
+            context,
+            session=session,
+            library=library,
+            outcomes=[] if outcomes is None else outcomes,
+        ).run()
+
+
+def planned(request: Request, context: Context) -> Plan | None:
+    """Read, merge, expand, validate, resolve and plan a recipe; return what can be built of it, or None."""
+    with context.timed("plan"):
+        return planned_whole(
+            lambda: plan_what_remains(
+                request.recipe, context, request.given, name=request.name, sample=request.sample
+            ),
+            context,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class _Draft:
+    """A composed model and its bundle, which MuJoCo has not seen."""
+
+    composed: Composed
+    bundle: Bundle
+    merged: Merged
+
+
+@dataclass(slots=True)
+class Build:
+    """One build of a planned model, from composing it on; `run` carries it out.
+
+    `library` has source files that were read before. `outcomes` gets what came of each check. `ahead` gets the bundle
+    before MuJoCo does, so that it can process its files in parallel.
+    """
+
+    plan: Plan
+    request: Request
+    context: Context
+    session: Session
+    library: Library | None = None
+    outcomes: list[Outcome] = field(default_factory=list)
+    ahead: Ahead | None = None
+
+    def run(self) -> Built | None:
+        """Compose, link, bundle and verify the model; return None if the context's sink has errors.
+
+        Warnings that the recipes allow are removed from the sink; with `context.strict` the others become errors.
+        """
+        built, plan, request, context = self._built(), self.plan, self.request, self.context
+        alone = request.name is None and request.sample == 0 and not plan.cells
+        acknowledge(plan, context.sink, context.shown, whole=request.verified and alone)
+        if context.strict:
+            context.sink.promote()
+        return None if context.sink.has_errors else built
+
+    def _built(self) -> Built | None:
+        context, request = self.context, self.request
+        check_lock(self.plan, context)
+        composer = Composer(
+            context,
+            measure_with(context, session=self.session),
+            self.session,
+            library=self.library,
+            checks_sources=request.verified,
+        )
+        draft = self._draft(self.plan, composer)
+        if draft is None:
+            return None
+        composed, bundle, compiled = draft.composed, draft.bundle, None
+        if request.verified:
+            if self.ahead is not None:
+                self.ahead(bundle)
+            compiled = self._verified(draft)
+        if composed.tabled and not context.sink.has_errors:
+            bundle = self._with_worlds(draft, compiled)
+        if context.sink.has_errors:
+            return None
+        making = Making(
+            plan=self.plan,
+            model=composed.model,
+            uses=composed.files,
+            members=composed.members,
+            compiled=compiled,
+            merged=draft.merged,
+            checks=tuple(self.outcomes),
+            cell=request.name,
+            drawn=composed.drawn,
+            pictured=request.pictured,
+            made=composed.shapes,
+            tables=composed.tables,
+        )
+        final = self._aimed(described(bundle, making, context), composed)
+        return (
+            None
+            if final is None
+            else Built(self.plan, composed, final, compiled=compiled, merged=draft.merged)
+        )
+
+    def _draft(self, plan: Plan, composer: Composer) -> _Draft | None:
+        """Compose, link and bundle a plan: that of the model, or of one of its samples."""
+        context = composer.context
+        merged: Merged = {}
+        with context.timed("compose"):
+            composed = composer.compose(plan)
+        if composed is None:
+            return None
+        if self.request.deduplicated:
+            from mjcompose.link.files import dedup  # few builds need it
+
+            merged, files = dedup(composed.model, composed.files, plan.prefixes)
+            composed = replace(composed, files=files)
+        with context.timed("bundle"):
+            bundle = assemble(plan, composed.model, composed.files, context=context)
+        return None if bundle is None else _Draft(composed, bundle, merged)
+
+    def _verified(self, draft: _Draft) -> Compiled | None:
+        """Return MuJoCo's verdict, after running the recipe's checks."""
+        from mjcompose.build.verify.checks import checks_in
+        from mjcompose.build.verify.compile import (
+            WHOLE,
+            judge,  # a build without verification has no use for that room
+        )
+        from mjcompose.build.verify.kept_keys import check_kept_keys
+        from mjcompose.build.verify.key_ranges import check_key_ranges, check_stiffness
+
+        plan, composed, context, session = self.plan, draft.composed, self.context, self.session
+        with context.timed("compile"):
+            compiled = judge(draft.bundle, composed.model, context, session=session, keep=WHOLE, at=plan.span)
+        if compiled is None:
+            return None
+        if compiled.index is not None:
+            check_key_ranges(plan, composed.model, compiled.index, sink=context.sink)
+            check_stiffness(composed.model, compiled.index, plan.span, sink=context.sink)
+        with context.timed("keys"):
+            check_kept_keys(composed.model, composed.keys, session, sink=context.sink)
+        with context.timed("check"):
+            if next(checks_in(plan), None) is not None:
+                from mjcompose.build.verify.checks import Checks  # numpy comes along, and every kind of check
+
+                Checks(
+                    plan=plan,
+                    members=composed.members,
+                    session=session,
+                    context=context,
+                    merged=draft.merged,
+                    renamed=renamed_in(composed.model, composed.members),
+                    size=sum(map(len, draft.bundle.files.values())),
+                    elsewhere=self._of_targets(draft.bundle),
+                    shapes=composed.shapes,
+                ).run(self.outcomes)
+        return compiled
+
+    def _of_targets(self, bundle: Bundle) -> Mapping[str, Callable[[dict[str, Any]], Any]]:
+        """Return what carries out the checks about targets, if there is one."""
+        from mjcompose.build.verify.checks import checks_in
+        from mjcompose.build.verify.compile import WHOLE
+        from mjcompose.language.recipe import KINDS
+
+        if not any(KINDS[check.word].of_target for _, check in checks_in(self.plan)):
+            return {}
+        from mjcompose.targets.checks import CHECKS, Work  # few recipes have such checks
+
+        work = Work(bundle, WHOLE, self.session, environment=self.context.environment)
+        return {word: partial(check, work) for word, check in CHECKS.items()}
+
+    def _with_worlds(self, draft: _Draft, compiled: Compiled | None) -> Bundle:
+        """Return the bundle with the draws of `randomize` and its worlds, some compared with samples that are built."""
+        from mjcompose.build.verify.draws import CODE, DrawTable, with_worlds
+
+        plan, context = self.plan, self.context
+        if compiled is None:
+            help = "build without `--no-verify`, or write `emit: models`"
+            span = locate(plan.document, ("randomize", "emit"))
+            message = "only MuJoCo knows where in the model the draws of worlds go"
+            context.sink.error(CODE, message, span, help=help)
+            return draft.bundle
+        table = DrawTable(plan, draft.composed.tabled, self.session, context=context)
+        return (
+            table.added(with_worlds(table, draft.bundle, self._keep_sample)) if table.fill() else draft.bundle
+        )
+
+    def _keep_sample(self, number: int) -> bool:
+        """Build a sample, compile it, and have the session keep it. Return whether it has no errors."""
+        from mjcompose.build.verify.compile import judge
+        from mjcompose.build.verify.draws import SAMPLE
+
+        context = replace(self.context, timings=[])  # those of the model are its own
+        composer = Composer(context, measure_with(context, session=self.session), self.session)
+        sample = self._draft(self.plan.of_sample(number), composer)
+        if sample is None:
+            return False
+        model, at = sample.composed.model, self.plan.span
+        return judge(sample.bundle, model, context, session=self.session, keep=SAMPLE, at=at) is not None
+
+    def _aimed(self, bundle: Bundle, composed: Composed) -> Bundle | None:
+        """Return what the target program reads; that is the bundle itself without one."""
+        if self.request.target is None:
+            return bundle
+        from mjcompose.targets.export import aimed  # few builds need it
+
+        with self.context.timed("target"):
+            return aimed(
+                bundle,
+                self.request.target,
+                composed.model,
+                at=self.plan.span,
+                context=self.context,
+                session=self.session,
+            )

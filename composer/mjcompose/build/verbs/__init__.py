@@ -1,0 +1,1 @@
+"""What the verbs of `edit` do, one file each."""

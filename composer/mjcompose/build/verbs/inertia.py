@@ -1,0 +1,133 @@
+"""Verb `inertia`: MuJoCo computes the inertia of a body from its geoms, and it is written down."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.diagnostic import Fault, Path
+from mjcompose.base.sink import Sink
+from mjcompose.build.compose.editing import Editing
+from mjcompose.build.compose.keys import without_keys
+from mjcompose.build.compose.values import Unusable, refuse
+from mjcompose.build.verbs.values import Entry
+from mjcompose.language.verbs.inertia import DENSITY, FROM, GROUP
+from mjcompose.link import numbers
+from mjcompose.link.inertia import MEASURED
+from mjcompose.link.linking import Linking
+from mjcompose.link.measure import BODIES, Survey, Unmeasurable, measured
+from mjcompose.model.classes import own, walk_bodies
+from mjcompose.model.edit import replace
+
+_RULES = (*MEASURED, "inertiafromgeom", "inertiagrouprange")
+_ROWS = dict(zip(BODIES, (1, 3, 4, 3), strict=True))
+
+
+def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
+    """Write onto each body an `<inertial>` that MuJoCo computes from its geoms."""
+    editing, found = entry.editing, entry.found
+    wanted = {body: _geoms(editing, body, written, at=at) for body in found}
+    entry.masses.settle(*_RULES)
+    survey, there = _measured(editing, wanted, float(written[DENSITY]), at=at)
+    for body in found:
+        rows = {array: survey.values(there[body], array, width) for array, width in _ROWS.items()}
+        mass, pos, quat, moments = rows.values()
+        if mass is None or pos is None or quat is None or moments is None:
+            message = f"MuJoCo does not say what {editing.called(body)} weighs"
+            refuse(editing, body, Fault("selector", message, at, key=True), it="it")
+        if not mass[0] > 0:
+            message = f"the geoms of {editing.called(body)} have no volume"
+            help = "write its mass: `set: {mass: …}`"
+            refuse(editing, body, Fault("wrong-type", message, at, key=True, help=help), it="it")
+        _write(editing, body, {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}, at=at)
+
+
+def _write(editing: Editing, body: Node, values: Mapping[str, Sequence[float]], at: Path) -> None:
+    """Write the values into the effective `<inertial>`, or a new one. Their place is the whole entry."""
+    entry = at[:-1]
+    inertials = own(body, "inertial")
+    kept = inertials[-1] if inertials else None
+    if kept is None or kept.getparent() is not body:  # in a frame the numbers would mean another pose
+        kept = body.makeelement("inertial")
+        body.insert(0, kept)
+        editing.making.origins.own(kept, editing.span(entry))
+    for other in inertials:
+        if other is not kept and (holder := other.getparent()) is not None:
+            holder.remove(other)
+    replace(kept, {"fullinertia": None, **{name: numbers.text(each) for name, each in values.items()}})
+    editing.write(kept, dict.fromkeys(values, entry))
+
+
+def _geoms(editing: Editing, body: Node, written: Mapping[str, Any], at: Path) -> list[Node]:
+    """Return the geoms of a body to use. Geoms in several groups are usually copies of the same shape."""
+    geoms = own(body, "geom")
+    if written[FROM] == "mesh":
+        geoms = [geom for geom in geoms if editing.effective(geom, "type") == "mesh"]
+    groups: dict[int, list[Node]] = {}
+    for geom in geoms:
+        groups.setdefault(int(editing.effective(geom, "group") or 0), []).append(geom)
+    known = ", ".join(map(str, sorted(groups)))
+    what = "meshes" if written[FROM] == "mesh" else "geoms"
+    if not groups:
+        help = (
+            "write `from: geoms`"
+            if written[FROM] == "mesh" and own(body, "geom")
+            else "write `set: {mass: …}`"
+        )
+        message = f"{editing.called(body)} has no {what}"
+        refuse(editing, body, Fault("selector", message, at, key=True, help=help), it="it")
+    if GROUP in written:
+        if written[GROUP] not in groups:
+            message = f"{editing.called(body)} has no {what} in the group {written[GROUP]}"
+            help = f"it has some in the groups {known}"
+            refuse(editing, body, Fault("selector", message, (*at, GROUP), key=True, help=help), it="it")
+        return groups[written[GROUP]]
+    if len(groups) > 1:
+        message = f"{editing.called(body)} has {what} in the groups {known}, which may be the same shape several times"
+        help = f"say which of them count: `group: {min(groups)}`"
+        refuse(editing, body, Fault("selector", message, at, key=True, help=help), it="it")
+    return geoms
+
+
+def _measured(
+    editing: Editing, wanted: Mapping[Node, Collection[Node]], density: float, at: Path
+) -> tuple[Survey, Mapping[Node, Node]]:
+    """Return what MuJoCo measures in a copy of the model in which the bodies have only these geoms, at that density."""
+    unit = editing.linking.flat()
+    aside = Sink()
+    with without_keys(unit.root):
+        copy = unit.copied()
+    copies = dict(
+        zip(
+            (node for node, _ in walk_bodies(unit.root)),
+            (node for node, _ in walk_bodies(copy.root)),
+            strict=True,
+        )
+    )
+    for body, geoms in wanted.items():
+        _made_of(copies[body], [copies[each] for each in geoms], density)
+    copy.forget_settings(*_RULES)
+    found = measured(Linking(copy, [], aside, measure=editing.linking.measure), copy, BODIES)
+    for each in aside.diagnostics:
+        editing.sink.add(each)
+    if isinstance(found, Unmeasurable) or found is None:
+        if isinstance(found, Unmeasurable):
+            message = f"the inertia of what is selected is not known: {found.why}"
+            editing.sink.error("selector", message, editing.span(at, key=True))
+        raise Unusable
+    return found, copies
+
+
+def _made_of(body: Node, geoms: Collection[Node], density: float) -> None:
+    for inertial in own(body, "inertial"):
+        holder = inertial.getparent()
+        assert holder is not None
+        holder.remove(inertial)
+    for geom in own(body, "geom"):
+        # `mass="nan"` takes back the mass that a class gives: then the density counts.
+        counts = geom in geoms
+        geom.set("mass", "nan" if counts else "0")
+        if counts:
+            geom.set("density", numbers.text([density]))

@@ -1,0 +1,139 @@
+"""Verb `move`: move an element to another body or frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.diagnostic import Note, Path
+from mjcompose.build.compose.editing import Editing
+from mjcompose.build.compose.values import Unusable, Values
+from mjcompose.build.verbs.values import SET, Change, Entry
+from mjcompose.link.key_layout import JOINTS
+from mjcompose.model.classes import MAIN, NESTED, childclass_of, through_frames
+from mjcompose.model.cost import all_scaled_above
+from mjcompose.model.edit import assign, unresolved
+from mjcompose.model.names import WORLD
+from mjcompose.model.select import kind_of
+
+
+def carry_out(entry: Entry, value: Mapping[str, Any], at: Path) -> None:
+    """Move every selected element, then give it the pose that the value writes."""
+    pose = {name: each for name, each in value.items() if name != "to"}
+    for index, node in enumerate(entry.found):
+        _move(entry.editing, node, index, written=value, at=at)
+        if pose:
+            Change(entry.editing, SET, entry.masses).carry_out(node, index, pose, at=at)
+
+
+def _move(editing: Editing, node: Node, index: int, written: Mapping[str, Any], at: Path) -> None:
+    """Put a node last into its new place; it keeps its class, and its pose there is the one it is written with."""
+    target = _target(editing, node, index, written=written["to"], at=(*at, "to"))
+    span = editing.span((*at, "to"))
+    if node is target or node in list(target.iterancestors()):
+        editing.sink.error(
+            "wrong-type",
+            f"{editing.called(node)} cannot be moved into itself",
+            span,
+            subjects=(*editing.subjects(node), *editing.subjects(target)),
+        )
+        raise Unusable
+    kind = kind_of(target)
+    if str(node.tag) not in kind.children:
+        editing.sink.error(
+            "unknown-element",
+            f"{editing.called(node)} cannot stand in {editing.called(target)}",
+            span,
+            notes=(Note("it is written here", editing.span_of(node)),),
+            subjects=(*editing.subjects(node), *editing.subjects(target)),
+        )
+        raise Unusable
+    _check_free(editing, node, target, at=at)
+    _check_scale(editing, node, target, at=at)
+    _keep_class(editing, node, target)
+    origins = editing.making.origins
+    owner = origins.owner(node, editing.making.base_file)
+    for joint in node.iter(*JOINTS):
+        editing.linking.keys.reshaped.add(joint)
+    target.append(node)
+    origins.owners.setdefault(node, owner)
+
+
+def _target(editing: Editing, node: Node, index: int, written: Any, at: Path) -> Node:
+    kind = "body"
+    if isinstance(written, dict):
+        kind, written, at = "frame", written["frame"], (*at, "frame")
+    name = str(Values(editing, node, index, at=at).of(written, at))
+    if kind == "body" and name == WORLD:
+        return editing.linking.base.section("worldbody")
+    found = editing.names.find(kind, name)
+    if found is None:
+        written = "to: {}" if kind == "body" else "to: {frame: {}}"
+        span = editing.span(at)
+        editing.sink.add(unresolved(editing, kind, name, span=span, written=written, purpose=" to move to"))
+        raise Unusable
+    return found
+
+
+def _check_free(editing: Editing, node: Node, target: Node, at: Path) -> None:
+    """Report a floating body that would move elsewhere than to the world."""
+    # A frame in the world is no body: MuJoCo 4.0 takes `<frame><body><freejoint/>…`, and says of a body below a body
+    # "free joint can only be used on top level".
+    outer: Node | None = target
+    while outer is not None and outer.tag in ("frame", "replicate"):
+        outer = outer.getparent()
+    if outer is None or outer.tag == "worldbody" or node.tag != "body":
+        return
+    is_mocap = node.get("mocap") == "true"
+    floats = any(
+        child.tag == "freejoint" or (child.tag == "joint" and editing.effective(child, "type") == "free")
+        for child in through_frames(node)
+    )
+    if not (is_mocap or floats):
+        return
+    what = "is a mocap body" if is_mocap else "has a free joint"
+    editing.sink.error(
+        "mocap-on-body" if is_mocap else "freejoint-on-body",
+        f"{editing.called(node)} {what} and cannot stand below {editing.called(outer)}",
+        editing.span((*at, "to")),
+        notes=(Note("it is written here", editing.span_of(node)),),
+        help="set `mocap: false` first"
+        if is_mocap
+        else "remove its free joint first, or move it to the world",
+        subjects=(*editing.subjects(node), *editing.subjects(outer)),
+    )
+    raise Unusable
+
+
+def _check_scale(editing: Editing, node: Node, target: Node, at: Path) -> None:
+    """Report a move into or out of a frame that scales: all lengths and masses would be others."""
+    here, there = (list(all_scaled_above(each)) for each in (node.getparent(), target))
+    if here == there:
+        return
+    frame = next(each for each in (*here, *there) if (each in here) != (each in there))
+    way = "out of" if frame in here else "into"
+    editing.sink.error(
+        "not-supported",
+        f"{editing.called(node)} cannot be moved {way} a frame that scales: its sizes and masses would change",
+        editing.span((*at, "to")),
+        notes=(Note("the frame", editing.span_of(frame, "scale" if frame.get("scale") else "massscale")),),
+        help="write the frame's content in its final size, without `scale` and `massscale`",
+        subjects=(*editing.subjects(node), *editing.subjects(target)),
+    )
+    raise Unusable
+
+
+def _keep_class(editing: Editing, node: Node, target: Node) -> None:
+    """Write the class in force at the old place onto the node if the new place has another class."""
+    before = childclass_of(node)
+    after = str(target.get("childclass") or "") or childclass_of(target)
+    if before == after:
+        return
+    if node.tag in NESTED:
+        if not node.get("childclass"):
+            assign(editing, node, {"childclass": before or MAIN})
+    # `class="main"` means the top class even below a `childclass`.
+    elif kind_of(node).takes_class and not node.get("class"):
+        assign(editing, node, {"class": before or MAIN})

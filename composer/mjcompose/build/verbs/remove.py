@@ -1,0 +1,112 @@
+"""Verb `remove`: remove elements, alone or with everything that refers to them."""
+
+from __future__ import annotations
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.diagnostic import Note, Path
+from mjcompose.build.compose.editing import Editing
+from mjcompose.build.verbs.values import Entry
+from mjcompose.language.verbs.remove import CASCADE
+from mjcompose.link.subtree import Left
+from mjcompose.model.edit import Removal, is_section, whole
+from mjcompose.model.names import declaration, is_list, word
+from mjcompose.model.select import kind_of, naming_attribute, section_of
+
+_SHOWN = 20
+
+
+def carry_out(entry: Entry, value: bool | str, at: Path) -> None:
+    """Remove every selected element, with `remove: cascade` also what refers to it."""
+    entry.gone += remove(entry.editing, entry.found, cascade=value == CASCADE, at=at)
+
+
+def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> list[Left]:
+    """Remove nodes, and return all that was removed. Without `cascade`, a reference is an error, and all stay."""
+    removal = Removal.of((editing, node) for node in nodes)
+    if not cascade and removal.references:
+        _still_needed(removal, editing, at)
+        return []
+    removal = removal.with_referrers()
+    removal.drop_references()
+    gone: list[Left] = []
+    for _, node in removal.going:
+        gone += _named(node)
+        _take_out(editing, node)
+    linking = editing.linking
+    # A file that only went into what is gone does not go into the bundle.
+    linking.files = [use for use in linking.files if _stands(use.element, editing.root)]
+    return gone
+
+
+def _stands(node: Node, root: Node) -> bool:
+    return node.getroottree().getroot() is root
+
+
+def _take_out(editing: Editing, node: Node) -> None:
+    for each in node.iter("*"):
+        if not is_section(each) and each is not editing.root:
+            editing.forget(each)
+    # The class may have made slides or balls of joints, which have other numbers in a key.
+    if section_of(node) == "default":
+        editing.reshaped(node)
+    parent = node.getparent()
+    assert parent is not None
+    parent.remove(node)
+    if parent.tag == "flexcomp":  # without its pins or its elasticity it has other joints
+        editing.reshaped(parent)
+    editing.linking.base.forget_classes()
+
+
+def _named(node: Node) -> list[Left]:
+    """Return what is removed, for lists: each element in the body tree, elsewhere the element as a whole."""
+    section = section_of(node)
+    inside = node.iter("*") if section in ("worldbody", "default") else [node]
+    found = []
+    for each in inside:
+        if each.tag in ("frame", "replicate") or is_section(each):
+            continue
+        declared = declaration(each, section)
+        naming = naming_attribute(kind_of(each))
+        if declared is None and naming is None and each is not node:
+            continue
+        found.append(Left(listed_kind(each, section), declared[1] if declared else ""))
+    return found
+
+
+def listed_kind(node: Node, section: str) -> str:
+    """Return what lists of elements call the kind of an element."""
+    if section in ("tendon", "equality", "actuator", "sensor"):
+        return section
+    return "joint" if node.tag == "freejoint" else word(str(node.tag))
+
+
+def _still_needed(removal: Removal[Editing], editing: Editing, at: Path) -> None:
+    notes = []
+    seen: set[Node] = set()
+    for _, node, attribute, namespace, name in removal.references:
+        user = whole(node)
+        if user in seen:
+            continue
+        seen.add(user)
+        if len(seen) <= _SHOWN:
+            notes.append(
+                Note(
+                    f"{editing.called(user)} refers to the {word(namespace)} `{name}` by `{attribute}`",
+                    editing.span_of(
+                        node, attribute if not is_list(node, attribute, section_of(node)) else None
+                    ),
+                )
+            )
+    if len(seen) > _SHOWN:
+        notes.append(Note(f"and {len(seen) - _SHOWN} more"))
+    alone = len(removal.going) == 1
+    what = editing.called(removal.going[0][1]) if alone else f"{len(removal.going)} elements"
+    editing.sink.error(
+        "still-referred-to",
+        f"{what} cannot be removed alone: {'it is' if alone else 'they are'} referred to",
+        editing.span(at),
+        notes=notes,
+        help="write `remove: cascade` to take along what refers to it",
+        subjects=[name for _, node in removal.going for name in editing.subjects(node)],
+    )

@@ -1,0 +1,1 @@
+"""MuJoCo compiles the result; each part is what it is alone."""

@@ -1,0 +1,306 @@
+"""MuJoCo compiles a bundle, and its verdict is reported in the recipe and its sources."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from posixpath import basename
+from typing import TYPE_CHECKING
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Cause, Diagnostic, Span
+from mjcompose.base.scratch import scratch
+from mjcompose.build.bundle.bundle import MANIFEST, Bundle, OutputError, unwritable
+from mjcompose.build.bundle.read import outside
+from mjcompose.build.bundle.staging import write_files
+from mjcompose.model.classes import ORIENTATIONS
+from mjcompose.model.files import NAMED_AFTER_FILE
+from mjcompose.model.grammar import GRAMMAR, version_key
+from mjcompose.model.unit import Unit, element_at
+from mjcompose.model.xml_faults import ignored, is_unread_alone, unread
+from mjcompose.mujoco import engine
+from mjcompose.mujoco.messages import (
+    CRASHES,
+    Fault,
+    crash_help,
+    parse,
+    read_sentence,
+    report,
+    translate,
+    unknown_attribute,
+    unknown_element,
+)
+from mjcompose.sources.context import Context
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from mjcompose.mujoco.engine import Compiled, Session
+
+_MOVING = frozenset({"pos", *ORIENTATIONS})
+
+
+def unmoved_flexes(root: Node, mujoco: str | None) -> Iterator[Node]:
+    """Yield the flexes inside of posed frames, if this version of MuJoCo ignores these poses. No I/O."""
+    if mujoco is None or version_key(mujoco) >= (4,):
+        return
+    for flex in root.iter("flexcomp"):
+        around = flex.getparent()
+        while around is not None and around.tag in ("frame", "replicate"):
+            if around.tag == "frame" and not _MOVING.isdisjoint(around.keys()):
+                yield flex
+                break
+            around = around.getparent()
+
+
+def judge(
+    bundle: Bundle,
+    model: Unit,
+    context: Context,
+    *,
+    session: Session,
+    keep: str | None = None,
+    at: Span | None = None,
+) -> Compiled | None:
+    """Compile the bundle and report errors and warnings to the sink. Return None if MuJoCo gave no verdict.
+
+    With `keep` the session keeps the compiled model under that name. `at` is the place of messages that are
+    about no element, as a rule the recipe.
+    """
+    try:
+        verified = verify(bundle, session=session, keep=keep)
+    except OutputError as error:
+        context.sink.add(error.diagnostic)
+        return None
+    for warning in verified.warnings:
+        element = _element(warning, bundle, model)
+        attribute = None if element is None else translate(warning.message, element).attribute
+        span = None if element is None else model.origins.span(element, model.file, attribute)
+        said = _with_sources(warning.message, model, context)
+        context.sink.warning(
+            "mujoco-warning", f"MuJoCo warns: {said}", span, cause=Cause(said, _called(element))
+        )
+    if verified.error is not None and verified.code is not None:
+        fault = verified.error
+        message = _with_sources(fault.message, model, context)
+        if verified.crash:
+            context.sink.error(verified.code, message, at, help=crash_help(verified.code))
+        else:
+            element = _element(fault, bundle, model)
+            report(translate(message, element), element, model, context=context, at=at)
+        return None
+    version = verified.compiled.mujoco_version
+    if version is None or version_key(version) <= version_key(
+        GRAMMAR.versions[-1]
+    ):  # a newer one may have more attributes
+        for element, name in unread(model.root, version):
+            _report_unread(element, name, model, context=context)
+    for flex in unmoved_flexes(model.root, version):
+        context.sink.warning(
+            "not-supported",
+            f"MuJoCo {version} leaves the flex `{flex.get('name')}` where it would be without the frame around it",
+            model.origins.span(flex, model.file),
+            help="build with MuJoCo 4.0, which moves it, or put it into a body",
+            cause=Cause("left behind", _called(flex)),
+        )
+    return verified.compiled
+
+
+def _called(element: Node | None) -> str:
+    if element is None:
+        return "the model"
+    name = element.get("name")
+    return f"`<{element.tag}>` `{name}`" if name else f"`<{element.tag}>`"
+
+
+def _report_unread(element: Node, name: str | None, model: Unit, context: Context) -> None:
+    """Warn if MuJoCo ignores it in the source too; else report an error, because MuJoCo refuses the source alone."""
+    if is_unread_alone(element, name, model):
+        context.sink.add(ignored(element, name, model))
+        return
+    file = model.origins.span(element, model.file).file
+    found = unknown_element(element, file) if name is None else unknown_attribute(element, name, file)
+    report(
+        found, element, model, context=context, cause=Cause(f"{element.tag} {name or ''}", _called(element))
+    )
+
+
+def _element(fault: Fault, bundle: Bundle, model: Unit) -> Node | None:
+    """Return the element that a message is about.
+
+    It is the one on the given line of `model.xml`, a plugin instance, the only element of that name, or a
+    setting.
+    """
+    if fault.line is not None:
+        found = element_at(model.root, bundle.files[bundle.model], fault.line)
+        return _attaching(fault, model.root) if _is_another(found, fault) else found
+    said = read_sentence(fault.message)
+    if said.plugin is not None:
+        instances = model.root.findall("extension/plugin/instance")  # the first ones; others have no name
+        return instances[said.plugin] if said.plugin < len(instances) else None
+    named = [each for each in model.root.iter("*") if each.get("name") == fault.name] if fault.name else []
+    named = named or [each for each in model.root.iterfind(".//replicate//*") if _is_copy(fault.name, each)]
+    named = named or [
+        each
+        for each in model.root.iter("*")
+        if each.get("file") and basename(str(each.get("file"))) in said.names
+    ]
+    if not named and said.array is not None:
+        named = list(model.root.iter(said.array.partition("_")[0]))
+    if not named and said.section is not None:
+        named = model.root.findall(said.section)
+    return named[0] if len(named) == 1 else None
+
+
+def _is_copy(name: str | None, element: Node) -> bool:
+    """Return whether MuJoCo gives this name to a copy of the element."""
+    own = element.get("name")
+    return bool(name and own and name.startswith(own) and name.removeprefix(own)[-1:].isdigit())
+
+
+def _is_another(found: Node | None, fault: Fault) -> bool:
+    """Return whether the message is about an element of another name, so that its line belongs to another file."""
+    if found is None or not fault.name:
+        return False
+    if found.get("name"):
+        return not fault.name.startswith(str(found.get("name")))
+    around = [str(each.get("name")) for each in found.iterancestors() if each.get("name")]
+    if any(map(fault.name.startswith, around)) or found.tag in NAMED_AFTER_FILE:
+        return False
+    return _attaching(fault, found.getroottree().getroot()) is not None
+
+
+def _attaching(fault: Fault, root: Node) -> Node | None:
+    """Return the `<attach>` that brings in the element of the message, judged by its prefix."""
+    prefixes = {each: str(each.get("prefix") or "") for each in root.iter("attach")}
+    fitting = [each for each, prefix in prefixes.items() if str(fault.name).startswith(prefix)]
+    return max(fitting, key=lambda each: len(prefixes[each]), default=None)
+
+
+def _with_sources(message: str, model: Unit, context: Context) -> str:
+    """Return the message on one line, with the file names that the user knows."""
+    for path, where in model.contents.items():
+        if path in message:
+            message = message.replace(path, context.shown(where) if isinstance(where, Path) else path)
+    return " ".join(" ".join(dict.fromkeys(message.splitlines())).split()).removesuffix(".")
+
+
+WHOLE = "whole"
+"""The name under which the session keeps the composition."""
+# Greedy: the match may include what stands between two sections of one name, but it never misses anything.
+_OF_FILES = [
+    re.compile(rb"<%b\b[^>]*>(?:.*</%b>)?" % (tag, tag), re.DOTALL)
+    for tag in (b"asset", b"default", b"compiler")
+]
+_MATERIAL = re.compile(rb"<material\b[^>]*>")
+"""Materials are the assets that are drawn most often, and MuJoCo reads no file for them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Verified:
+    """MuJoCo's verdict on a bundle; `compiled` has the sizes and the index.
+
+    `error` says why MuJoCo refused the model. If MuJoCo gave no verdict, `crash` is set (see
+    `engine.Compiled`) and `error` describes the crash. `code` is the code of the diagnostic for `error`.
+    """
+
+    compiled: engine.Compiled
+    error: Fault | None = None
+    crash: str | None = None
+    warnings: tuple[Fault, ...] = ()
+
+    @property
+    def ok(self) -> bool:
+        return self.error is None
+
+    @property
+    def code(self) -> str | None:
+        """The code of the diagnostic that reports `error`; None if there is no error."""
+        if self.error is None:
+            return None
+        if self.crash is None:
+            return "mujoco-rejects"
+        return CRASHES.get(self.crash, "mujoco-crash")
+
+
+class StrangerError(Exception):
+    """A bundle names files outside of itself; `found` reports each of them."""
+
+    def __init__(self, found: tuple[Diagnostic, ...]) -> None:
+        super().__init__(found[0].message)
+        self.found = found
+
+
+def verify(
+    bundle: Bundle,
+    *,
+    limits: engine.Limits | None = None,
+    session: engine.Session | None = None,
+    keep: str | None = None,
+    stranger: str | None = None,
+) -> Verified:
+    """Compile the bundle in a folder of its own, as a user would, and run one mj_forward.
+
+    If the bundle may come from anyone, `stranger` is its name in messages; it is then compiled only if it
+    names no files outside of itself. A failing first forward step is an error too. With a `session`, `keep`
+    names the compiled model for later calls. Raises OutputError if the bundle cannot be written to a
+    temporary folder, and StrangerError.
+    """
+    try:
+        with _written(bundle, session) as (folder, stands):
+            if stranger is not None and (found := outside(folder, bundle.model, stranger)):
+                raise StrangerError(found)
+            compiled = engine.compile(
+                folder,
+                bundle.model,
+                wants=("index",),
+                keep=keep,
+                stands=stands,
+                limits=limits,
+                session=session,
+            )
+    except OSError as error:
+        raise unwritable("a temporary folder", error) from error
+    warnings = tuple(parse(text) for text in compiled.warnings)
+    if compiled.crash is not None:
+        return Verified(compiled, Fault(compiled.error or compiled.crash), compiled.crash, warnings=warnings)
+    if compiled.error is not None:
+        return Verified(compiled, parse(compiled.error), None, warnings=warnings)
+    if compiled.forward is not None:
+        fault = Fault(f"the model compiles, but its first forward step fails: {compiled.forward}")
+        return Verified(compiled, fault, None, warnings=warnings)
+    return Verified(compiled, None, None, warnings=warnings)
+
+
+@contextmanager
+def _written(bundle: Bundle, session: engine.Session | None) -> Iterator[tuple[Path, bool]]:
+    """Yield a folder with the bundle, and whether the folder is reused for bundles that differ only in the tree."""
+    if session is None or not session.remembers:
+        with scratch("bundle") as folder:
+            write_files(bundle, folder)
+            yield folder, False
+        return
+    folder = session.standing(_named(bundle))
+    if os.path.exists(folder):
+        (folder / bundle.model).write_bytes(bundle.files[bundle.model])
+    else:
+        stage = folder.with_name("stage")
+        stage.mkdir()
+        write_files(bundle, stage)
+        stage.rename(folder)
+    yield folder, True
+
+
+def _named(bundle: Bundle) -> str:
+    """Return a hash of the files, their bytes and what the model says of them. No version of MuJoCo uses more."""
+    whole = hashlib.sha256(bundle.model.encode())
+    for path in bundle.files:
+        if path not in (bundle.model, MANIFEST):
+            whole.update(f"\0{path}\0{bundle.digest(path)}".encode())
+    for section in _OF_FILES:
+        whole.update(_MATERIAL.sub(b"", b"\0".join(section.findall(bundle.files[bundle.model]))))
+    return whole.hexdigest()

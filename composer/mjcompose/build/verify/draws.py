@@ -1,0 +1,498 @@
+"""Draws at run time, and numbers that differ between worlds."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import zipfile
+from collections.abc import Callable, Iterator, Sequence
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mjcompose.base.scratch import scratch
+from mjcompose.build.bundle.bundle import DRAWS, MODEL, WORLDS, Bundle
+from mjcompose.build.bundle.listing import write_rows
+from mjcompose.build.plan.plan import ElementDraws, Plan
+from mjcompose.build.verify.compile import WHOLE
+from mjcompose.language.distribution import CHOICE
+from mjcompose.language.randomize import DrawField
+from mjcompose.language.verbs.values import MASS
+from mjcompose.model.values import is_in_degrees
+from mjcompose.mujoco import engine
+from mjcompose.mujoco.addresses import rows_of
+from mjcompose.mujoco.attributes import ON_BODIES, TAGS, Model, array_of, attributes
+from mjcompose.mujoco.controls import GAINS
+from mjcompose.mujoco.messages import CRASHES, crash_help
+from mjcompose.mujoco.varying import Numbers, Recorder, arrays, flat, put, stored
+from mjcompose.sources.context import Context
+from mjcompose.text.expression_values import UNITS, Angle
+from mjcompose.text.node import locate
+
+SAMPLES = "samples.csv"
+SAMPLE = "sample"
+"""The name under which a session keeps the sample that a table is compared with."""
+CODE = "draw-at-run-time"
+_FORMAT = 1
+
+
+class DrawTable:
+    """The table of draws for the model that `session` keeps. Draws that are impossible at run time are reported."""
+
+    def __init__(
+        self, plan: Plan, tabled: Sequence[ElementDraws], session: engine.Session, context: Context
+    ) -> None:
+        self.plan, self.tabled, self.session, self.context = plan, tabled, session, context
+        self.columns: dict[str, dict[str, Any]] = {}
+        self.values: dict[str, Sequence[Any]] = {}
+
+    def fill(self) -> bool:
+        """Look up the address of every number, and return whether each has one."""
+        before = self.context.sink.error_count
+        numeric = [each for each in self.tabled if self._is_numeric(each)]
+        answer = engine.call(self.session, resolve, [WHOLE], argument=[_question(each) for each in numeric])
+        if not answer.ok:
+            self.crashed(answer)
+            return False
+        for each, found in zip(numeric, answer.value, strict=True):
+            if "error" in found:
+                message = f"field `{each.field.name}` cannot be drawn at run time: {found['error']}"
+                self._fault(
+                    each.field,
+                    message,
+                    "or draw the `mass` of its body" if each.first.attribute == "density" else "",
+                )
+            else:
+                self._add(each, found)
+        return self.context.sink.error_count == before
+
+    def added(self, bundle: Bundle) -> Bundle:
+        """Return the bundle with the table in it."""
+        wanted = self.plan.randomize
+        assert wanted is not None
+        data = {
+            "randomize": _FORMAT,
+            "model": MODEL,
+            "samples_file": SAMPLES,
+            "seed": wanted.seed,
+            "samples": wanted.samples,
+            "mujoco": self.session.mujoco_version,
+            "fields": {each.name: _field(each) for each in wanted.fields},
+            "columns": [{"column": name, **column} for name, column in self.columns.items()],
+        }
+        table = io.BytesIO()
+        with io.TextIOWrapper(table, "utf-8", newline="", write_through=True) as text:
+            write_rows(text, ["sample", *self.columns], self._rows(wanted.samples))
+            samples = table.getvalue()
+        described = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+        return bundle.with_files({DRAWS: described.encode(), SAMPLES: samples})
+
+    def _rows(self, samples: int) -> Iterator[Sequence[Any]]:
+        yield [0, *[None] * len(self.columns)]
+        yield from zip(range(1, samples + 1), *self.values.values(), strict=True)
+
+    def _is_numeric(self, each: ElementDraws) -> bool:
+        first = each.first.value if isinstance(each.first.value, tuple) else (each.first.value,)
+        if not any(isinstance(value, str) for value in first):
+            return True
+        message = f"field `{each.field.name}` draws names, which a model that is compiled cannot change"
+        self._fault(each.field, message)
+        return False
+
+    def _add(self, each: ElementDraws, found: dict[str, Any]) -> None:
+        for component, (name, _) in enumerate(each.first.columns()):
+            if name not in self.columns:
+                low, high = _bounds(each, component)
+                self.columns[name] = {
+                    "field": each.field.name,
+                    "operation": each.field.operation,
+                    "low": low,
+                    "high": high,
+                    "targets": [],
+                }
+                self.values[name] = each.numbers[component]
+            of = {"type": each.family, "name": each.name or "", "id": found["id"]}
+            self.columns[name]["targets"] += [{**of, **target} for target in found["targets"][component]]
+
+    def _fault(self, field: DrawField, message: str, instead: str = "") -> None:
+        help = "write `emit: models`, which builds every sample" + (f", {instead}" if instead else "")
+        self.context.sink.error(CODE, message, locate(self.plan.document, (*field.at, "attr")), help=help)
+
+    def crashed(self, answer: engine.Called) -> None:
+        code = CRASHES.get(answer.crash or "", "mujoco-crash")
+        span = locate(self.plan.document, ("randomize", "samples"))
+        message = f"the table of draws: {answer.error or answer.crash}"
+        self.context.sink.error(code, message, span, help=crash_help(code))
+
+
+def _question(each: ElementDraws) -> dict[str, Any]:
+    return {
+        "tag": each.tag,
+        "family": each.family,
+        "name": each.name,
+        "place": each.place,
+        "attribute": each.first.attribute,
+        "start": each.first.start,
+        "count": len(each.first.columns()),
+    }
+
+
+def _bounds(each: ElementDraws, component: int) -> tuple[float | None, float | None]:
+    """Return the least and the greatest number that may be drawn, in the table's unit; None for no bound."""
+    distribution = each.field.distribution
+    if distribution.kind == CHOICE:
+        numbers = distribution.extremes(component) or tuple(map(float, each.numbers[component]))  # type: ignore[arg-type]
+    else:
+        numbers = distribution.extremes(component)
+    unit = distribution.unit
+    if unit is None and each.unit == "degree" and each.angles[component : component + 1] == (True,):
+        unit = "deg"
+    own = "deg" if is_in_degrees(each.tag, each.first.attribute) else "rad"
+    turned = [Angle(end, UNITS[unit]).in_unit(own) if unit else end for end in (min(numbers), max(numbers))]
+    low, high = (number if math.isfinite(number) else None for number in turned)
+    return low, high
+
+
+def _field(field: DrawField) -> dict[str, Any]:
+    """Return what the recipe says about a field, with the numbers as written."""
+    distribution = field.distribution
+    return {
+        "select": str(field.select),
+        "attribute": field.attr,
+        "operation": field.operation,
+        "per": field.per,
+        "distribution": distribution.kind,
+        "parameters": {
+            name: list(each) if len(each) > 1 else each[0] for name, each in distribution.parameters.items()
+        },
+        "unit": distribution.unit,
+    }
+
+
+_CLOSE = 1e-9
+"""Tolerance for numbers that were computed in two ways, relative to the larger of 1 and the number."""
+
+
+def resolve(mujoco: Any, model: Model, asked: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return for each element its id and the addresses of its numbers in mjModel, or an `error`.
+
+    Runs under `mjcompose.mujoco.engine.call`. Each of `asked` has `tag`, `family`, `name` or `place`, `attribute`,
+    and `start` and `count` of its numbers. The answer has `id`, and under `targets` for each number a list of
+    `{array, index}`; with a `sign` if it is not 1, and with `follows` if the value changes in proportion to
+    the first.
+    """
+    return [_resolved(mujoco, model, each) for each in asked]
+
+
+def _resolved(mujoco: Any, model: Model, asked: dict[str, Any]) -> dict[str, Any]:
+    tag, family, attribute = asked["tag"], asked["family"], asked["attribute"]
+    gains = GAINS.get((tag, attribute))
+    known = family in TAGS and (gains or attribute in attributes(family))
+    if not known:
+        return {"error": f"`{attribute}` of `{tag}` is not an array of mjModel"}
+    number = _id(mujoco, model, asked)
+    if isinstance(number, str):
+        return {"error": number}
+    if family == "body" and attribute == MASS:
+        inertia: list[dict[str, Any]] = [
+            {"array": "body_inertia", "index": [number, n], "follows": True} for n in range(3)
+        ]
+        return {"id": number, "targets": [[{"array": "body_mass", "index": [number]}, *inertia]]}
+    if gains is not None:
+        targets = [{"array": array, "index": [number, n], "sign": sign} for array, n, sign in gains]
+        return {"id": number, "targets": [targets]}
+    array = array_of(family, attribute)
+    rows = rows_of(model, family, array, index=number)
+    if family == "actuator":  # if an actuator has several controls, the draw is for the first
+        rows = range(rows.start, rows.start + 1)
+    found = getattr(model, array, None)
+    width = 1 if found is None or found.ndim == 1 else int(np.prod(found.shape[1:]))
+    last = asked["start"] + asked["count"]
+    if found is None or last > width:
+        return {"error": f"`{attribute}` of `{tag}` has not as many numbers in mjModel"}
+    found_at: list[list[dict[str, Any]]] = [
+        [{"array": array, "index": [row] if found.ndim == 1 else [row, n]} for row in rows]
+        for n in range(asked["start"], last)
+    ]
+    return {"id": number, "targets": found_at}
+
+
+def _id(mujoco: Any, model: Model, asked: dict[str, Any]) -> int | str:
+    """Return the id of an element, or why it has none."""
+    family, name, place = asked["family"], asked["name"], asked["place"]
+    if name:
+        kind = getattr(mujoco.mjtObj, f"mjOBJ_{family.upper()}")
+        number = int(mujoco.mj_name2id(model, kind, name))
+        return number if number >= 0 else f"the compiled model has no {family} `{name}`"
+    if place is None:
+        return f"`{asked['tag']}` without a name cannot be found in the compiled model"
+    body, position, count = place
+    number = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, body))
+    if number < 0 or family not in ON_BODIES:
+        return f"`{asked['tag']}` without a name cannot be found in the compiled model"
+    there = np.flatnonzero(getattr(model, ON_BODIES[family]) == number)
+    if len(there) != count:
+        return f"of the {family}s in body `{body}` that have no name it is not known which is which"
+    return int(there[position])
+
+
+def are_close(a: Any, b: Any) -> bool:
+    """Return whether numbers are equal up to the rounding of two ways to compute them."""
+    a, b = np.asarray(a), np.asarray(b)
+    if a.shape != b.shape:
+        return False
+    if a.dtype.kind not in "fc":
+        return bool(np.array_equal(a, b))
+    part = _CLOSE if a.dtype.itemsize == 8 else 1e-5
+    scale = np.maximum(1.0, np.abs(b))
+    with np.errstate(invalid="ignore"):  # of two infinite numbers
+        near = (np.abs(a - b) <= part * scale) & np.isfinite(b)  # everything is near an infinite number
+    return bool(np.all(near | (a == b) | (np.isnan(a) & np.isnan(b))))
+
+
+Build = Callable[[int], bool]
+"""Builds a sample, which the session keeps as `SAMPLE`; returns whether it succeeded."""
+
+
+def with_worlds(table: DrawTable, bundle: Bundle, build: Build) -> Bundle:
+    """Return the bundle with the worlds of a filled table, one for each sample from 1; errors go to the sink.
+
+    The first, middle and last sample are built, and each array of mjModel is compared.
+    """
+    with scratch("worlds") as folder:
+        paths = {"draws": str(folder / "draws.npy"), "out": str(folder / "worlds.npz")}
+        np.save(paths["draws"], np.array(list(table.values.values()), float).T)
+        question: dict[str, object] = {**paths, "columns": list(table.columns.values())}
+        answer = engine.call(table.session, compute, [WHOLE], argument=question)
+        if not answer.ok:
+            table.crashed(answer)
+            return bundle
+        count = _count(table)
+        for sample in sorted({1, (count + 1) // 2, count}):
+            if not build(sample):
+                return bundle
+            question = {**paths, "world": sample - 1}
+            answer = engine.call(table.session, compare, [WHOLE, SAMPLE], argument=question)
+            if not answer.ok:
+                table.crashed(answer)
+                return bundle
+            if answer.value:
+                _fault(table, sample, answer.value)
+                return bundle
+        return bundle.with_files({WORLDS: _described(table, Path(paths["out"]).read_bytes())})
+
+
+def _count(table: DrawTable) -> int:
+    wanted = table.plan.randomize
+    assert wanted is not None
+    return wanted.samples
+
+
+def _fault(table: DrawTable, sample: int, arrays: list[str]) -> None:
+    listed = ", ".join(f"`{name}`" for name in arrays)
+    table.context.sink.error(
+        CODE,
+        f"world {sample - 1} is not what a build makes of sample {sample}: {listed}",
+        locate(table.plan.document, ("randomize", "emit")),
+        help="leave the fields out that change these, or write `emit: models`, which builds every sample",
+    )
+
+
+def _described(table: DrawTable, content: bytes) -> bytes:
+    """Return the file with its description in it."""
+    wanted = table.plan.randomize
+    assert wanted is not None
+    about: dict[str, object] = {
+        "worlds": _FORMAT, "model": MODEL, "mujoco": table.session.mujoco_version,
+        "seed": wanted.seed, "samples": wanted.samples,
+    }  # fmt: skip
+    out = BytesIO(content)
+    with zipfile.ZipFile(out, "a") as archive:
+        archive.writestr(zipfile.ZipInfo("about.json"), json.dumps(about))
+    return out.getvalue()
+
+
+Place = tuple[str, int]
+"""A number of mjModel: its array and its index in the flattened array."""
+_BLOCK = 1024
+
+
+def compute(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[str]:
+    """Write every number that differs in some world to the file `out`, and return the names of the arrays.
+
+    Runs under `mjcompose.mujoco.engine.call`. `draws` is a file with a row for each world, `(worlds, columns)`;
+    `columns` says where the numbers go; `stored` says what is written. The model is restored afterwards.
+    """
+    draws, columns = np.load(asked["draws"], allow_pickle=False), asked["columns"]
+    found, computed = Recorder(model), Computed(mujoco, model, mujoco.MjData(model))
+    following = list(_following(model, columns))
+    for first in range(0, len(draws), _BLOCK):
+        drawn = list(_drawn(model, columns, following, rows=draws[first : first + _BLOCK], found=found))
+        for world in range(len(draws[first : first + _BLOCK])):
+            for memory, places, values in drawn:
+                memory[places] = values[world]
+            computed.settle()
+            found.take()
+    entries = stored(model, found.found())
+    with open(asked["out"], "wb") as file:
+        np.savez(file, allow_pickle=False, **entries)
+    return sorted({name.partition("/")[0] for name in entries})
+
+
+def _drawn(
+    model: Model, columns: list[dict[str, Any]], following: list[tuple[Place, list[Place]]], rows: Numbers,
+    found: Recorder,
+) -> Iterator[tuple[Numbers, Numbers, Numbers]]:  # fmt: skip
+    """Yield where in the model's memory drawn numbers go, and the numbers, `(worlds, numbers)`."""
+    values: dict[Place, Numbers] = {}
+    with np.errstate(all="ignore"):  # as with single numbers
+        for column, drawn in zip(columns, rows.T, strict=True):
+            is_drawn, ratio = ~np.isnan(drawn), np.ones(len(rows))
+            for target in column["targets"]:
+                array = getattr(model, target["array"])
+                place = target["array"], int(np.ravel_multi_index(target["index"], array.shape))
+                before = (
+                    values[place]
+                    if place in values
+                    else np.repeat(flat(model, place[0])[place[1]], len(rows))
+                )
+                before = before.astype(float)
+                signed = drawn * target.get("sign", 1)
+                follows = target.get("follows")
+                now = before * ratio if follows else {
+                    "set": signed, "scale": before * drawn, "offset": before + signed,
+                }[column["operation"]]  # fmt: skip
+                values[place] = np.where(is_drawn, now, before).astype(array.dtype)
+                if not follows:
+                    ratio = np.where(before != 0, values[place].astype(float) / before, 1.0)
+        for source, targets in following:
+            for name, index in targets:
+                values[name, index] = values[source].astype(getattr(model, name).dtype)
+    for dtype in {value.dtype for value in values.values()}:
+        places = [place for place, value in values.items() if value.dtype == dtype]
+        memory = np.array([found.first_of(name) + index for name, index in places])
+        yield found.view(dtype), memory, np.stack([values[place] for place in places], axis=1)
+
+
+def compare(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -> list[str]:
+    """Return the arrays in which `world` of the file `out` differs from a built sample.
+
+    Runs under `mjcompose.mujoco.engine.call`. The nominal model is restored afterwards.
+    """
+    before = {name: flat(nominal, name).copy() for name in arrays(nominal)}
+    with np.load(asked["out"], allow_pickle=False) as stored:
+        for name in {each.partition("/")[0] for each in stored.files}:
+            numbers = flat(nominal, name).copy()
+            numbers[stored[f"{name}/index"]] = stored[f"{name}/values"][asked["world"]]
+            put(nominal, name, numbers)
+    different = [name for name in before if not are_close(flat(nominal, name), flat(sample, name))]
+    for name, numbers in before.items():
+        put(nominal, name, numbers)
+    return sorted(different)
+
+
+class Computed:
+    """The values that the compiler computes and mj_setConst does not, unless the model sets them."""
+
+    def __init__(self, mujoco: Any, model: Model, data: Any) -> None:
+        self._mujoco, self._model, self._data = mujoco, model, data
+        self._inertia, self._mass = model.stat.meaninertia, model.stat.meanmass
+        self._has_inertia = are_close(_mean_inertia(model), self._inertia)
+        self._has_mass = are_close(_mean_mass(model), self._mass)
+        lengths = self._lengths() if model.ntendon else np.empty(0)
+        # `springlength` is a range. If it is not set, both ends are the length in the springs' reference
+        # pose.
+        self._springs = [
+            n for n, each in enumerate(lengths) if are_close(model.tendon_lengthspring[n], [each, each])
+        ]
+
+    def settle(self) -> None:
+        """Compute them."""
+        model = self._model
+        # MuJoCo 3.12 computes lengths of tendons with mocap bodies where the data has them; 4.0 moves them first.
+        self._mujoco.mj_resetData(model, self._data)
+        self._mujoco.mj_setConst(model, self._data)
+        # MuJoCo 3.12 computes these anew even if `<statistic>` gives them; 4.0 never does.
+        model.stat.meaninertia = _mean_inertia(model) if self._has_inertia else self._inertia
+        model.stat.meanmass = _mean_mass(model) if self._has_mass else self._mass
+        if self._springs:
+            model.tendon_lengthspring[self._springs] = self._lengths()[self._springs, None]
+
+    def _lengths(self) -> Numbers:
+        mujoco, model, data = self._mujoco, self._model, self._data
+        mujoco.mj_resetData(model, data)
+        data.qpos[:] = model.qpos_spring
+        for stage in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_tendon):
+            stage(model, data)
+        lengths: Numbers = data.ten_length.copy()
+        return lengths
+
+
+def _mean_inertia(model: Model) -> float:
+    return sum(model.dof_M0.tolist()) / model.nv if model.nv else math.nan
+
+
+def _mean_mass(model: Model) -> float:
+    return sum(model.body_mass.tolist()) / (model.nbody - 1) if model.nbody > 1 else math.nan
+
+
+_FREE = 0
+_OF_INERTIA = {"body_pos": "body_ipos", "body_quat": "body_iquat"}
+_OF_KEYS = {"body_pos": "key_mpos", "body_quat": "key_mquat"}
+
+
+def _following(model: Model, columns: list[dict[str, Any]]) -> Iterator[tuple[Place, list[Place]]]:
+    """Yield the numbers that the compiler copies from the pose of a body and mj_setConst does not update.
+
+    The reference pose of a free joint is the pose of its body, and so is its pose in a key that does not set
+    it.
+    """
+    for array, at, width in (("body_pos", 0, 3), ("body_quat", 3, 4)):
+        drawn = {
+            tuple(target["index"])
+            for column in columns
+            for target in column["targets"]
+            if target["array"] == array
+        }
+        for body, component in sorted(drawn):
+            targets = [
+                *_of_free_joint(model, body, at + component),
+                *_of_mocap(model, body, array, component=component),
+                *_of_inertial_frame(model, body, array, component=component),
+            ]
+            if targets:
+                yield (array, body * width + component), targets
+
+
+def _of_free_joint(model: Model, body: int, component: int) -> Iterator[Place]:
+    joint = model.body_jntadr[body]
+    if joint < 0 or model.jnt_type[joint] != _FREE:
+        return
+    first = int(model.jnt_qposadr[joint])
+    pose = slice(first, first + 7)
+    yield "qpos0", first + component
+    yield "qpos_spring", first + component
+    for key in range(model.nkey):
+        if (model.key_qpos[key, pose] == model.qpos0[pose]).all():
+            yield "key_qpos", key * model.nq + first + component
+
+
+def _of_inertial_frame(model: Model, body: int, array: str, component: int) -> Iterator[Place]:
+    """Yield the number of the inertial frame: MuJoCo gives a massless body its own pose as the inertial frame."""
+    name = _OF_INERTIA[array]
+    if model.body_mass[body] == 0 and (getattr(model, name)[body] == getattr(model, array)[body]).all():
+        yield name, body * getattr(model, name).shape[1] + component
+
+
+def _of_mocap(model: Model, body: int, array: str, component: int) -> Iterator[Place]:
+    mocap = int(model.body_mocapid[body])
+    if mocap < 0:
+        return
+    name, pose = _OF_KEYS[array], getattr(model, array)[body]
+    for key in range(model.nkey):
+        first = pose.size * mocap
+        if (getattr(model, name)[key, first : first + pose.size] == pose).all():
+            yield name, key * pose.size * model.nmocap + first + component

@@ -1,0 +1,283 @@
+"""Compare the keys of the compiled model with what they were meant to be.
+
+Sources are asked alone: MuJoCo compiles each bare (`key_meaning.py`) and says by name what each number of its keys is
+of. Poses in the world move with their part. Recipes say the rest, except where edits make numbers meaningless. How the
+linker lays keys out is of no account here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.rotation import Pose, normalise, rotate
+from mjcompose.base.sink import Sink
+from mjcompose.build.verify.compile import WHOLE
+from mjcompose.link.linking import Written
+from mjcompose.link.unit_keys import MARK, VECTORS, Bare, KeyNotes, Within, bare, keys_of
+from mjcompose.model.unit import Unit
+from mjcompose.mujoco import engine
+from mjcompose.mujoco.keyframes import key_rows
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+_CLOSE = 1e-9
+_KINDS = {
+    "qpos": "joint",
+    "qvel": "joint",
+    "act": "actuator",
+    "ctrl": "actuator",
+    "mpos": "body",
+    "mquat": "body",
+}
+_CALLED = {"joint": "joint", "actuator": "actuator", "body": "mocap body"}
+
+
+class Value(NamedTuple):
+    """Numbers that a key is meant to have, and where they are written; none if MuJoCo has computed them."""
+
+    numbers: Sequence[float]
+    within: Within
+    span: Span | None
+
+
+Own = tuple[Any, str, int]
+"""A joint, actuator or mocap body: its element, what a flex calls it, and which of its body it is."""
+Meant = dict[str, dict[Own, list[Value]]]
+"""What a key means, by vector. There are several values for an element that a replicate multiplies."""
+
+
+def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink: Sink) -> None:
+    """Report numbers of the compiled model's keys that are not what is meant."""
+    keys = keys_of(model)
+    if not keys or not (notes.written or notes.sources):
+        return
+    final = bare(model)
+    if final is None:  # MuJoCo attaches a model, or reads a shape from a file
+        return
+    sources = [each for found in notes.sources.values() for each in found]
+    texts = list(dict.fromkeys(each.text for each in sources))
+    held = [(at, written) for at, key in enumerate(keys) if (written := _held(key, model, notes)) is not None]
+    question = {
+        "texts": [*texts, final.text],
+        "mark": MARK,
+        "held": [{"key": at, "forces": written.forces} for at, written in held],
+    }
+    answer = engine.call(session, key_rows, [WHOLE], argument=question)
+    if not answer.ok or "unlike" in answer.value:
+        why = answer.value["unlike"] if answer.ok else answer.error or answer.crash
+        sink.error(
+            "keyframe-wrong",
+            f"the keys of the model cannot be checked: {why}",
+            model.origins.span(keys[0], model.file),
+        )
+        return
+    described = dict(zip(texts, answer.value["bare"], strict=False))
+    meaning = _Meaning(
+        model, notes, {key: (each, described[each.text]) for each in sources for key in each.rows}
+    )
+    controls = {at: each["ctrl"] for (at, _), each in zip(held, answer.value["held"], strict=True)}
+    for at, key in enumerate(keys):
+        meant = meaning.of(key)
+        if meant is not None:
+            row = answer.value["keys"][at]
+            wrong = _wrong(
+                final,
+                answer.value,
+                meant,
+                row=row,
+                settled=_settled(key, model, notes),
+                controls=controls.get(at),
+                notes=notes,
+            )
+            _report(key, list(wrong), model, sink=sink)
+
+
+def _held(key: Node, model: Unit, notes: KeyNotes) -> Written | None:
+    """Return what the recipe writes into a key if it holds a pose."""
+    record = model.origins.keys.get(key)
+    written = notes.written.get(record.keys[0]) if record is not None and record.keys else None
+    return written if written is not None and written.held else None
+
+
+def _settled(key: Node, model: Unit, notes: KeyNotes) -> Mapping[Any, Span]:
+    """Return the actuators whose controls MuJoCo computes, each with its place in the recipe."""
+    written = _held(key, model, notes)
+    said = {} if written is None else written.entries.get("ctrl", {})
+    return {} if written is None else {node: span for node, span in written.held.items() if node not in said}
+
+
+@dataclass(slots=True)
+class _Meaning:
+    """Finds what a key means, from the keys and entries that it is made of."""
+
+    model: Unit
+    notes: KeyNotes
+    sources: Mapping[Node, tuple[Bare, Mapping[str, Any] | None]]
+
+    def of(self, key: Node) -> Meant | None:
+        """Return what a key means; None if that is not known, or edits have changed its numbers."""
+        if key in self.notes.edited:
+            return None
+        if (written := self.notes.written.get(key)) is not None:
+            return self._written(written)
+        if key in self.sources:
+            source, described = self.sources[key]
+            return None if described is None else self._read(source, described, key)
+        record = self.model.origins.keys.get(key)
+        return None if record is None or not record.keys else self._joined(record.keys, record.void)
+
+    def _joined(self, keys: Sequence[Node], void: frozenset[Node]) -> Meant | None:
+        found: Meant = {}
+        for key in keys:
+            meant = self.of(key)
+            if meant is None:
+                return None
+            for vector, values in meant.items():
+                found.setdefault(vector, {}).update(
+                    {own: value for own, value in values.items() if own[0] not in void}
+                )
+        return found
+
+    def _written(self, written: Written) -> Meant | None:
+        found = self._joined(written.taken, written.void)
+        if found is not None:
+            for (
+                node,
+                span,
+            ) in written.held.items():  # of a nested recipe: this was compared with another model
+                for vector in ("ctrl", "act"):
+                    found.setdefault(vector, {})[node, "", 0] = [Value((), frozenset(), span)]
+            for vector, entries in written.entries.items():
+                values = found.setdefault(vector, {})
+                for node, (numbers, span) in entries.items():
+                    values[node, "", 0] = [Value(numbers, frozenset(), span)]
+        return found
+
+    def _read(self, source: Bare, described: Mapping[str, Any], key: Node) -> Meant:
+        """Return what the key of a source means alone, moved with its part."""
+        found: Meant = {}
+        at = list(source.rows).index(key)
+        for vector, count in source.rows[key].items():
+            row = described["keys"][at][vector]
+            span = self.model.origins.span(key, source.file, vector)
+            for name, body, number, start, stop in described["holders"][vector]:
+                holder = source.holder(_KINDS[vector], name, body) if start < min(stop, count) else None
+                if holder is None:
+                    continue
+                node, within = self.notes.origin(holder[0], holder[1])
+                value = Value(_moved(row[start:stop], vector, source.moves), within, span)
+                found.setdefault(vector, {}).setdefault(
+                    (node, holder[2], number if holder[2] else 0), []
+                ).append(value)
+        return found
+
+
+class _Difference(NamedTuple):
+    """Numbers of a joint, actuator or mocap body that are not what is meant."""
+
+    vector: str
+    name: str
+    found: Sequence[float]
+    meant: Value
+
+
+def _wrong(
+    final: Bare, answer: Mapping[str, Any], meant: Meant, row: Mapping[str, list[float]],
+    settled: Mapping[Any, Span], controls: Sequence[float | None] | None, notes: KeyNotes,
+) -> Iterator[_Difference]:  # fmt: skip
+    for vector in VECTORS:
+        values = meant.get(vector, {})
+        for name, body, number, start, stop in answer["bare"][-1]["holders"][vector]:
+            found = row[vector][start:stop]
+            holder = final.holder(_KINDS[vector], name, body)
+            if holder is None or start == stop:
+                continue
+            node, within = notes.origin(holder[0], holder[1])
+            if node in settled:
+                if vector == "ctrl" and controls is not None:
+                    expected = [each or 0.0 for each in controls[start:stop]]
+                    value = Value(expected, within, settled[node])
+                else:
+                    continue  # the activation of a filter or an integrator holds, too
+            else:
+                copies = values.get((node, holder[2], number if holder[2] else 0), [])
+                inside = dict(within)
+                alike = [each for each in copies if all(inside.get(r, n) == n for r, n in each.within)]
+                if any(not each.numbers for each in alike):
+                    continue
+                fitting = [each for each in alike if len(each.numbers) == stop - start]
+                value = (
+                    fitting[0] if fitting else Value(answer["reference"][vector][start:stop], within, None)
+                )
+            if not _same(vector, found, value.numbers):
+                yield _Difference(vector, body if name.startswith(MARK) else name or body, found, meant=value)
+
+
+def _same(vector: str, one: Sequence[float], other: Sequence[float]) -> bool:
+    a, b = _unit(vector, one), _unit(vector, other)
+    if all(abs(x - y) <= _CLOSE * max(1.0, abs(y)) for x, y in zip(a, b, strict=True)):
+        return True
+    turned = [*b[:-4], *(-each for each in b[-4:])]
+    return _turns(vector, len(b)) and all(
+        abs(x - y) <= _CLOSE * max(1.0, abs(y)) for x, y in zip(a, turned, strict=True)
+    )
+
+
+def _turns(vector: str, width: int) -> bool:
+    return vector == "mquat" or (vector == "qpos" and width in (4, 7))
+
+
+def _unit(vector: str, numbers: Sequence[float]) -> list[float]:
+    """Return the numbers with their quaternion of length 1, as MuJoCo compiles it."""
+    if not _turns(vector, len(numbers)) or not any(numbers[-4:]):
+        return list(numbers)
+    length = math.hypot(*numbers[-4:])
+    return [*numbers[:-4], *(each / length for each in numbers[-4:])]
+
+
+def _moved(numbers: Sequence[float], vector: str, poses: Sequence[Pose]) -> Sequence[float]:
+    """Return a pose in the world, or a velocity there, after its part has been moved."""
+    for pose in poses:
+        if pose.is_identity:
+            continue
+        if vector == "qpos" and len(numbers) == 7:
+            x, y, z, *quat = numbers
+            there = pose @ Pose((x, y, z), normalise(tuple(quat)))
+            numbers = [*there.pos, *there.quat]
+        elif vector == "qvel" and len(numbers) == 6:
+            numbers = [*rotate(pose.quat, tuple(numbers[:3])), *numbers[3:]]
+        elif vector == "mpos":
+            x, y, z = numbers
+            numbers = (pose @ Pose((x, y, z))).pos
+        elif vector == "mquat":
+            numbers = (pose @ Pose(quat=normalise(tuple(numbers)))).quat
+    return numbers
+
+
+def _report(key: Node, wrong: Sequence[_Difference], model: Unit, sink: Sink) -> None:
+    if not wrong:
+        return
+    called = f"the key `{key.get('name')}`" if key.get("name") else "a key without a name"
+    first = wrong[0]
+    notes = [Note(_sentence(each)) for each in wrong[1:4]]
+    if len(wrong) > 4:
+        notes.append(Note(f"and {len(wrong) - 4} more"))
+    sink.error(
+        "keyframe-wrong",
+        f"{_sentence(first)}, in {called} of the finished model",
+        first.meant.span or model.origins.span(key, model.file, first.vector),
+        notes=notes,
+        help="this is a fault of mjcompose: please report it",
+        subjects=(str(key.get("name") or ""),),
+    )
+
+
+def _sentence(each: _Difference) -> str:
+    found, meant = (" ".join(f"{number:.9g}" for number in row) for row in (each.found, each.meant.numbers))
+    kind = _CALLED[_KINDS[each.vector]]
+    return f"`{each.vector}` of the {kind} `{each.name}` is {found}, and {meant} is meant"

@@ -1,0 +1,408 @@
+"""Each part of a composition is compared with its source, compiled alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Note
+from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Quat, Vec3
+from mjcompose.base.sink import Sink
+from mjcompose.build.bundle.assemble import Renamed
+from mjcompose.build.plan.plan import PartRecord
+from mjcompose.build.verify.compile import WHOLE
+from mjcompose.link.linking import KeyPolicy
+from mjcompose.link.measure import folder_of, measure_with
+from mjcompose.link.subtree import take_subtree
+from mjcompose.model.parse import parse_file
+from mjcompose.model.xml_text import write
+from mjcompose.mujoco import engine
+from mjcompose.mujoco.arrays import FREE
+from mjcompose.mujoco.attributes import DERIVED, Model, NameTable
+from mjcompose.mujoco.compare import compare
+from mjcompose.mujoco.keyframes import Keys, Roots
+from mjcompose.mujoco.match import EXTRA, MISSING, Difference, Mount, Value
+from mjcompose.sources.context import Context
+
+
+def keep_source(member: PartRecord, session: engine.Session, name: str) -> str | None:
+    """Keep the whole source under `name`; return a message if it cannot be read or MuJoCo refuses it."""
+    path = member.source.path
+    if member.source.format == "urdf":
+        return _keep_urdf(member, session, name)
+    compiled = engine.compile(path.parent, path.name, keep=name, session=session)
+    return None if compiled.ok else refused(compiled.error or compiled.crash)
+
+
+def _keep_urdf(member: PartRecord, session: engine.Session, name: str) -> str | None:
+    from mjcompose.urdf.read import UrdfReader  # few recipes need it
+
+    sink = Sink()
+    unit = UrdfReader(member.source, sink, session, stands=member.stands).unit()
+    if unit is None:
+        found = sink.errors
+        return f"its source cannot be read: {found[0].message}" if found else "its source cannot be read"
+    with folder_of(unit) as folder:
+        text = write(unit.root).decode()
+        compiled = engine.compile(folder, "source.xml", text=text, keep=name, session=session)
+    return None if compiled.ok else refused(compiled.error or compiled.crash)
+
+
+def refused(said: str | None) -> str:
+    """Return the message about a source that MuJoCo does not compile alone."""
+    return f"MuJoCo does not accept its source alone: {' '.join((said or '').split())}"
+
+
+_NAMELESS = "a body around what was taken, "
+
+
+class KeptSubtree(NamedTuple):
+    """The result of compiling a subtree and its source.
+
+    `above` are the bodies around the subtree in the whole source, the nearest first, and None for the world. The
+    subtree's world corresponds to the first of them, or to one further up if `fusestatic` fused them.
+    """
+
+    above: tuple[str | None, ...] = (None,)
+    fault: str | None = None
+
+
+def keep_subtree(member: PartRecord, session: engine.Session, taken: str, whole: str) -> KeptSubtree:
+    """Compile the subtree and the whole source and keep them under these names.
+
+    If that fails, the result has a message.
+    """
+    assert member.subtree is not None
+    sink = Sink()
+    path = member.source.path
+    unit = parse_file(path, sink, door=member.source.door)
+    if unit is None:
+        return KeptSubtree(fault=_said(sink))
+    bodies = (each for world in unit.root.iterchildren("worldbody") for each in world.iter("body"))
+    body = next((each for each in bodies if each.get("name") == member.subtree), None)
+    around = [] if body is None else list(body.iterancestors("body"))
+    nameless = [each for each in around if not each.get("name")]
+    for number, each in enumerate(nameless):
+        each.set("name", f"{_NAMELESS}{number}")
+    with folder_of(unit) as folder:
+        fault = _keep(session, folder, path, text=write(unit.root) if nameless else None, name=whole)
+    if fault is not None:
+        return KeptSubtree(fault=fault)
+    above = (*(str(each.get("name")) for each in around), None)
+    measure = measure_with(Context(sink=sink, environment={}, folder=path.parent), session=session)
+    keyframes: KeyPolicy = "none" if member.keys is None else "merge"
+    if take_subtree(unit, member.subtree, sink, keyframes=keyframes, measure=measure) is None:
+        return KeptSubtree(fault=_said(sink))
+    with folder_of(unit) as folder:
+        return KeptSubtree(above, _keep(session, folder, path, text=write(unit.root), name=taken))
+
+
+def _keep(session: engine.Session, folder: Path, path: Path, text: bytes | None, name: str) -> str | None:
+    given = None if text is None else text.decode()
+    compiled = engine.compile(
+        folder if given else path.parent, path.name, text=given, keep=name, session=session
+    )
+    return None if compiled.ok else refused(compiled.error or compiled.crash)
+
+
+def _said(sink: Sink) -> str:
+    return f"its source cannot be read: {sink.errors[0].message}"
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """The question whether a part is unchanged.
+
+    The fields are those of `compare`; the place is given as in a recipe. ``site`` and ``body`` are names in the
+    composition; if both are None, the place is the world. ``pos`` is in metres, in the frame of the place.
+    ``posed=False`` says that the pose is unknown; there is no site then. ``key_prefix`` starts the names of the
+    part's keys if it is not the one that ``keys`` implies. ``welded`` says that free joints at the part's root were
+    removed.
+    """
+
+    prefix: str = ""
+    site: str | None = None
+    body: str | None = None
+    pos: Vec3 = ORIGIN
+    quat: Quat = IDENTITY_QUAT
+    posed: bool = True
+    renamed: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    keys: Keys = Keys.MERGE
+    roots_in_keys: Roots = Roots.MOVED
+    ignore: tuple[str, ...] = ()
+    replaced_keys: tuple[str, ...] = ()
+    tolerance: float = 0.0
+    key_prefix: str | None = None
+    welded: bool = False
+    cut: bool = False
+
+    def to_json(self) -> dict[str, Any]:
+        return asdict(self)
+
+    def mount(self, composed: Model) -> Mount:
+        """Return the place of the part. Raises KeyError if the composition lacks the site or body."""
+        if not self.posed:
+            return Mount(self.body, None)
+        return Mount.of(composed, site=self.site, body=self.body, pos=self.pos, quat=self.quat)
+
+
+def ask(
+    _mujoco: object, alone: Model, composed: Model, question: Mapping[str, Any]
+) -> list[dict[str, Any]] | None:
+    """Return the differences of a part as JSON data; runs under `mjcompose.mujoco.engine.call`.
+
+    ``question`` has the fields of a `Question`. Return None if the composition lacks the body of the part's
+    place.
+    """
+    given = Question(**question)
+    if given.body is not None and given.body not in NameTable(composed).ids["body"]:
+        return None
+    found = compare(
+        alone,
+        composed,
+        prefix=given.prefix,
+        hung_on=given.mount(composed),
+        renamed=_renamed(alone, given),
+        keys=Keys(given.keys),
+        roots_in_keys=Roots(given.roots_in_keys),
+        ignore=given.ignore,
+        replaced_keys=given.replaced_keys,
+        tolerance=given.tolerance,
+        cut=given.cut,
+    )
+    free = _free(alone, given.prefix) if given.welded else frozenset()
+    return [asdict(each) for each in found if not _of_welding(each, free)]
+
+
+def _renamed(alone: Model, given: Question) -> Mapping[str, Mapping[str, str]]:
+    if given.key_prefix is None:
+        return given.renamed
+    names = NameTable(alone).ids["key"]
+    return {**given.renamed, "key": {name: given.key_prefix + name for name in names}}
+
+
+def _free(alone: Model, prefix: str) -> frozenset[str]:
+    """Return the names of free joints and their bodies in the composition; `#` stands for unnamed ones."""
+    roster = NameTable(alone)
+    free = [index for index, kind in enumerate(alone.jnt_type) if kind == FREE]
+    names = [roster.names["joint"][index] for index in free]
+    names += [roster.names["body"][int(alone.jnt_bodyid[index])] for index in free]
+    return frozenset(prefix + name if name else "#" for name in names)
+
+
+def _of_welding(difference: Difference, free: frozenset[str]) -> bool:
+    """Return whether the difference only says that a free joint was removed."""
+    if (difference.kind, difference.field) != ("joint", MISSING) and (
+        difference.field not in ("body_dofnum", "body_jntnum")
+    ):
+        return False
+    return difference.name in free or ("#" in free and difference.name.startswith("#"))
+
+
+def differences_of(value: list[dict[str, Any]]) -> list[Difference]:
+    """Return the differences that ``ask`` returned as JSON data."""
+    return [
+        Difference(
+            each["kind"],
+            each["name"],
+            each["field"],
+            expected=_frozen(each["expected"]),
+            actual=_frozen(each["actual"]),
+            why=each.get("why", ""),
+        )
+        for each in value
+    ]
+
+
+def _frozen(value: Any) -> Value:
+    if isinstance(value, list):
+        return tuple(_frozen(item) for item in value)
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return value
+    raise TypeError(f"a difference cannot hold {type(value).__name__}")
+
+
+_ROUNDING = 1e-12
+"""Relative: `springdamper` and `dampratio` use the inertia of the whole model, which is summed in another order."""
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """The outcome for one part: its differences, or why it could not be compared."""
+
+    member: PartRecord
+    differences: tuple[Difference, ...] = ()
+    obscure: str | None = None
+
+    @property
+    def ok(self) -> bool:
+        return self.obscure is None and not self.differences
+
+
+@dataclass(frozen=True, slots=True)
+class Incomparable:
+    """The reason why two models cannot be compared; `lacks_body` says that the second one lacks the given body."""
+
+    why: str
+    lacks_body: bool = False
+
+
+@dataclass(slots=True)
+class Judge:
+    """Compares parts with the composition that `session` keeps as `WHOLE`. Each source is compiled once.
+
+    `merged` maps by kind the names in the composition that were merged into another one. `renamed` has, by
+    part and kind, the names that edits give to its elements. `cut` has the differences between a subtree that
+    was taken from a source and the same subtree in the whole source.
+    """
+
+    session: engine.Session
+    merged: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    renamed: Renamed = field(default_factory=dict)
+    alone: dict[str, str | None] = field(default_factory=dict)
+    cut: dict[str, tuple[Difference, ...]] = field(default_factory=dict)
+
+    def compare(
+        self, member: PartRecord, excused: Iterable[str] = (), replaced_keys: Iterable[str] = ()
+    ) -> Compared:
+        """Compare a part with its source.
+
+        `excused` are arrays, or ends of their names; `replaced_keys` are keys of the composition that the
+        recipe wrote.
+        """
+        if member.obscure is not None:
+            return Compared(member, obscure=member.obscure)
+        name = _kept(member)
+        if name not in self.alone:
+            self.alone[name] = self._compile(member, name)
+        fault = self.alone[name]
+        if fault is not None:
+            return Compared(member, obscure=fault)
+        given = tuple(excused), tuple(replaced_keys)
+        question = _question(member, *given, self.merged, self.renamed.get(member.part, {}))
+        found = self._ask(name, WHOLE, question)
+        if isinstance(found, Incomparable):
+            return Compared(member, obscure=found.why)
+        return Compared(member, (*self.cut.get(name, ()), *found))
+
+    def _ask(self, alone: str, composed: str, question: Question) -> tuple[Difference, ...] | Incomparable:
+        """Return the differences of two models that the session keeps, or why they cannot be compared."""
+        answer = engine.call(self.session, ask, [alone, composed], argument=question.to_json())
+        if not answer.ok:
+            return Incomparable(answer.error or answer.crash or "it cannot be compared")
+        if answer.value is None:
+            why = f"the body `{question.body}` that it is attached to is not in the compiled model"
+            return Incomparable(why, lacks_body=True)
+        return tuple(differences_of(answer.value))
+
+    def _take(self, member: PartRecord, name: str) -> str | None:
+        """Compile the subtree of a source, compare it with the whole and keep it; return an error message or None."""
+        whole = f"{name} in the whole"
+        taken = keep_subtree(member, self.session, name, whole=whole)
+        if taken.fault is not None:
+            return taken.fault
+        keys = Keys.NONE if member.keys is None else Keys.MERGE
+        why = ""
+        for body in taken.above:
+            here = body == taken.above[0]
+            question = Question(body=body, posed=here, keys=keys, tolerance=_ROUNDING, cut=True)
+            found = self._ask(name, whole, question)
+            if not isinstance(found, Incomparable):
+                self.cut[name] = found
+                return None
+            why = found.why
+            if not found.lacks_body:
+                break
+        return why
+
+    def _compile(self, member: PartRecord, name: str) -> str | None:
+        """Compile the source alone and keep it; return MuJoCo's error message or None."""
+        if member.subtree is not None:
+            return self._take(member, name)
+        return keep_source(member, self.session, name)
+
+
+def _kept(member: PartRecord) -> str:
+    """Return a name for the compiled source, shared by all parts with the same source."""
+    stands = member.stands or member.source.format != "urdf"
+    taken = "" if member.subtree is None else f"{member.subtree} of {member.keys is None} "
+    read = f"{member.source.urdf} {member.source.packages} " if member.source.format == "urdf" else ""
+    return f"alone {'' if stands else 'and loose '}{taken}{read}{member.source.path}"
+
+
+def _question(
+    member: PartRecord,
+    excused: tuple[str, ...],
+    replaced_keys: tuple[str, ...],
+    merged: Mapping[str, Mapping[str, str]],
+    edited: Mapping[str, Mapping[str, str]],
+) -> Question:
+    pose = member.pose
+    renamed = {
+        kind: {
+            gone.removeprefix(member.prefix): kept
+            for gone, kept in names.items()
+            if gone.startswith(member.prefix)
+        }
+        for kind, names in merged.items()
+    }
+    renamed |= {kind: {**names, **renamed.get(kind, {})} for kind, names in edited.items()}
+    keys, key_prefix = Keys.MERGE, None
+    if member.keys is None:
+        keys = Keys.NONE
+    elif member.keys and member.keys == member.prefix:
+        keys = Keys.PREFIX
+    elif member.keys:
+        key_prefix = member.keys
+    return Question(
+        prefix=member.prefix,
+        body=member.body,
+        pos=ORIGIN if pose is None else pose.pos,
+        quat=IDENTITY_QUAT if pose is None else pose.quat,
+        posed=pose is not None,
+        keys=keys,
+        key_prefix=key_prefix,
+        welded=member.welded,
+        renamed=renamed,
+        ignore=excused,
+        replaced_keys=replaced_keys,
+    )
+
+
+_SHOWN = 8
+"""How many differences of a part are listed one by one."""
+
+
+def causes(differences: Sequence[Difference]) -> list[Difference]:
+    """Return the differences that do not follow from others; all of them if each follows from another."""
+    return [each for each in differences if each.array not in DERIVED] or list(differences)
+
+
+def changed(compared: Compared) -> str:
+    """Return one sentence about a part that differs from its source."""
+    found = causes(compared.differences)
+    places = len(found)
+    arrays = list(dict.fromkeys(_what(each) for each in found))
+    shown = ", ".join(arrays[:4]) + (", …" if len(arrays) > 4 else "")
+    return (
+        f"`{compared.member.called}` is not what `{compared.member.source.path.name}` is alone: "
+        f"{places} difference{'s' if places > 1 else ''} ({shown})"
+    )
+
+
+def notes(differences: Sequence[Difference]) -> list[Note]:
+    """Return the first differences as notes, with the expected and actual values."""
+    found = causes(differences)
+    listed = [Note(str(each)) for each in found[:_SHOWN]]
+    if len(found) > _SHOWN:
+        listed.append(Note(f"and {len(found) - _SHOWN} more"))
+    return listed
+
+
+def _what(difference: Difference) -> str:
+    if difference.field in (MISSING, EXTRA):
+        return f"{difference.field} {difference.kind}"
+    return f"`{difference.array}`"

@@ -1,0 +1,224 @@
+"""A stored bundle is verified against its manifest and its sources."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mjcompose.base.access import Door, folder_of_recipe, own_door
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Cause
+from mjcompose.base.files import read_regular
+from mjcompose.base.rotation import Pose
+from mjcompose.base.sink import Sink
+from mjcompose.build.bundle.bundle import MANIFEST, Bundle, OutputError
+from mjcompose.build.bundle.integrity import check_files, check_index, manifest_of
+from mjcompose.build.bundle.manifest import Input, Manifest, Part, index_of
+from mjcompose.build.bundle.read import ReadError, read
+from mjcompose.build.plan.plan import PartRecord
+from mjcompose.build.plan.planner import make_plan
+from mjcompose.build.verify.compile import WHOLE, StrangerError, Verified, verify
+from mjcompose.build.verify.parts import Compared, Judge, changed, notes
+from mjcompose.model.parse import all_admitted, parse_file
+from mjcompose.sources.context import Context
+from mjcompose.sources.kinds import kind_called
+from mjcompose.sources.lock import resolve
+from mjcompose.sources.path import KIND as PATH
+from mjcompose.sources.reference import Source, SourceError
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.engine import Compiled, Session
+
+
+class Inputs:
+    """The inputs of a bundle, found through its recipe if there is one, else from `context.folder`.
+
+    Without `recipe`, a file of the recipe's name in the folder is used if its hash is that in the manifest.
+    Errors in a given recipe go to the sink.
+    """
+
+    def __init__(self, manifest: Manifest, recipe: Path | None, context: Context) -> None:
+        self.manifest, self.context = manifest, context
+        self.given = recipe is not None
+        found = recipe or self._beside()
+        self.folder = context.folder if found is None else (context.folder / found).parent
+        # The bundle may come from anyone, so its references may only name files of this project.
+        self.door = Door.of([folder_of_recipe(self.folder / "recipe.yaml")])
+        self.planned: list[Source] = []
+        if found is not None:
+            aside = Context(context.sink if self.given else Sink(), context.environment, context.folder)
+            plan = make_plan(found, aside)
+            self.planned = [] if plan is None else list(plan.sources())
+
+    def find(self, number: int) -> Source | str:
+        """Return the source of an input, or a sentence that says why there is none."""
+        if number >= len(self.manifest.inputs):
+            return f"the manifest has no input {number}"
+        wanted = self.manifest.inputs[number]
+        changed: Path | None = None
+        for source in self._candidates(number, wanted):
+            digest = _sha256(source.path)
+            if digest == wanted.sha256:
+                return source if self._is_admitted(source) else "its source names files that it may not read"
+            changed = changed or (source.path if digest else None)
+        if changed is not None:
+            return f"`{self.context.shown(changed)}` is not the file that the bundle was built from"
+        return f"its source `{wanted.reference}` is not found"
+
+    def _is_admitted(self, source: Source) -> bool:
+        """Return whether MuJoCo may open the source and its files. URDF is checked when it is converted."""
+        if source.format != "mjcf":
+            return True
+        unit = parse_file(source.path, Sink(), door=source.door)
+        return unit is not None and all_admitted(unit, Sink())
+
+    def _beside(self) -> Path | None:
+        recipe = self.manifest.recipe
+        if recipe is None or Path(recipe.path).name != recipe.path:
+            return None
+        path = self.context.folder / recipe.path
+        return path if _sha256(path) == recipe.sha256 else None
+
+    def _candidates(self, number: int, wanted: Input) -> Iterator[Source]:
+        if len(self.planned) == len(self.manifest.inputs):
+            yield self.planned[number]
+        kind = kind_called(wanted.kind)
+        # Only the bundle asks for this reference, so nothing is fetched and no code runs.
+        if kind is not None and not kind.is_fetched and not kind.runs_code:
+            with suppress(SourceError):
+                found = resolve(
+                    wanted.reference, relative_to=self.folder, environment=self.context.environment
+                )
+                if found.origin is not None or self.door.sees(found.path):
+                    yield found
+        path = self.folder / wanted.path
+        if self.door.sees(path):
+            yield Source(path, kind or PATH, wanted.reference, door=own_door(path))
+
+
+def _sha256(path: Path) -> str | None:
+    """Return the hash of a file, or None if it does not exist."""
+    try:
+        return hashlib.sha256(read_regular(path)).hexdigest() if os.path.isfile(path) else None
+    except (OSError, ValueError):
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class Stored:
+    """A bundle that was read, its compiled model, and its parts in the order of the manifest."""
+
+    bundle: Bundle
+    manifest: Manifest | None
+    compiled: Compiled | None
+    parts: tuple[Compared, ...]
+
+
+def verify_stored(
+    path: Path, context: Context, session: Session, recipe: Path | None = None
+) -> Stored | None:
+    """Check a bundle in a folder, a zip or an MJZ, and report errors to the sink.
+
+    Return None if it cannot be read. Files are compared with the hashes in the manifest, the compiled model with
+    its index, and each part with its source if a file with the hash in the manifest is found: through `recipe`, or
+    from the folder of the context. A part without a source is a warning, and with `recipe` an error.
+    """
+    shown = context.shown(path)
+    try:
+        bundle = read(context.folder / path, shown=shown)
+    except ReadError as error:
+        context.sink.add(error.diagnostic)
+        return None
+    manifest = manifest_of(bundle.files.get(MANIFEST), shown, context.sink)
+    if manifest is not None:
+        check_files(bundle, manifest, shown, sink=context.sink)
+    if manifest is not None and manifest.target is not None and manifest.index is None:
+        return Stored(bundle, manifest, None, parts=())  # it was written for another program
+    compiled = _compiled(bundle, shown, context, session=session)
+    if manifest is None or compiled is None:
+        return Stored(bundle, manifest, compiled, parts=())
+    if manifest.index is not None and compiled.index is not None:
+        check_index(manifest.index, index_of(compiled.index), shown, sink=context.sink)
+    inputs = Inputs(manifest, recipe, context)
+    renamed = {part.part: part.renamed for part in manifest.parts}
+    parts = tuple(_parts(manifest, inputs, Judge(session, manifest.merged, renamed)))
+    for compared in parts:
+        _report(compared, manifest, inputs, context=context)
+    if manifest.union is not None:
+        context.sink.warning(
+            "part-not-compared",
+            f"`{shown}` is the union of {manifest.union} models: its parts are compared with their sources in each of"
+            " these, not in the union",
+            help="build the models with `--all`, and verify these",
+        )
+    elif manifest.inputs and not parts and manifest.target is None:
+        context.sink.warning(
+            "part-not-compared",
+            f"the manifest of `{shown}` does not say where its parts are attached: none was compared with its source",
+            help="build it again with this version",
+        )
+    return Stored(bundle, manifest, compiled, parts=parts)
+
+
+def _compiled(bundle: Bundle, shown: str, context: Context, session: Session) -> Compiled | None:
+    try:
+        verified: Verified = verify(bundle, session=session, keep=WHOLE, stranger=shown)
+    except StrangerError as error:
+        for each in error.found:
+            context.sink.add(each)
+        return None
+    except OutputError as error:
+        context.sink.add(error.diagnostic)
+        return None
+    for warning in verified.warnings:
+        said = " ".join(warning.message.split())
+        context.sink.warning("mujoco-warning", f"MuJoCo warns about `{shown}`: {said}")
+    if verified.error is None or verified.code is None:
+        return verified.compiled
+    fault = verified.error
+    line = "" if fault.line is None else f", line {fault.line} of `{bundle.model}`"
+    what = f" ({fault.element or 'element'} `{fault.name}`{line})" if fault.name else line
+    message = f"`{shown}` does not compile: {' '.join(fault.message.split())}{what}"
+    context.sink.error(verified.code, message)
+    return None
+
+
+def _parts(manifest: Manifest, inputs: Inputs, judge: Judge) -> Iterator[Compared]:
+    for part in manifest.parts:
+        found = inputs.find(part.input)
+        if isinstance(found, str):
+            nowhere = Source(Path(), PATH, "")
+            yield Compared(_member(part, nowhere), obscure=part.obscure or found)
+        else:
+            yield judge.compare(_member(part, found), part.changed, part.replaced_keys)
+
+
+def _member(part: Part, source: Source) -> PartRecord:
+    pose = None if part.pos is None or part.quat is None else Pose(part.pos, part.quat)
+    return PartRecord(
+        part.part, part.prefix, source, body=part.body, pose=pose, keys=part.keys, welded=part.welded,
+        stands=part.stands, changed=part.changed, replaced_keys=part.replaced_keys, obscure=part.obscure,
+        subtree=part.subtree,
+    )  # fmt: skip
+
+
+def _report(compared: Compared, manifest: Manifest, inputs: Inputs, context: Context) -> None:
+    member = compared.member
+    if compared.obscure is None:
+        if compared.differences:
+            context.sink.error("part-changed", changed(compared), notes=notes(compared.differences))
+        return
+    message = f"`{member.called}` is not compared with its source: {compared.obscure}"
+    cause = Cause(compared.obscure, f"`{member.called}`")
+    if member.obscure is not None:
+        context.sink.warning("part-not-compared", message, cause=cause)
+    elif inputs.given:
+        context.sink.error("part-not-compared", message, cause=cause)
+    else:
+        name = manifest.recipe.path if manifest.recipe else "the recipe"
+        help = f"say where the recipe is: `--recipe path/to/{name}`"
+        context.sink.warning("part-not-compared", message, help=help, cause=cause)

@@ -1,0 +1,150 @@
+"""`mjcompose doctor`: the state of this installation."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import asdict
+from importlib import metadata
+
+import click
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.scratch import scratch
+from mjcompose.cli.reporting import FINDINGS, format_options
+
+_CORE = ("numpy", "pydantic", "lxml", "pyyaml", "click", "platformdirs", "filelock", "urllib3", "regex")
+_MODEL = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A finding; `fine` is None if something optional is missing."""
+
+    what: str
+    found: str
+    fine: bool | None = True
+
+
+@click.command()
+@format_options(("text", "json"))
+def command(form: str) -> None:
+    """Check this installation, and show what it can do.
+
+    The exit code is 1 if something that every build needs is missing.
+    """
+    findings = [*_installed(), *_mujoco(), _git(), _store(), _templates(), *_extras()]
+    if form == "json":
+        click.echo(json.dumps([asdict(each) for each in findings], indent=2))
+    else:
+        width = max(len(each.what) for each in findings)
+        for each in findings:
+            mark = {True: "ok", None: "--", False: "!!"}[each.fine]
+            click.echo(f"{mark}  {each.what:{width}}  {each.found}")
+    sys.exit(FINDINGS if any(each.fine is False for each in findings) else 0)
+
+
+def _installed() -> Iterator[Finding]:
+    from mjcompose.base.version import __version__
+
+    yield Finding("mjcompose", f"{__version__}, Python {platform.python_version()}, {platform.platform()}")
+    others = sorted(set(metadata.packages_distributions().get("mjcompose", [])) - {"mjcompose"})
+    if others:
+        named = ", ".join(f"`{name}`" for name in others)
+        yield Finding(
+            "package mjcompose", f"is installed by {named} too: have them in environments of their own", False
+        )
+    for name in _CORE:
+        version = _version(name)
+        yield Finding(name, version or "is not installed", version is not None)
+
+
+def _mujoco() -> Iterator[Finding]:
+    """Yield MuJoCo's version and its renderer, both checked in a process of their own."""
+    from mjcompose.mujoco.engine import Session, call, compile
+    from mjcompose.mujoco.pictures import pictures
+
+    with scratch("doctor") as folder, Session(rendering=True) as session:
+        (folder / "model.xml").write_text(_MODEL, encoding="utf-8")
+        compiled = compile(folder, keep="model", session=session)
+        if not compiled.ok:
+            yield Finding("mujoco", compiled.error or str(compiled.crash), False)
+            return
+        yield Finding("mujoco", str(compiled.mujoco_version))
+        answer = call(session, pictures, ["model", "model"], argument=str(folder))
+        said = answer.value.get("no OpenGL") if answer.ok else answer.error or answer.crash
+        said = session.no_opengl or said
+    yield Finding("OpenGL", f"none: {said}" if said else "renders", None if said else True)
+
+
+def _git() -> Finding:
+    found = shutil.which("git")
+    if found is None:
+        return Finding("git", "is not installed: `git+…` references and `diff REV:path` need it", None)
+    said = subprocess.run([found, "--version"], capture_output=True, text=True, check=False).stdout.strip()
+    return Finding("git", said.removeprefix("git version "))
+
+
+def _store() -> Finding:
+    from mjcompose.sources.blobs import blobs_in
+    from mjcompose.sources.reference import SourceError
+    from mjcompose.sources.store import Store
+
+    try:
+        store = Store.of(os.environ)
+    except SourceError as error:
+        return Finding("store", str(error), False)
+    try:
+        store.folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=store.folder).close()
+    except OSError as error:
+        said = f"cannot be written: {(error.strerror or str(error)).lower()}; `MJCOMPOSE_CACHE` names another folder"
+        return Finding("store", f"{store.folder} {said}", None)
+    fetched, built = (sum(each.size for each in found) for found in (store.entries(), blobs_in(store.folder)))
+    return Finding("store", f"{store.folder}, {(fetched + built) / 1e6:.1f} MB")
+
+
+def _templates() -> Finding:
+    """Return how the process is confined that expands templates, as it finds out itself."""
+    from mjcompose.base.sandbox import call_confined
+
+    what = "templates"
+    with scratch("doctor") as folder:
+        answer = call_confined("mjcompose.base.sandbox:probe", str(folder), (), seconds=60, memory=1 << 30)
+    if not answer["ok"]:
+        return Finding(what, f"cannot be expanded: {answer['error']}", False)
+    ways, can = answer["confined"], [each for each, is_possible in answer["value"].items() if is_possible]
+    by = f"confined by {', '.join(ways)}" if ways else "this system has no way to confine their process"
+    return Finding(what, f"{by}; it can {' and '.join(can)}" if can else by, None if can else True)
+
+
+def _extras() -> Iterator[Finding]:
+    from mjcompose.sources.kinds import KINDS
+    from mjcompose.sources.reference import Library
+
+    uses = {each: f"`{kind.forms[0].scheme}:` references" for kind in KINDS for each in kind.libraries}
+    uses[Library("mujoco-usd-converter", "usd")] = "USD as an output"
+    uses[Library("xacro", "xacro")] = "templates for xacro"
+    uses[Library("trimesh", "mesh")] = "Collada, glTF and the materials of OBJ in URDF"
+    uses[Library("pygls", "lsp")] = "editors, which start `mjcompose lsp`"
+    for library, use in uses.items():
+        version = _version(library.name)
+        package = library.name if library.extra is None else f'"mjcompose[{library.extra}]"'
+        yield Finding(
+            library.name,
+            version or f"is not installed; it is for {use}: pip install {package}",
+            True if version else None,
+        )
+
+
+def _version(name: str) -> str | None:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return None

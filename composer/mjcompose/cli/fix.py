@@ -1,0 +1,113 @@
+"""`mjcompose fix`: apply the exact fixes of messages."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from mjcompose.base.report import Paint, printable
+from mjcompose.cli.fmt import difference, rewrite
+from mjcompose.cli.options import Choices, choice_options, fetching, fetching_options, limit_option
+from mjcompose.cli.reporting import (
+    FINDINGS,
+    USAGE,
+    exit_code,
+    on_terminal,
+    report,
+    reporting_options,
+    say,
+    use_color,
+)
+
+if TYPE_CHECKING:
+    from mjcompose.sources.context import Context
+    from mjcompose.tools.fix import Fixed
+
+
+@click.command()
+@click.argument("recipe", type=click.Path(path_type=Path))
+@click.option("--write/--diff", "write", default=None,
+              help="Write the changes without asking, or only show them.")  # fmt: skip
+@click.option("-y", "--yes", is_flag=True, help="The same as --write.")
+@choice_options
+@fetching_options
+@limit_option
+@reporting_options
+def command(recipe: Path, write: bool | None, yes: bool, choices: Choices, form: str) -> None:
+    """Apply the exact fixes of error messages to RECIPE: misspelled names and keys, quotes, units, numbers.
+
+    The changes are shown first. On a terminal, the command asks before it writes; elsewhere it writes only with
+    --write. Comments and layout are kept. Errors that need a decision are reported as by `check`.
+
+    Exit codes: 0 no errors are left, 1 fixes are not written or errors need a decision, 2 wrong usage.
+    """
+    from mjcompose.sources.context import Context
+    from mjcompose.tools.fix import fix
+
+    context = Context(fetching=fetching())
+    given = choices.values(context)
+    if context.sink.has_errors:
+        report(context, form)
+        sys.exit(USAGE)
+    found = fix(recipe, context, given)
+    for diagnostic in found.left:
+        context.sink.add(diagnostic)
+    wanted = True if yes else write
+    if form != "json":
+        _show(found, context)
+        if wanted is None and found.files and is_asked():
+            wanted = click.confirm(f"write {_amount(found)}?", err=True)
+    written = bool(wanted) and _written(found, context)
+    if form == "json":
+        _say_data(found, context, written=written)
+    elif found.files:
+        say(f"{'fixed' if written else 'can fix'} {_amount(found)}{'' if written else '; --write does it'}")
+    elif not context.sink.has_errors:
+        say("nothing to fix")
+    report(
+        context,
+        form,
+        texts={} if written else {context.shown(path): text for path, (_, text) in found.files.items()},
+    )
+    if context.sink.has_errors:
+        sys.exit(exit_code(context.folder, [recipe]))
+    sys.exit(FINDINGS if found.files and not written else 0)
+
+
+def is_asked() -> bool:
+    """Return whether there is a person who can answer."""
+    return sys.stdin is not None and sys.stdin.isatty() and on_terminal()
+
+
+def _show(found: Fixed, context: Context) -> None:
+    paint = Paint(use_color(out=True))
+    for path, (before, after) in found.files.items():
+        for line in difference(before, after, context.shown(path), done="fixed").splitlines():
+            style = {"+": "added", "-": "removed", "@": "gutter"}.get(line[:1])
+            click.echo(
+                printable(paint(style, line) if style else line, colors=True), color=use_color(out=True)
+            )
+
+
+def _written(found: Fixed, context: Context) -> bool:
+    """Write all files; return whether that succeeded."""
+    done = [rewrite(path, after, context) for path, (_, after) in found.files.items()]
+    return all(done)
+
+
+def _say_data(found: Fixed, context: Context, *, written: bool) -> None:
+    for path, (before, after) in found.files.items():
+        shown = context.shown(path)
+        answer = {"file": shown, "written": written, "diff": difference(before, after, shown, done="fixed")}
+        click.echo(json.dumps(answer))
+    fixed = [{"code": each.code, "message": each.message} for each in found.fixed]
+    click.echo(json.dumps({"fixed": fixed, "left": len(found.left)}))
+
+
+def _amount(found: Fixed) -> str:
+    count, files = len(found.fixed), len(found.files)
+    return f"{count} fault{'s' * (count != 1)} in {files} file{'s' * (files != 1)}"

@@ -1,0 +1,124 @@
+"""`mjcompose fmt`: format recipes in their canonical layout."""
+
+from __future__ import annotations
+
+import contextlib
+import difflib
+import json
+import os
+import stat
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from mjcompose.base import report as github
+from mjcompose.base.files import read_regular
+from mjcompose.base.limits import in_force
+from mjcompose.base.report import printable
+from mjcompose.cli.reporting import FINDINGS, exit_code, report, reporting_options, say
+
+if TYPE_CHECKING:
+    from mjcompose.sources.context import Context
+
+STDIN = "-"
+
+
+@click.command()
+@click.argument("recipes", nargs=-1, required=True)
+@reporting_options
+@click.option(
+    "--check", is_flag=True, help="Write nothing. Print the changes, and exit with 1 if there are any."
+)
+def command(recipes: tuple[str, ...], check: bool, form: str) -> None:
+    """Format each of RECIPES in the canonical layout. `-` formats standard input to standard output.
+
+    Comments, blank lines, anchors and the choice between block and bracket style are kept. Before a file is written,
+    its values are read again and compared.
+    """
+    from mjcompose.sources.context import Context
+    from mjcompose.text.layout import format_recipe
+
+    context = Context()
+    differing, unchanged = 0, 0
+    for recipe in recipes:
+        source = _read(recipe, context)
+        shown = "<stdin>" if recipe == STDIN else context.shown(Path(recipe))
+        result = None if source is None else format_recipe(source, shown, context.sink)
+        if source is None or result is None:
+            continue
+        differing += result != source
+        unchanged += result == source
+        if recipe == STDIN and not check:
+            if sys.stdout is None:
+                raise OSError("standard output is closed")
+            sys.stdout.buffer.write(result)
+        elif result != source and check:
+            _report(shown, difference(source, result, shown, done="formatted"), form)
+        elif result != source and rewrite(Path(recipe), result, context):
+            _report(shown, None, form)
+    if unchanged and form == "text" and STDIN not in recipes:
+        say(f"{unchanged} file{'s' * (unchanged != 1)} left unchanged")
+    report(context, form)
+    if check and differing:
+        click.echo(f"{differing} of {len(recipes)} would change", err=True)
+    if context.sink.has_errors:
+        sys.exit(exit_code(context.folder, [Path(each) for each in recipes if each != STDIN]))
+    sys.exit(FINDINGS if check and differing else 0)
+
+
+def _report(file: str, difference: str | None, form: str) -> None:
+    """Report a file that was formatted, or would be, with its difference."""
+    if form == "json":
+        what = {"formatted": file} if difference is None else {"would_format": file, "diff": difference}
+        click.echo(json.dumps(what))
+    elif difference is None:
+        say(f"formatted {file}")
+    elif form == "github":
+        click.echo(github.command("error", f"`mjcompose fmt` would change {file}", {"file": file}))
+    else:
+        click.echo(printable(difference, colors=True), nl=False)
+
+
+def _read(recipe: str, context: Context) -> bytes | None:
+    if recipe == STDIN and sys.stdin is None:
+        context.sink.error("file-unreadable", "standard input is closed")
+        return None
+    if recipe == STDIN:
+        return sys.stdin.buffer.read(in_force().recipe_size + 1)
+    try:
+        return read_regular(recipe, in_force().recipe_size)
+    except OSError as error:
+        code = "file-not-found" if isinstance(error, FileNotFoundError) else "file-unreadable"
+        reason = (error.strerror or str(error)).lower()
+        context.sink.error(code, f"`{recipe}` cannot be read: {reason}")
+        return None
+
+
+def rewrite(recipe: Path, result: bytes, context: Context, option: str | None = None) -> bool:
+    """Replace the file in one step and keep its permissions; return whether that succeeded.
+
+    With the `option` that names it, the file is another than those that were read.
+    """
+    from mjcompose.build.bundle.bundle import OutputError
+    from mjcompose.build.bundle.staging import staged_file
+
+    try:
+        with staged_file(recipe, option, rewrites=option is None) as stage:
+            stage.write_bytes(result)
+            with contextlib.suppress(OSError):
+                stage.chmod(stat.S_IMODE(os.stat(recipe).st_mode))
+    except OutputError as error:
+        context.sink.add(error.diagnostic)
+        return False
+    return True
+
+
+def difference(source: bytes, result: bytes, shown: str, done: str) -> str:
+    """Return a unified diff of two texts of a file; `done` describes the second one."""
+    before, after = (each.decode("utf-8").splitlines(keepends=True) for each in (source, result))
+    lines = difflib.unified_diff(before, after, shown, f"{shown} ({done})")
+    return "".join(
+        line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines
+    )

@@ -1,0 +1,31 @@
+"""`mjcompose lsp`: the language server, which an editor starts."""
+
+from __future__ import annotations
+
+import click
+
+_EXTRA = ("pygls", "lsprotocol", "cattrs", "attrs", "attr")
+
+
+@click.command()
+@click.option("--stdio", is_flag=True, help="Use standard input and output. This is always the case; the option exists"
+              " because many editors pass it.")  # fmt: skip
+def command(stdio: bool) -> None:
+    """Run the language server, which gives an editor errors, completion and more while you write a recipe.
+
+    An editor starts it and uses the Language Server Protocol over standard input and output. docs/editors.md has the
+    settings for each editor. The server completes names in the models, shows what each is and where it came from, jumps
+    to its line, renames parts, and reports the same errors as `check`. It fetches nothing and writes nothing.
+
+    It needs the extra `lsp`: pip install "mjcompose[lsp]".
+    """
+    try:
+        from mjcompose.lsp.server import serve
+    except ImportError as error:
+        if (error.name or "").partition(".")[0] not in _EXTRA:
+            raise
+        raise click.UsageError(
+            "The language server needs `mjcompose[lsp]`, which is not installed: there is no Python package"
+            f' `{error.name}`. Run `pip install "mjcompose[lsp]"`.'
+        ) from None
+    serve()

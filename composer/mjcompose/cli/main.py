@@ -1,0 +1,221 @@
+"""The command. Verbs are imported when they are called, so that `--help` is fast."""
+
+from __future__ import annotations
+
+import errno
+import importlib
+import io
+import keyword
+import os
+import sys
+from typing import Any
+
+import click
+
+from mjcompose.base import files
+from mjcompose.base.version import __version__
+from mjcompose.cli.process import exit_code_asked, ran_out
+
+_VERBS = {
+    "build": "Build the model of a recipe: one MJCF file and its assets.",
+    "check": "Check recipes, their models and the checks in them. Write nothing.",
+    "fix": "Apply the exact fixes that error messages suggest.",
+    "verify": "Compare a bundle with its manifest, and its parts with their sources.",
+    "plan": "Print the steps of a build.",
+    "ls": "List the models that `build --all` wrote, or those that match an expression.",
+    "tree": "Show the parts, bodies and joints of a model, and what a part may be attached to.",
+    "explain": "Show where an element or attribute came from and what changed it, or explain an error code.",
+    "lock": "Pin every source of a recipe in a lock file.",
+    "update": "Pin the current state of sources in the lock file.",
+    "cache": "Inspect, prune or verify the store of fetched sources and built models.",
+    "diff": "Show what differs between two models, in physics terms.",
+    "view": "Show a model in the browser, or write it as a page.",
+    "render": "Make a picture or a film of a model.",
+    "new": "Write a commented starter recipe that builds.",
+    "fmt": "Format recipes in the canonical layout, and keep comments.",
+    "import": "Propose a recipe that builds a merged model from its parts.",
+    "migrate": "Rewrite a model for another version of MuJoCo.",
+    "doctor": "Check this installation, and show what it can do.",
+    "lsp": "Run the language server for editors, with completion, errors and origins.",
+    "schema": "Print the JSON Schema of recipes, for editors.",
+    "completion": "Print the line that enables completion in a shell.",
+    "help": "Print the help of a command.",
+    "version": "Print the version.",
+}
+
+# Names of verbs in other tools, and the corresponding command here.
+_CALLED = {
+    **dict.fromkeys(("init", "create", "start"), "mjcompose new"),
+    **dict.fromkeys(("validate", "lint", "test"), "mjcompose check"),
+    "format": "mjcompose fmt",
+    **dict.fromkeys(("compile", "make", "compose", "generate"), "mjcompose build"),
+    **dict.fromkeys(("show", "describe", "list", "bodies", "info"), "mjcompose tree"),
+    **dict.fromkeys(("inspect", "where", "why"), "mjcompose explain RECIPE NAME"),
+    **dict.fromkeys(("compare",), "mjcompose diff"),
+    **dict.fromkeys(("picture", "image", "screenshot", "video"), "mjcompose render"),
+    **dict.fromkeys(("language-server", "server"), "mjcompose lsp"),
+    **dict.fromkeys(("open", "viewer", "preview", "serve"), "mjcompose view"),
+    "clean": "mjcompose cache prune",
+    "upgrade": "mjcompose update",
+    "port": "mjcompose migrate",
+}  # fmt: skip
+
+
+# Pydantic would look for plugins in every installed package, which takes longer than a small build.
+os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+# No matrix here is large enough for threads of linear algebra, whose buffers alone are 30 MiB for each core.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+_FAILED, _INTERRUPTED, _BUG = 1, 130, 70
+
+if "_MJCOMPOSE_COMPLETE" in os.environ:
+    from mjcompose.cli import completing
+
+    completing.install()
+
+
+class _Verbs(click.Group):
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(_VERBS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in _VERBS:
+            return None
+        room = f"{cmd_name}_" if keyword.iskeyword(cmd_name) else cmd_name
+        module = importlib.import_module(f"mjcompose.cli.{room}")
+        command = module.command
+        assert isinstance(command, click.Command)
+        return command
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        ctx.meta["mjcompose.arguments"] = list(args)  # to be repeated if a run is interrupted
+        return super().parse_args(ctx, args)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        verb = args[0]
+        if verb not in _VERBS and not verb.startswith("-"):
+            from mjcompose.base.suggest import closest
+
+            near = closest(verb, _VERBS)
+            if verb in _CALLED:
+                help = f" Write `{_CALLED[verb]}`."
+            elif verb.endswith((".yaml", ".yml")):
+                help = f" Write `mjcompose build {verb}`."
+            else:
+                help = f" Did you mean `{near[0]}`?" if near else ""
+            raise click.UsageError(f"The command `{verb}` does not exist.{help}", ctx)
+        return super().resolve_command(ctx, args)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the verb. After an interruption it removes unfinished output, and shows no traceback."""
+        _print_any_name()
+        try:
+            with files.run():
+                return super().invoke(ctx)
+        except KeyboardInterrupt:
+            _say_aside("interrupted: nothing was written")
+            ctx.exit(_INTERRUPTED)
+        except click.NoSuchOption as error:
+            near = _near_options(error)
+            raise click.NoSuchOption(error.option_name, possibilities=near, ctx=error.ctx) from None
+        except (click.ClickException, click.exceptions.Exit, click.Abort):
+            raise
+        except MemoryError:
+            raise  # reported at the entry point, after the memory is released
+        except SystemError as error:
+            if ran_out():
+                raise MemoryError from error
+            raise
+        except BrokenPipeError:
+            raise  # the reader of the output is gone, which click handles
+        except OSError as error:
+            if error.errno == errno.ENOMEM:
+                raise MemoryError from error
+            what = f"`{error.filename}`: " if error.filename else ""
+            _say_aside(f"cannot go on: {what}{(error.strerror or str(error)).lower()}")
+            ctx.exit(_FAILED)
+        except UnicodeEncodeError as error:
+            if error.encoding.startswith("utf"):
+                self._bug(ctx, error)
+            what = error.object[error.start : error.end].encode("ascii", "backslashreplace").decode()
+            _say_aside(f"cannot go on: {what} cannot be part of a file's name here; set PYTHONUTF8=1")
+            ctx.exit(_FAILED)
+        except Exception as error:
+            # Pydantic 2.14 replaces any exception that ends it by its own.
+            if (code := exit_code_asked()) is not None:
+                ctx.exit(code)
+            if _is_reported(error):
+                ctx.exit(_FAILED)
+            self._bug(ctx, error)
+
+    def _bug(self, ctx: click.Context, error: Exception) -> None:
+        if os.environ.get("MJCOMPOSE_TRACEBACK"):
+            raise error
+        _say_aside(_bug(error))
+        ctx.exit(_BUG)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(_VERBS.items()))
+
+
+def _is_reported(error: Exception) -> bool:
+    """Report the errors found so far if the exception says that there are too many; return whether it does."""
+    from mjcompose.base.sink import TooManyFaults
+    from mjcompose.cli.reporting import report_as_chosen
+    from mjcompose.sources.context import Context
+
+    if not isinstance(error, TooManyFaults):
+        return False
+    report_as_chosen(Context(sink=error.sink))
+    return True
+
+
+def _say_aside(words: str) -> None:
+    """Print to standard error, in place of a progress line."""
+    from mjcompose.cli.reporting import clear_progress
+
+    clear_progress()
+    click.echo(words, err=True)
+
+
+def _near_options(error: click.NoSuchOption) -> list[str]:
+    """Return the options that were probably meant; click itself only suggests common prefixes."""
+    from mjcompose.base.suggest import closest
+
+    if error.ctx is None:
+        return []
+    known = {name for each in error.ctx.command.get_params(error.ctx) for name in each.opts}
+    return closest(error.option_name, known)
+
+
+def _print_any_name() -> None:
+    """Let standard output accept file names that are not valid text in this locale, as standard error does."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        utf8 = sys.stdout.encoding.lower().replace("-", "") == "utf8"
+        sys.stdout.reconfigure(errors="surrogateescape" if utf8 else "backslashreplace")
+
+
+def _bug(error: Exception) -> str:
+    """Return the message for an unexpected exception, as a last resort."""
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    where = "" if trace is None else f" in {trace.tb_frame.f_code.co_filename}:{trace.tb_lineno}"
+    said = " ".join(str(error).split())
+    return (
+        f"this is a bug in mjcompose: {type(error).__name__}{where}: {said}\n"
+        "please report it; with MJCOMPOSE_TRACEBACK=1 the whole trace is shown"
+    )
+
+
+@click.command(cls=_Verbs, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(__version__, "-V", "--version", prog_name="mjcompose")
+def main() -> None:
+    """Compose MuJoCo models from recipes.
+
+    Exit codes: 0 success, 1 there are errors in the files, 2 the command is wrong or names a file that does not
+    exist.
+    """

@@ -1,0 +1,153 @@
+"""`mjcompose new`: write a starter recipe that builds as it is, a repository around one, or the examples."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.files import read_regular
+from mjcompose.cli.reporting import FINDINGS, report, reporting_options, say
+
+if TYPE_CHECKING:
+    from mjcompose.sources.context import Context
+
+
+@click.command()
+@click.argument("path", type=click.Path(path_type=Path), required=False)
+@click.option(
+    "--project",
+    is_flag=True,
+    help="Write a repository to the folder PATH: recipe, lock, parts, CI and README. Existing files are kept.",
+)
+@click.option(
+    "--examples",
+    is_flag=True,
+    help="Write the recipes and models of the docs to the folder PATH (default: recipes). Existing files are kept.",
+)
+@reporting_options
+def command(path: Path | None, project: bool, examples: bool, form: str) -> None:
+    """Write a commented starter recipe to PATH (default: model.yaml). It builds without changes."""
+    from mjcompose.build.bundle.bundle import OutputError, unwritable
+    from mjcompose.sources.context import Context
+
+    if project and examples:
+        raise click.UsageError("--project and --examples exclude each other")
+    context = Context()
+    outcome = _Outcome("", (), ())
+    try:
+        if examples:
+            outcome = _examples(path or Path("recipes"))
+        else:
+            outcome = _project(path, context) if project else _recipe(path or Path("model.yaml"), context)
+    except OutputError as error:
+        context.sink.add(error.diagnostic)
+    except OSError as error:
+        failure = unwritable(path or Path("model.yaml"), error)
+        context.sink.add(failure.diagnostic)
+    report(context, form)
+    if context.sink.has_errors:
+        sys.exit(FINDINGS)
+    if form == "json":
+        click.echo(json.dumps({"wrote": list(outcome.wrote), "kept": list(outcome.kept)}))
+        return
+    say(outcome.words)
+
+
+@dataclass(frozen=True, slots=True)
+class _Outcome:
+    """The message, and the paths of written files and of existing ones."""
+
+    words: str
+    wrote: tuple[str, ...]
+    kept: tuple[str, ...]
+
+
+def _recipe(path: Path, context: Context) -> _Outcome:
+    from mjcompose.build.bundle.staging import staged_file
+    from mjcompose.sources.context import as_text
+    from mjcompose.tools.new import starter
+
+    if path.suffix.lower() not in (".yaml", ".yml"):
+        shown = path.with_suffix(".yaml") if path.name else path / "model.yaml"
+        raise click.UsageError(f"a recipe's name ends in .yaml: {shown}")
+    if os.path.lexists(path):
+        context.sink.error(
+            "output-unwritable",
+            f"`{path}` exists already and is left as it is",
+            help="choose another name, or remove the file",
+        )
+        return _Outcome("", (), ())
+    with staged_file(path) as stage:
+        stage.write_text(starter(as_text(path.stem)), encoding="utf-8")
+    words = f"wrote {path}; build it with: mjcompose build {shlex.quote(str(path))}"
+    return _Outcome(words, (str(path),), ())
+
+
+def _project(folder: Path | None, context: Context) -> _Outcome:
+    from importlib import metadata
+
+    from mjcompose.cli.locking import made_lock
+    from mjcompose.language.schema import text as schema
+    from mjcompose.sources.context import as_text
+    from mjcompose.tools.new import needed, project, write_project
+
+    if folder is None:
+        raise click.UsageError("name the folder of the project: mjcompose new --project robots")
+    title = as_text(os.path.basename(os.path.realpath(folder)))
+    model = re.sub(r"[^\w-]+", "_", title).strip("_-") or "model"
+    files = project(title, model, metadata.version("mujoco"), schema=schema())
+    recipe = f"recipes/{model}.yaml"
+    written, kept = write_project(
+        {name: text.encode() for name, text in files.items()},
+        needed(model),
+        folder,
+        finish=lambda stage: made_lock(stage / recipe, None, context),
+    )
+    start = f"start with {folder / 'README.md'}"
+    if "README.md" in kept:
+        start = f"build its model with: mjcompose build {shlex.quote(str(folder / recipe))}"
+    words = [*(_kept(path, folder, files) for path in kept), f"wrote {_files(written)} to {folder}; {start}"]
+    return _outcome(words, folder, written, kept=kept)
+
+
+def _examples(folder: Path) -> _Outcome:
+    from mjcompose.language.schema import text as schema
+    from mjcompose.tools.new import examples, write_project
+
+    files = examples(schema())
+    written, kept = write_project(files, (), folder, finish=lambda stage: None)
+    own = [path for path in kept if read_regular(folder / path) != files[path]]
+    start = f"look at one with: mjcompose view {shlex.quote(str(folder / 'demo.yaml'))}"
+    words = [*(f"kept {folder / path}" for path in own), f"wrote {_files(written)} to {folder}; {start}"]
+    return _outcome(words, folder, written, kept=kept)
+
+
+def _files(paths: Sequence[str]) -> str:
+    return f"{len(paths)} file{'' if len(paths) == 1 else 's'}"
+
+
+def _outcome(words: Iterable[str], folder: Path, written: Iterable[str], kept: Iterable[str]) -> _Outcome:
+    wrote, left = (tuple(str(folder / path) for path in paths) for paths in (written, kept))
+    return _Outcome("\n".join(words), wrote, left)
+
+
+def _kept(path: str, folder: Path, files: Mapping[str, str]) -> str:
+    """Return the message about an existing file."""
+    from mjcompose.tools.new import lacking
+
+    kept = f"kept {folder / path}"
+    if path not in files or not os.path.isfile(folder / path):
+        return kept
+    lines = lacking(path, read_regular(folder / path).decode("utf-8", "replace"), files[path])
+    return (
+        f"{kept}; the project's own would have: {', '.join(f'`{line}`' for line in lines)}" if lines else kept
+    )

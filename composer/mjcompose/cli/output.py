@@ -1,0 +1,474 @@
+"""What `build` writes and reports of a model."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack
+from dataclasses import asdict, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Severity, hide
+from mjcompose.build.bundle.bundle import Place, file_name, hash_of, is_address, picture_of, place
+from mjcompose.cli.reporting import clear_progress, exit_code, note_files, progress, report, say, say_details
+from mjcompose.model.merged_settings import in_words
+from mjcompose.text.expression_values import shown
+
+if TYPE_CHECKING:
+    from mjcompose.build.bundle.bundle import Bundle, Form
+    from mjcompose.build.cache.builder import Made, Maker
+    from mjcompose.mujoco.engine import Session
+    from mjcompose.sources.context import Context
+    from mjcompose.text.node import Node
+
+_KEPT = "picture"
+
+
+def check_has_picture(out: str, kind: Form) -> None:
+    """Raise OutputError for outputs without pictures."""
+    from mjcompose.build.bundle.bundle import OutputError
+
+    if is_address(out):
+        help = "write to this machine and copy the files from there, or leave `--picture` out"
+        message = f"`--picture` is for what is written to this machine, and `{hide(out)}` is an address"
+        raise OutputError("output-kind", message, help)
+    why = {"mjb": "MuJoCo's binary form", "usd": "USD"}.get(kind)
+    if out == "-" or why is not None:
+        message = f"`--picture` is for bundles and MJCF files, and `{out}` is {why or 'standard output'}"
+        raise OutputError(
+            "output-kind", message, "write a folder, a `.zip` or an `.xml`, or leave `--picture` out"
+        )
+
+
+def picture_beside(target: str, name: str) -> Path:
+    """Return the path of the picture of the output `target`."""
+    return Path(os.path.dirname(target.rstrip("/"))) / picture_of(name)
+
+
+@dataclass(slots=True)
+class Picturing:
+    """Draws the pictures in one child process with a renderer, which ends with `opened`."""
+
+    opened: ExitStack
+    _session: Session | None = field(default=None)
+
+    def put(self, target: str, name: str, *, is_known: bool, context: Context) -> None:
+        """Draw the picture of the output `target`; if the output `is_known`, an existing picture stays.
+
+        Errors go to the sink.
+        """
+        out = picture_beside(target, name)
+        if is_known and os.path.exists(context.folder / out):
+            return
+        from mjcompose.base.sink import Sink
+        from mjcompose.mujoco.engine import Session
+        from mjcompose.tools.diff.sides import load, read_operand
+        from mjcompose.tools.view.render import Wish, render
+
+        if self._session is None:
+            self._session = self.opened.enter_context(Session(rendering=True))
+        with ExitStack() as opened:
+            operand = read_operand(target, replace(context, sink=Sink()), opened)
+            side = None if operand is None else load(operand, _KEPT, self._session)
+            if operand is None or side is None:
+                context.sink.error("no-rendering", f"no picture of `{target}` can be made: it cannot be read")
+            else:
+                render(_KEPT, out, Wish(), context=context, session=self._session, option="--picture")
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What is built of a recipe, where it goes, and how it is reported; `picturing` draws a picture next to it."""
+
+    out: str
+    kind: Form
+    verified: bool
+    deduplicated: bool
+    form: str
+    why: bool = False
+    licenses: bool = False
+    picturing: Picturing | None = None
+
+    def target(self, name: str, mujoco: str | None) -> str:
+        """Return the output of a model, by its name and the version of MuJoCo that compiled it."""
+        target = self.out.replace("{name}", file_name(name)).replace("{hash}", hash_of(name))
+        if self.kind != "mjb":
+            return target
+        from mjcompose.build.bundle.staging import with_version
+
+        return with_version(target, mujoco)
+
+    def place(self, folder: Path, name: str, mujoco: str | None) -> Place | None:
+        """Return the output of a model as a place, or None for standard output."""
+        return None if self.out == "-" else place(folder, self.target(name, mujoco))
+
+    def elsewhere(self, folder: Path) -> Wanted:
+        """Return the same for a process that runs in another folder, without pictures."""
+        slash = "/" if self.out.endswith("/") and not is_address(self.out) else ""
+        return replace(self, picturing=None, out=f"{place(folder, self.out)}{slash}")
+
+    @property
+    def assets_above(self) -> int:
+        """How many folders above a model's folder the folder of shared assets is."""
+        return 2 if os.path.basename(os.path.dirname(self.out.rstrip("/"))) == "{hash}" else 1
+
+    def text_beside(self, folder: Path) -> Path | None:
+        """Return the folder from which text refers to its files, if only text is wanted."""
+        if self.kind != "text":
+            return None
+        return folder if self.out == "-" else Path(os.path.abspath(folder / self.out)).parent
+
+
+def kind_of_output(out: str | None, models: int = 1) -> Form:
+    """Return the form for OUT. Raises OutputError if it is unclear, or if several models would go to one place."""
+    from mjcompose.build.bundle.bundle import Form, OutputError, form_of
+
+    if out is None:
+        return Form.ARCHIVE
+    kind = Form.TEXT if out == "-" else form_of(out)
+    known = {"{name}", "{hash}", "{mujoco}"} if kind == "mjb" else {"{name}", "{hash}"}
+    if unknown := next((word for word in _PLACEHOLDER.findall(out) if word not in known), None):
+        help = f"write {' or '.join(f'`{word}`' for word in sorted(known))}, or leave the braces out"
+        raise OutputError("output-kind", f"`{unknown}` stands for nothing in the output `{out}`", help)
+    if is_address(out) and kind in (Form.TEXT, Form.USD):
+        help = "write a bundle, such as `{name}.zip`"
+        raise OutputError("output-kind", f"`{out}` cannot be an address: {_NO_ADDRESS[kind]}", help)
+    if models > 1 and "{name}" not in out:
+        folder = out if out.endswith("/") else f"{out}/"
+        help = f"write for instance `-o '{folder}{{name}}/'` or `-o '{folder}{{name}}.zip'`"
+        raise OutputError("output-kind", f"several models cannot all be `{out}`", help)
+    return kind
+
+
+_PLACEHOLDER = re.compile(r"\{\w+\}")
+_NO_ADDRESS = {
+    "text": "text alone names files of this machine",
+    "usd": "USD is written by MuJoCo's converter, to this machine",
+}
+_NO_SHARING = {
+    "archive": "a zip cannot refer to files outside of it",
+    "text": "text alone names the sources' own files, and none is copied",
+    "mjb": "MuJoCo's binary form has its assets in it",
+    "usd": "USD has meshes in its layers",
+}
+
+
+def for_shared_assets(out: str | None, one: bool) -> tuple[str, Form]:
+    """Return the output of models that share their assets, and its form. Raises OutputError if they cannot."""
+    from mjcompose.build.bundle.bundle import Form, OutputError
+
+    out = "build/{name}/" if out is None else out
+    help = "write `--all -o 'build/{name}/'`"
+    if one:
+        raise OutputError("output-kind", "one model has nobody to share its assets with", help)
+    kind = kind_of_output(out, models=2)
+    if kind is not Form.FOLDER:
+        raise OutputError("output-kind", f"`--shared-assets` is for folders: {_NO_SHARING[kind]}", help)
+    above, _, last = os.path.dirname(out.rstrip("/")).rpartition("/")
+    if "{name}" in above + last or "{hash}" in above or ("{hash}" in last and last != "{hash}"):
+        raise OutputError("output-kind", f"the folders `{out}` do not stand side by side", help)
+    return out, Form.SHARED
+
+
+def said(made: Made, wanted: Wanted) -> str:
+    """Return the report about a written model: JSON, or several lines of text."""
+    out = hide(wanted.target(made.name, made.mujoco))
+    if wanted.form == "json":
+        import json
+
+        return json.dumps(_data(made, wanted, out))
+    return "\n".join(_lines(made, wanted, out))
+
+
+def _data(made: Made, wanted: Wanted, out: str) -> dict[str, object]:
+    answer: dict[str, object] = {
+        "output": out,
+        "name": made.name,
+        "sha256": made.sha256,
+        "sizes": dict(made.sizes or {}),
+    }
+    if made.merged:
+        answer["merged"] = {kind: dict(names) for kind, names in made.merged.items()}
+    if adopted := [each for each in made.adopted if each.is_written]:
+        answer["adopted"] = [
+            {"setting": each.setting, "value": each.value, "parts": each.parts} for each in adopted
+        ]
+    if made.excluded:
+        answer["excluded"] = made.excluded
+    if made.replaced:
+        answer["replaced"] = dict(made.replaced)
+    if wanted.licenses:
+        answer["licences"] = [asdict(row) for row in made.licences]
+    if wanted.picturing is not None:
+        answer["picture"] = picture_of(made.name)
+    if wanted.why:
+        answer["built"] = made.is_new
+        answer["why"] = list(made.why)
+    return answer
+
+
+def _lines(made: Made, wanted: Wanted, out: str) -> Iterator[str]:
+    files, be = out, "is"
+    if wanted.kind == "mjb":
+        from mjcompose.build.bundle.staging import manifest_beside
+
+        files, be = f"{out} and {manifest_beside(Path(out)).name}", "are"
+    yield f"{files} {be} up to date" if made.is_written else f"wrote {files}"
+    if sizes := made.sizes or {}:
+        counted = ", ".join(_count(*each) for each in (
+            (sizes["nbody"] - 1, "body", "bodies"), (sizes["nsensor"], "sensor"), (sizes["nkey"], "keyframe")
+        ))  # fmt: skip
+        yield f"  {made.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {counted}"
+    else:
+        yield "  not verified: MuJoCo has not compiled it"
+    if wanted.picturing is not None:
+        yield f"  picture {picture_of(made.name)}"
+    yield from remarks(made, wanted)
+    yield f"  contents sha256 {made.sha256}"
+    if wanted.licenses and not made.licences:
+        yield "  no licences: it takes nothing from other models"
+    elif wanted.licenses:
+        from mjcompose.build.bundle.licences import licence_table
+
+        yield licence_table(made.licences)
+
+
+def remarks(made: Made, wanted: Wanted) -> Iterator[str]:
+    """Yield one line each for adopted settings, the replaced output, merged assets, and why it was built or not."""
+    yield from (f"  adopted {words}" for words in in_words(made.adopted))
+    if made.excluded:
+        pairs = "pair" if made.excluded == 1 else "pairs"
+        yield f"  excluded {made.excluded} {pairs} of bodies from colliding: `mjcompose plan` names them"
+    if made.replaced:
+        yield _replacing(made.replaced)
+    if made.merged:
+        yield _merging(made)
+    if wanted.why:
+        if made.is_new:
+            yield from (f"  built: {line}" for line in made.why)
+        else:
+            yield from (
+                f"  not built again: {line}" for line in made.why or ("nothing that it depends on changed",)
+            )
+
+
+def _replacing(before: Mapping[str, Any]) -> str:
+    if "recipe" in before:
+        return f"  replaced the model of {before['recipe']}"
+    values = ", ".join(f"{name} = {shown(value)}" for name, value in before.items())
+    return f"  replaced the model with {values}"
+
+
+def _merging(made: Made) -> str:
+    plural = {"mesh": "meshes", "hfield": "hfields", "texture": "textures", "material": "materials"}
+    counts = ", ".join(
+        f"{len(names)} {kind if len(names) == 1 else plural[kind]}" for kind, names in made.merged.items()
+    )
+    return f"  merged {counts} into equal ones: the manifest and --json say which name stands for which"
+
+
+def _count(number: int, noun: str, plural: str | None = None) -> str:
+    return f"{number} {noun if number == 1 else plural or noun + 's'}"
+
+
+def build_one(
+    maker: Maker,
+    wanted: Wanted,
+    given: dict[str, Node],
+    context: Context,
+    session: Session,
+    why: tuple[str, ...],
+) -> int:
+    """Build the single model of the recipe. Return the exit code."""
+    progress(f"building {maker.recipe}")
+    made = maker.make(context, session, given, key=maker.key(), why=why)
+    return finish(made, maker, wanted, context=context, session=session)
+
+
+def finish(
+    made: Made | None,
+    maker: Maker,
+    wanted: Wanted,
+    context: Context,
+    session: Session | None,
+) -> int:
+    """Write the model and report it. Return the exit code."""
+    from mjcompose.build.cache.builder import files_of
+
+    files = files_of(made, context)
+    note_files(files)
+    made = None if made is None else put(made, maker, context, session=session, wanted=wanted)
+    if made is not None:
+        add_picture(made, wanted, context)
+    report(context, wanted.form, err=wanted.out == "-")
+    say_details(context, files)
+    if made is None or context.sink.has_errors:
+        return exit_code(context.folder, [maker.recipe])
+    if wanted.out == "-":
+        for line in remarks(made, wanted):
+            say(line, err=True)
+        return 0
+    say(said(made, wanted), form=wanted.form)
+    return 0
+
+
+def put(made: Made, maker: Maker, context: Context, session: Session | None, wanted: Wanted) -> Made | None:
+    """Write a model to its output; return it as written, or None after an error, which is reported."""
+    from mjcompose.build.bundle.bundle import OutputError
+    from mjcompose.build.bundle.licences import report_unlicensed
+
+    clear_progress()
+    report_unlicensed(made.licences, context)
+    _judge_warnings(made, context)
+    if context.strict and context.sink.has_errors:
+        return None
+    target = wanted.target(made.name, made.mujoco)
+    try:
+        _check_picture(made, target, wanted, context=context)
+        if wanted.kind == "text" and made.built is not None:
+            from mjcompose.build.bundle.collect import text_alone
+
+            composed = made.built.composed
+            text = text_alone(composed.model, composed.files, target, folder=context.folder)
+            made = maker.with_text(made, text, context)
+        if not made.is_written:
+            from mjcompose.build.bundle.write import made_of
+
+            out = place(context.folder, target)
+            before = None if wanted.kind in ("text", "usd") else made_of(out)
+            maker.note_written(
+                made, _write(made, target, maker, wanted=wanted, context=context, session=session)
+            )
+            now = None if before is None else made_of(out)
+            if before is not None and now is not None:
+                made = replace(made, replaced=before.other_than(now))
+    except OutputError as error:
+        context.sink.add(error.diagnostic)
+        return None
+    _judge_warnings(made, context)
+    return made
+
+
+def _check_picture(made: Made, target: str, wanted: Wanted, context: Context) -> None:
+    """Refuse a picture that would take the place of a texture. Raises OutputError."""
+    if wanted.picturing is not None:
+        from mjcompose.build.bundle.staging import check_is_no_source
+        from mjcompose.build.cache.builder import inputs_of
+
+        check_is_no_source(context.folder / picture_beside(target, made.name), "--picture", inputs_of(made))
+
+
+def add_picture(made: Made, wanted: Wanted, context: Context) -> None:
+    """Draw a picture next to a written model, if one is wanted; errors go to the context's sink."""
+    if wanted.picturing is not None:
+        target = wanted.target(made.name, made.mujoco)
+        wanted.picturing.put(target, made.name, is_known=made.is_written, context=context)
+
+
+def _judge_warnings(made: Made, context: Context) -> None:
+    """Drop warnings that the recipe allows; with `--strict` the rest become errors."""
+    for diagnostic in context.sink.diagnostics:
+        if diagnostic.severity is not Severity.ERROR and diagnostic.code in made.allowed:
+            context.sink.drop(diagnostic)
+    if context.strict:
+        context.sink.promote()
+
+
+def _write(
+    made: Made, out: str, maker: Maker, wanted: Wanted, context: Context, session: Session | None
+) -> tuple[Path, ...]:
+    """Write the model, and return what was written elsewhere than to `out`."""
+    from mjcompose.build.bundle.staging import check_is_no_source
+    from mjcompose.build.cache.builder import inputs_of
+
+    if wanted.kind in ("text", "mjb", "usd") and made.bundle is not None:
+        _check_holds_all(made.bundle, out)
+    if out != "-":
+        if is_address(out):
+            _deliver(made, out, maker, wanted=wanted, context=context, session=session)
+            return ()
+        check_is_no_source(context.folder / out, "-o", inputs_of(made))
+    if wanted.kind == "text":
+        text = made.text
+        assert text is not None
+        if out != "-":
+            from mjcompose.build.bundle.staging import staged_file
+
+            with staged_file(context.folder / out, "-o") as stage:
+                stage.write_bytes(text)
+        elif sys.stdout is None:
+            raise OSError("standard output is closed")
+        else:
+            sys.stdout.buffer.write(text)
+            sys.stdout.buffer.flush()
+    elif wanted.kind == "folder with shared assets":
+        from mjcompose.build.bundle.remote import write_shared
+
+        assert made.bundle is not None
+        return write_shared(made.bundle, Path(os.path.abspath(context.folder / out)), wanted.assets_above)
+    elif made.packed and made.record is not None:
+        from mjcompose.build.bundle.write import write_packed
+
+        write_packed(
+            made.packed,
+            made.record.model,
+            Path(out),
+            environment=context.environment,
+            packed=made.packed.__getitem__,
+        )
+    else:
+        from mjcompose.build.bundle.write import write
+
+        def lost(warning: str) -> None:
+            context.sink.warning("usd-loss", f"`{out}` is not the whole model: {warning}")
+
+        assert made.bundle is not None
+        write(
+            made.bundle, out, environment=context.environment, session=session, packing=maker.packing, warn=lost
+        )  # fmt: skip
+        if wanted.kind == "mjb":
+            from mjcompose.build.bundle.staging import manifest_beside
+
+            return (manifest_beside(Path(os.path.abspath(context.folder / out))),)
+    return ()
+
+
+def _deliver(
+    made: Made, out: str, maker: Maker, wanted: Wanted, context: Context, session: Session | None
+) -> None:
+    """Write to this machine first, and then to an address."""
+    from mjcompose.base.scratch import scratch
+    from mjcompose.build.bundle.remote import ASSETS, deliver_assets, deliver_file, deliver_folder
+
+    parts = out.rstrip("/").rsplit("/", wanted.assets_above)
+    with scratch("output") as folder:
+        models = folder / "models"
+        local = models.joinpath(*parts[1:])
+        _write(
+            made,
+            f"{local}/" if out.endswith("/") else str(local),
+            maker,
+            wanted=wanted,
+            context=context,
+            session=session,
+        )
+        if os.path.isdir(models / ASSETS):
+            deliver_assets(models / ASSETS, f"{parts[0]}/{ASSETS}")
+        if os.path.isdir(local):
+            deliver_folder(local, out.rstrip("/"))
+            return
+        for each in sorted(local.parent.iterdir(), key=lambda each: each == local):
+            deliver_file(each, f"{out.rpartition('/')[0]}/{each.name}")
+
+
+def _check_holds_all(bundle: Bundle, out: str) -> None:
+    """Refuse an output form that cannot hold worlds."""
+    from mjcompose.build.bundle.bundle import WORLDS, OutputError
+
+    if WORLDS in bundle.files:
+        help = "write a folder or an archive, such as `-o build/{name}.zip`"
+        raise OutputError("output-kind", f"`{out}` has no room for the worlds", help)

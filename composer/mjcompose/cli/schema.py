@@ -1,0 +1,24 @@
+"""`mjcompose schema`: the JSON Schema of recipes, and the reference page made from it."""
+
+from __future__ import annotations
+
+import click
+
+
+@click.command()
+@click.argument("what", type=click.Choice(["recipe", "manifest", "reference"]), default="recipe")
+def command(what: str) -> None:
+    """Print the JSON Schema of recipes or manifests for editors and other tools, or the reference page of all keys."""
+    if what == "manifest":
+        from mjcompose.build.bundle.manifest import schema as manifest_schema
+
+        click.echo(manifest_schema(), nl=False)
+        return
+    if what == "reference":
+        from mjcompose.language.reference_page import page
+
+        click.echo(page(), nl=False)
+        return
+    from mjcompose.language.schema import text
+
+    click.echo(text(), nl=False)

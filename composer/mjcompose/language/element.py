@@ -1,0 +1,443 @@
+"""The mapping of an element, read with all its faults.
+
+Keys beside the name of an element that should be one level deeper.
+
+gripper:
+model: ./gripper.xml
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from collections.abc import Mapping as AbcMapping
+from dataclasses import field
+from typing import Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Fault, Path
+from mjcompose.base.suggest import closest, exists_note, renaming, unknown_attribute
+from mjcompose.language.form import Element, Settings, Value, fault_at, is_unprintable, kind_of, unprintable
+from mjcompose.language.fragment import check_fragment, report_clashing, report_missing
+from mjcompose.language.value import bare_angle, element_instead, read_value
+from mjcompose.model.grammar import GRAMMAR, ElementType, number_text
+from mjcompose.text.merge import is_of_elements
+from mjcompose.text.node import Mapping, Node, Scalar, Sequence, is_template
+
+_NAMES = ("attach", "sensor", "actuator", "equality", "tendon")
+
+
+def lost_indentation(mapping: Mapping, at: Path) -> tuple[Fault, Iterable[str]] | None:
+    """Return the fault of such keys and the entries that it is about, the name first; None without such keys.
+
+    In a mapping from names to elements, every value is a mapping. Therefore, a name without a value that is
+    followed by a key with a single value or a list has lost its indentation.
+    """
+    if not (len(at) == 1 and at[0] in _NAMES) and not (len(at) == 2 and at[0] == "asset"):
+        return None
+    names = list(mapping.entries)
+    for index, name in enumerate(names):
+        if not _is_empty(mapping.entries[name][1]):
+            continue
+        beside: list[str] = []
+        for key in names[index + 1 :]:
+            value = mapping.entries[key][1]
+            if isinstance(value, Mapping) or _is_empty(value):
+                break
+            beside.append(key)
+        if beside:
+            keys = " and ".join(f"`{key}`" for key in beside)
+            stand = "stands" if len(beside) == 1 else "stand"
+            fault = Fault(
+                "wrong-type",
+                f"{keys} {stand} beside `{name}`, not below it",
+                (*at, beside[0]),
+                key=True,
+                help=f"indent {keys} two spaces deeper than `{name}`",
+            )
+            return fault, [name, *beside]
+    return None
+
+
+def _is_empty(node: Node) -> bool:
+    return isinstance(node, Scalar) and node.value is None
+
+
+class Placed(dict[str, Any]):
+    """A mapping that has its path from the top of the recipe."""
+
+    __slots__ = ("at",)
+
+    def __init__(self, at: Path) -> None:
+        super().__init__()
+        self.at = at
+
+
+def path_of(value: object) -> Path:
+    """Return the path of a mapping from the top of the recipe, empty for a mapping that was made in Python."""
+    return value.at if isinstance(value, Placed) else ()
+
+
+def raw(node: Node, faults: list[Fault]) -> Any:
+    """Return the tree as dicts (`Placed`), lists and values, and faults that can occur anywhere.
+
+    A key without a value and an expression without one are reported, and stay in the result, so that they do not
+    count as missing.
+    """
+    return _raw(node, (), faults)
+
+
+def _raw(node: Node, at: Path, faults: list[Fault]) -> Any:
+    if isinstance(node, Scalar):
+        if node.value is None:
+            faults.append(_nothing(at))
+        elif isinstance(node.value, str) and is_template(node.value) and not is_of_elements(at):
+            faults.append(Fault("expression", "an expression has no value here", at))
+        return node.value
+    if isinstance(node, Sequence):
+        return [_raw(item, (*at, index), faults) for index, item in enumerate(node.items)]
+    mapping = Placed(at)
+    fallen = lost_indentation(node, at)
+    if fallen is not None:
+        faults.append(fallen[0])
+    for name, (_, value) in node.entries.items():
+        path = (*at, name)
+        if fallen is not None and name in fallen[1]:
+            continue
+        if is_template(name):
+            help = "write the name itself; parameters can choose between pieces of recipe, by `when` and `variants`"
+            faults.append(Fault("expression", "an expression cannot be a key", path, key=True, help=help))
+            continue
+        mapping[name] = _raw(value, path, faults)
+    return mapping
+
+
+def _nothing(at: Path) -> Fault:
+    if at and isinstance(at[-1], str):
+        return Fault(
+            "wrong-type",
+            f"`{at[-1]}` has no value",
+            at,
+            key=True,
+            help="write a value behind it (`{}` for an element without attributes), or leave the key out",
+        )
+    return Fault("wrong-type", "a value is missing here", at)
+
+
+FRAGMENT = "xml"
+CONFIG = "config"
+NAME = "name"
+_OBJECT = {"objtype", "objname"}
+_OWNERS = 3  # elements that a help line names
+
+
+@dataclass(slots=True)
+class Reader:
+    """Reads elements by the grammar and collects their faults. The paths of faults start where the reading starts."""
+
+    settings: Settings = field(default_factory=Settings)
+    faults: list[Fault] = field(default_factory=list)
+
+    def element(
+        self,
+        kind: ElementType,
+        value: Any,
+        at: Path,
+        owner: str,
+        *,
+        keyed: AbcMapping[str, str] | None = None,
+        own: Collection[str] = (),
+        children: tuple[Element, ...] = (),
+        joint: str | None = None,
+    ) -> Element | None:
+        """Return the element of a mapping of attributes and children, or None if it is no mapping.
+
+        `owner` is its name in messages. `keyed` are attributes that a key above gives, which must not be written
+        again. The caller reads the keys in `own`; its `children` come before the others. `joint` is the type of a
+        joint without `type`.
+        """
+        if not isinstance(value, dict):
+            self.faults.append(_no_mapping(owner, value, at, help=element_instead(kind, value)))
+            return None
+        keyed = keyed or {}
+        if FRAGMENT in value:
+            return self.fragment(
+                {kind.tag: kind}, f"the place of {owner}", value, at=at, keyed=keyed, own=own
+            )
+        attributes: dict[str, Value] = dict(keyed)
+        meant: list[str] = []
+        below = list(children)
+        for name, item in value.items():
+            path = (*at, name)
+            if name in own:
+                continue
+            if name in keyed:
+                self.faults.append(_keyed(owner, name, keyed[name], at=path))
+            elif name in kind.attributes:
+                read = read_value(kind.attributes[name], item, path, owner=owner, faults=self.faults)
+                if read is not None:
+                    attributes[name] = read
+            elif name == CONFIG and name in kind.children:
+                below += self.config(item, path, path_of(value), owner=owner)
+            elif name in kind.children:
+                below += self.children(kind.children[name], item, path, owner=owner)
+            else:
+                fault = self.unknown(kind, name, item, at=path, owner=owner, own=own, taken={*keyed, *value})
+                meant += _meant(kind, name, item, there=value)
+                self.faults.append(fault)
+        # A value with a fault is not missing, and neither is a value with a misspelled key.
+        present = [*keyed, *value, *meant]
+        report_missing(kind, present, owner, at=at, faults=self.faults)
+        report_clashing(kind.constraints, present, owner, at=at, faults=self.faults)
+        self.angles(kind, attributes, at, owner=owner, joint=joint)
+        return Element(kind.tag, attributes, tuple(below), at=path_of(value))
+
+    def keyed(
+        self, kinds: Iterable[ElementType], name: str, value: Any, at: Path, owner: str
+    ) -> AbcMapping[str, str]:
+        """Return the attributes that the key of an entry gives to its element, which is one of `kinds`: its name.
+
+        With `name: ""` in the entry, the element has no name, and the key is only a label in the recipe.
+        """
+        if not isinstance(value, dict) or value.get(NAME) != "":
+            return {NAME: name}
+        if any(kind.attributes[NAME].required for kind in kinds):
+            message = f"MuJoCo has no {owner.partition(' ')[0]} without a name"
+            help = f"leave `{NAME}` out: the key is the name"
+            self.faults.append(Fault("bad-name", message, (*at, NAME), help=help))
+        return {}
+
+    def children(self, kind: ElementType, value: Any, at: Path, owner: str) -> Iterable[Element]:
+        """Return the elements with one tag: a mapping is one element, a list is several."""
+        if isinstance(value, list):
+            if kind.max_count is not None and len(value) > kind.max_count:
+                few = "one" if kind.max_count == 1 else str(kind.max_count)
+                self.faults.append(
+                    Fault("wrong-length", f"{owner} can have {few} `{kind.tag}`, got {len(value)}", at)
+                )
+            read = [
+                self.element(kind, item, (*at, i), owner=label(kind.tag, item))
+                for i, item in enumerate(value)
+            ]
+            return [each for each in read if each is not None]
+        if isinstance(value, dict) and _is_named(kind, value):
+            name = next(iter(value))
+            self.faults.append(
+                Fault(
+                    "wrong-type",
+                    f"`{kind.tag}` in {owner} expects a list of elements, got a mapping of names",
+                    (*at, name),
+                    key=True,
+                    help=f"write `{kind.tag}: [{{name: {name}, …}}]`",
+                )
+            )
+            return ()
+        element = self.element(kind, value, at, owner=label(kind.tag, value))
+        return () if element is None else (element,)
+
+    def config(self, value: Any, at: Path, above: Path, owner: str) -> Iterable[Element]:
+        """Yield a plugin's settings `{key: value}` as `config` elements."""
+        if not isinstance(value, dict):
+            self.faults.append(_no_mapping(f"`{CONFIG}` of {owner}", value, at))
+            return
+        for key, setting in value.items():
+            text = config_text(setting)
+            if is_unprintable(key):
+                self.faults.append(unprintable(f"the key of a `{CONFIG}`", (*at, key), key=True))
+            elif text is None:
+                self.faults.append(
+                    Fault(
+                        "wrong-type",
+                        f"`{key}` in the `{CONFIG}` of {owner} expects text or a number, "
+                        f"got {kind_of(setting)}",
+                        (*at, key),
+                    )
+                )
+            elif is_unprintable(text):
+                self.faults.append(unprintable(f"`{key}` in the `{CONFIG}` of {owner}", (*at, key)))
+            else:
+                yield Element(CONFIG, {"key": key, "value": text}, at=(*above, CONFIG, key))
+
+    def fragment(
+        self,
+        kinds: AbcMapping[str, ElementType],
+        place: str,
+        value: dict[str, Any],
+        at: Path,
+        keyed: AbcMapping[str, str] | None = None,
+        own: Collection[str] = (),
+    ) -> Element | None:
+        """Return the element of a mapping with a fragment of MJCF, `{xml: <geom …/>}`, or None after a fault."""
+        keyed = keyed or {}
+        for name in value:
+            if name != FRAGMENT and name not in own:
+                message = f"`{name}` stands beside `{FRAGMENT}`, which is the whole element"
+                help = "write it into the fragment"
+                self.faults.append(Fault("unknown-key", message, (*at, name), key=True, help=help))
+        text, path = value[FRAGMENT], (*at, FRAGMENT)
+        if not isinstance(text, str):
+            message = f"`{FRAGMENT}` expects a fragment of MJCF as text, got {kind_of(text)}"
+            self.faults.append(Fault("wrong-type", message, path))
+            return None
+        found = check_fragment(
+            text,
+            kinds,
+            place,
+            at=path,
+            bare_angles=self.settings.bare_angles,
+            faults=self.faults,
+            named="name" in keyed,
+        )
+        if found is None:
+            return None
+        tag, written = found
+        if NAME in value and written.get(NAME):
+            message = f"`{NAME}` says that the element has no name, and the fragment's is `{written[NAME]}`"
+            help = "leave one of the two out"
+            self.faults.append(Fault("name-clash", message, (*at, NAME), help=help))
+        for name, given in keyed.items():
+            if written.get(name, given) != given:
+                message = f"the fragment's `{name}` is `{written[name]}`, its key says `{given}`"
+                help = f"leave `{name}` out of the fragment, or write `{written[name]}` as the key"
+                self.faults.append(Fault("name-clash", message, path, help=help))
+        return Element(tag, dict(keyed), xml=text, at=path_of(value))
+
+    def angles(
+        self, kind: ElementType, attributes: AbcMapping[str, Value], at: Path, owner: str, joint: str | None
+    ) -> None:
+        """Report angles without a unit, if the recipe sets none."""
+        if self.settings.bare_angles:
+            return
+        written = attributes.get("type", joint)
+        for name, value in attributes.items():
+            attribute = kind.attributes.get(name)
+            if attribute is not None and attribute.angle is not None:
+                type = written if isinstance(written, str) else None
+                fault = bare_angle(attribute, value, type, at=(*at, name), owner=owner)
+                if fault is not None:
+                    self.faults.append(fault)
+
+    def unknown(
+        self,
+        kind: ElementType,
+        name: str,
+        value: Any,
+        at: Path,
+        owner: str,
+        own: Collection[str],
+        taken: Collection[str],
+    ) -> Fault:
+        """Return the fault of a key that is neither an attribute nor a child. `taken` are the written ones."""
+        attributes = [each for each in (*own, *kind.attributes) if each not in taken]
+        known = [*attributes, *(each for each in kind.children if each not in taken)]
+        near, fix = closest(name, known), renaming(name, known)
+        help = f"write `{near[0]}`" if near else f"take `{name}` out"
+        groups = [tag for tag, child in kind.children.items() if name in child.attributes]
+        siblings = GRAMMAR.element("body").children
+        if not near and not groups and kind.tag in siblings:
+            owners = [f"`{tag}`" for tag, each in siblings.items() if name in each.attributes]
+            if 0 < len(owners) <= _OWNERS:
+                help = f"it is an attribute of {_either(owners)}"
+        if name in GRAMMAR.root.children:
+            help, fix = f"write it in the section `{name}`", None
+        if len(groups) == 1 and not near:
+            help = f"write it in `{groups[0]}: {{…}}`"
+        elif 1 < len(groups) <= _OWNERS and not near:
+            help = f"write it in {_either([f'`{tag}`' for tag in groups])}"
+        if kind.attributes.keys() >= _OBJECT and name in GRAMMAR.objtypes and isinstance(value, str):
+            help, fix = f"write `objtype: {name}, objname: {value}`", None
+        if kind.children and (_is_element(value) or (near and near[0] in kind.children)):
+            notes = (exists_note("element", kind.children, name),)
+            return Fault(
+                "unknown-element",
+                f"`{name}` cannot stand in {owner}",
+                at,
+                key=True,
+                notes=notes,
+                help=help,
+                fix=fix,
+            )
+        return fault_at(unknown_attribute(name, owner, attributes), at, key=True, help=help, fix=fix)
+
+    def names(self, value: Any, at: Path, owner: str) -> Iterable[tuple[str, Any]]:
+        """Yield the entries of a mapping from names to elements."""
+        if not isinstance(value, dict):
+            self.faults.append(_no_names(owner, value, at))
+            return
+        for name, item in value.items():
+            if not name.strip():
+                self.faults.append(Fault("bad-name", f"a name in {owner} is empty", (*at, name), key=True))
+            elif is_unprintable(name):
+                self.faults.append(unprintable(f"a name in {owner}", (*at, name), key=True))
+            else:
+                yield name, item
+
+
+def _either(words: list[str]) -> str:
+    return " or ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
+def label(tag: str, value: Any) -> str:
+    """Return the description of an element in messages: `geom `pad``, or just `geom` without a name."""
+    name = value.get("name") if isinstance(value, dict) else None
+    return f"{tag} `{name}`" if isinstance(name, str) and name else f"`{tag}`"
+
+
+def config_text(value: Any) -> str | None:
+    """Return a plugin's setting as text, or None if it is no setting. The items of a list are separated by spaces."""
+    if isinstance(value, list):
+        texts = [config_text(item) for item in value if not isinstance(item, list)]
+        known = [text for text in texts if text is not None]
+        return " ".join(known) if len(known) == len(value) else None
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int | float):
+        return number_text(value)
+    return value if isinstance(value, str) else None
+
+
+def _meant(kind: ElementType, name: str, value: Any, there: Collection[str]) -> list[str]:
+    """Return the attributes that an unknown key stands for, so that they are not also reported as missing."""
+    if kind.attributes.keys() >= _OBJECT and name in GRAMMAR.objtypes and isinstance(value, str):
+        return [*_OBJECT]
+    head = name.partition(":")[0]
+    missing = [
+        each for each, attribute in kind.attributes.items() if attribute.required and each not in there
+    ]
+    return [head] if head in missing else closest(name, missing)
+
+
+def _no_mapping(owner: str, value: Any, at: Path, help: str | None = None) -> Fault:
+    return Fault("wrong-type", f"{owner} expects a mapping, got {kind_of(value)}", at, help=help)
+
+
+def _no_names(owner: str, value: Any, at: Path) -> Fault:
+    help = None
+    if isinstance(value, list):
+        first = next((item for item in value if isinstance(item, dict)), {})
+        name = first.get("name")
+        shown = name if isinstance(name, str) else "NAME"
+        help = f"the key is the name: write `{shown}: {{…}}` instead of a list"
+    message = f"{owner} expects a mapping from names to elements, got {kind_of(value)}"
+    return Fault("wrong-type", message, at, help=help)
+
+
+def _keyed(owner: str, name: str, given: str, at: Path) -> Fault:
+    return Fault(
+        "unknown-key",
+        f"`{name}` of {owner} is given by its key, `{given}`",
+        at,
+        key=True,
+        help=f"leave `{name}` out; `{name}: ''` is for an element without a name",
+    )
+
+
+def _is_named(kind: ElementType, value: dict[str, Any]) -> bool:
+    """Return whether a mapping has names as keys, where a list of elements is expected."""
+    known = {*kind.attributes, *kind.children, FRAGMENT}
+    return bool(value) and all(isinstance(item, dict) and name not in known for name, item in value.items())
+
+
+def _is_element(value: Any) -> bool:
+    return isinstance(value, dict) or (
+        isinstance(value, list) and any(isinstance(item, dict) for item in value)
+    )

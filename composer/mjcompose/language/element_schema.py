@@ -1,0 +1,285 @@
+"""The JSON Schema of MJCF's elements and attributes.
+
+The JSON Schema of MJCF's elements, from the grammar.
+
+Schemas refer to each other with `{REFERENCE: NAME}`, such as `element:geom`, `named:mesh` or `number`; `define`
+makes the schema of a name. Only what is referred to is made. Editors show the best errors if there are few
+alternatives. Therefore `if` and `then` are used wherever the value shows which alternative is meant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
+from typing import Any
+
+from mjcompose.language.element import CONFIG, FRAGMENT, NAME
+from mjcompose.language.form import Schema, definition, reference, shown
+from mjcompose.model.grammar import GRAMMAR, Attribute, Constraint, ElementType
+from mjcompose.model.values import INT_MAX, INT_MIN
+from mjcompose.text.expression_values import ANGLE_PATTERN
+
+TEMPLATE_PATTERN = r"\$\{"
+_NUMBER_PATTERN = f"^{ANGLE_PATTERN}$|{TEMPLATE_PATTERN}"
+_NUMBER_HINT = "expected a number, an angle such as 90deg or 1.57rad, or ${…}"
+_ITEMS = {"real": "number", "int": "integer"}
+
+# Schemas that many attributes share.
+SHARED: dict[str, Schema] = {
+    "number": {
+        "type": ["number", "string"],
+        "pattern": _NUMBER_PATTERN,
+        "patternErrorMessage": _NUMBER_HINT,
+    },
+    "integer": {
+        "type": ["integer", "string"],
+        "minimum": INT_MIN,
+        "maximum": INT_MAX,
+        "pattern": TEMPLATE_PATTERN,
+        "patternErrorMessage": "expected an integer, or ${…}",
+    },
+    "boolean": {
+        "type": ["boolean", "string"],
+        "pattern": TEMPLATE_PATTERN,
+        "patternErrorMessage": "expected true, false, or ${…}",
+    },
+    "fragment": {
+        "type": "string",
+        "pattern": "<",
+        "patternErrorMessage": "expected an element of MJCF: <geom …/>",
+        "description": "a fragment of MJCF in place of the element",
+    },
+    "template": {"type": "string", "pattern": TEMPLATE_PATTERN},
+}
+
+
+def _shared(kind: str, lengths: str) -> Schema:
+    """Return the schema of one of `SHARED`, or of a list of it.
+
+    `3`, `1-2` and `1-` are the lengths in `number-3`, `number-1-2` and `number-1-`.
+    """
+    if not lengths:
+        return dict(SHARED[kind])
+    low, *rest = lengths.split("-")
+    schema = _list(kind, int(low))
+    high = int(low) if not rest else int(rest[0]) if rest[0] else None
+    if high is not None:
+        schema["maxItems"] = high
+    return schema
+
+
+for _kind in SHARED:
+    definition(_kind)(partial(_shared, _kind))
+
+
+def attribute_schema(attribute: Attribute) -> Schema:
+    """Return the schema of an attribute's values in a recipe, with an explanation.
+
+    The default is part of the explanation: editors would write every `default` into a new element.
+    """
+    schema = _values(attribute)
+    remarks = ", ".join(_remarks(attribute))
+    description = " ".join(filter(None, [attribute.doc, remarks and f"({remarks})"]))
+    if description:
+        schema["description"] = description
+    return schema
+
+
+def _remarks(attribute: Attribute) -> Iterator[str]:
+    """Yield what the explanation of a value does not say."""
+    if attribute.refers is not None:
+        kind = {"default": "default class"}.get(attribute.refers, attribute.refers.removeprefix("attached:"))
+        if kind not in attribute.doc or kind == attribute.doc:
+            yield f"names of {kind}s" if attribute.type == "references" else f"name of a {kind}"
+    elif attribute.refers_by is not None:
+        yield f"of the kind that `{attribute.refers_by}` says"
+    if attribute.type == "file":
+        yield "file, relative to the recipe"
+    if attribute.default is not None:
+        yield f"default: {shown(attribute.default)}"
+    yield from attribute.versions()
+
+
+def _values(attribute: Attribute) -> Schema:
+    kind = attribute.type
+    if kind in _ITEMS:
+        return _numbers(attribute, _ITEMS[kind])
+    if kind == "bool":
+        return reference("boolean")
+    if kind == "keyword":
+        return {"anyOf": [{"enum": _words(attribute)}, reference("template")]}
+    if kind == "keywords":
+        words: Schema = {"enum": _words(attribute)}
+        several: Schema = {"type": "array", "items": words, "minItems": 1, "uniqueItems": True}
+        return {"anyOf": [several, words, reference("template")]}
+    if kind == "references":
+        return {"type": ["array", "string"], "items": {"type": "string"}, "minItems": 1}
+    if kind == "chars":
+        low, high = attribute.min_length or 0, "" if attribute.max_length is None else attribute.max_length
+        return {"type": "string", "pattern": f"^.{{{low},{high}}}$|{TEMPLATE_PATTERN}"}
+    is_needed = attribute.required and attribute.name != "name"  # an empty name keeps an element unnamed
+    return {"type": "string", "minLength": 1} if is_needed else {"type": "string"}
+
+
+def _numbers(attribute: Attribute, item: str) -> Schema:
+    low, high = attribute.min_length or 0, attribute.max_length
+    if attribute.lengths is not None:
+        return {"anyOf": [reference(f"{item}-{length}") for length in attribute.lengths]}
+    if high == 1:
+        return reference(item)
+    if low == high:
+        return reference(f"{item}-{low}")
+    return reference(f"{item}-{low}-{'' if high is None else high}")
+
+
+def _list(item: str, low: int) -> Schema:
+    """Return the schema of a list of numbers. One number is a list of one, and `${…}` is any list."""
+    # If `items` is at the top, editors write a new list with dashes, which is an error inside of `{ }`.
+    schema: Schema = {"type": ["array", "string"], "allOf": [{"items": reference(item)}], "minItems": low}
+    schema["defaultSnippets"] = [{"body": _snippet(low)}]
+    single = SHARED[item]
+    if low <= 1:
+        return {**single, **schema, "type": ["array", *single["type"]]}
+    hint = f"expected a list of {low} {item}s" if low else f"expected a list of {item}s"
+    return {**schema, "pattern": TEMPLATE_PATTERN, "patternErrorMessage": hint}
+
+
+def _snippet(count: int) -> str:
+    """Return what editors insert for a new list: brackets with a place for each number."""
+    return "[" + ", ".join(f"${place}" for place in range(1, max(count, 1) + 1)) + "]"
+
+
+def _words(attribute: Attribute) -> list[Any]:
+    """Return the keywords, including those that YAML does not read as text."""
+    words: list[Any] = list(attribute.keywords)
+    words += [word == "true" for word in attribute.keywords if word in ("true", "false")]
+    return [*words, *(int(word) for word in attribute.keywords if word.isdigit())]
+
+
+def at_most_one(names: Iterable[str]) -> list[Schema]:
+    """Return the condition that at most one of some keys is written."""
+    return _rule(Constraint("exclusive", tuple((name,) for name in names)))
+
+
+@definition("element")
+def _definition_of_element(path: str) -> Schema:
+    return element(GRAMMAR.element(path))
+
+
+@definition("named")
+def _definition_of_named(path: str) -> Schema:
+    kind = GRAMMAR.element(path)
+    return element(kind, (NAME,), {} if kind.attributes[NAME].required else nameless())
+
+
+def nameless() -> dict[str, Schema]:
+    """Return the key that says that the key of an entry is not the name of the element."""
+    return {NAME: reference("nameless")}
+
+
+def element(
+    kind: ElementType,
+    keyed: Sequence[str] = (),
+    properties: dict[str, Schema] | None = None,
+    required: Sequence[str] = (),
+    fragment: bool = True,
+    children: bool = True,
+) -> Schema:
+    """Return the schema of an element: attributes, children and rules; and, where allowed, a fragment."""
+    known: dict[str, Schema] = dict(properties or {})
+    for name, each in kind.attributes.items():
+        if name not in keyed:
+            known.setdefault(name, attribute_schema(each))
+    for tag, child in kind.children.items() if children else ():
+        known.setdefault(tag, _settings() if tag == CONFIG else _children(child))
+    rules: Schema = {}
+    needed = [name for name, each in kind.attributes.items() if each.required and name not in keyed]
+    if needed or required:
+        rules["required"] = [*required, *needed]
+    conditions = [condition for rule in kind.constraints for condition in _rule(rule)]
+    if conditions:
+        rules["allOf"] = conditions
+    description = {"description": kind.doc} if kind.doc else {}
+    if not fragment:
+        if "required" in rules:
+            # Editors offer a schema with `required` at its top as one completion, under the name of its definition.
+            rules["allOf"] = [{"required": rules.pop("required")}, *conditions]
+        return {**mapping(known), **description, **rules}
+    known.setdefault(FRAGMENT, reference("fragment"))
+    return {**mapping(known), **description, **unless_fragment(rules, properties or {})}
+
+
+def unless_fragment(rules: Schema, beside: Iterable[str] = ()) -> Schema:
+    """Return the condition that a fragment is alone, except for the keys `beside` it, and else the rules hold."""
+    beside = [name for name in beside if name == NAME]
+    then: Schema = {"propertyNames": {"enum": [FRAGMENT, *beside]}} if beside else {"maxProperties": 1}
+    alone: Schema = {"if": {"required": [FRAGMENT]}, "then": then}
+    return {**alone, "else": rules} if rules else alone
+
+
+def _children(kind: ElementType) -> Schema:
+    """Return the schema of elements with one tag: one as a mapping, several as a list."""
+    one = reference(f"element:{kind.path}")
+    several: Schema = {"items": one}
+    if kind.max_count is not None:
+        several["maxItems"] = kind.max_count
+    return described(
+        {"type": ["object", "array"], "if": {"type": "array"}, "then": several, "else": one}, kind.doc
+    )
+
+
+def _settings() -> Schema:
+    single: Schema = {"type": ["string", "number", "boolean"]}
+    return described(
+        by_name({"type": [*single["type"], "array"], "items": single}),
+        "the settings of the plugin, by its own keys",
+    )
+
+
+def _rule(rule: Constraint) -> list[Schema]:
+    """Return the schema of a rule about the presence of attributes."""
+    bundles = [list(bundle) for bundle in rule.bundles]
+    if rule.kind == "exclusive":
+        # Not with `not`, for which an editor can only say that it does not hold.
+        return [
+            {
+                "if": {"required": [name]},
+                "then": {
+                    "properties": {other: False for others in bundles[index + 1 :] for other in others},
+                    "errorMessage": f"`{name}` exists already, and only one of the two may stand",
+                },
+            }
+            for index, bundle in enumerate(bundles[:-1])
+            for name in bundle
+        ]
+    if rule.kind == "oneof":
+        return [{"anyOf": [{"required": bundle} for bundle in bundles]}]
+    if rule.kind == "together":
+        names = [name for bundle in bundles for name in bundle]
+        anyone: Schema = {"anyOf": [{"required": [name]} for name in names]}
+        return [{"if": anyone, "then": {"required": names}}]
+    asking, asked = bundles
+    return [{"if": {"required": asking}, "then": {"required": asked}}]
+
+
+def mapping(properties: dict[str, Schema]) -> Schema:
+    """Return the schema of a mapping with these keys and no others."""
+    return {"type": "object", "properties": properties, "additionalProperties": False}
+
+
+def described(schema: Schema, description: str) -> Schema:
+    """Return the schema with a description, if there is one."""
+    return {**schema, "description": description} if description else schema
+
+
+def by_name(value: Schema) -> Schema:
+    """Return the schema of a mapping from names."""
+    return {"type": "object", "additionalProperties": value}
+
+
+@definition("nameless")
+def _definition_of_nameless(_: str) -> Schema:
+    return {
+        "const": "",
+        "description": '`""`: the element has no name; the key is not its name',
+    }

@@ -1,0 +1,495 @@
+"""A recipe becomes a concrete one: variants, conditions, expressions, cells of the matrix."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from collections.abc import Mapping as Map
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import CellName, Note, Span
+from mjcompose.base.limits import advice, in_force
+from mjcompose.base.sink import Sink
+from mjcompose.base.suggest import unknown_key, unknown_name
+from mjcompose.language.parameters import (
+    Axes,
+    Parameter,
+    Substitution,
+    choose,
+    merged,
+    no_value,
+    plain,
+    read_axes,
+    read_params,
+    report,
+    same,
+    settle,
+)
+from mjcompose.text.evaluate import Template
+from mjcompose.text.expression import ExpressionError
+from mjcompose.text.expression_values import Value, shown
+from mjcompose.text.merge import Path, in_own_model, is_edits, without_ids
+from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, find, is_template
+
+WHEN = "when"
+# The depth of items that may have a condition: `sensor.NAME`, `asset.mesh.NAME`, `add[0]`.
+_DEPTH = {
+    **dict.fromkeys(("attach", "add", "edit", "check", "keyframe"), 2),
+    **dict.fromkeys(("sensor", "actuator", "equality", "tendon", "default"), 2),
+    **dict.fromkeys(("asset", "contact", "custom", "deformable", "extension"), 3),
+    **dict.fromkeys(("option", "size", "visual", "statistic", "compiler"), 1),
+}  # fmt: skip
+_MAX_DEPTH = 4  # the depth of a part's edits
+
+
+class Condition:
+    """Decides by the values of variants and parameters which items belong to this build.
+
+    For `any` build it keeps all items. `in_doubt` has the names and values of items that are kept because their
+    `when` is faulty.
+    """
+
+    def __init__(
+        self, scope: Map[str, Value], axes: Axes, broken: frozenset[str], sink: Sink, any: bool = False
+    ) -> None:
+        self.scope, self.axes, self.broken, self.sink, self.any = scope, axes, broken, sink, any
+        self.in_doubt: set[str] = set()
+
+    def kept(self, document: Mapping) -> Mapping:
+        """Return the recipe of this build, without any `when`."""
+        found = self._kept(document, ())
+        assert isinstance(found, Mapping)
+        return found
+
+    def _kept(self, node: Node, path: Path) -> Node | None:
+        if _is_item(path) and isinstance(node, Mapping) and WHEN in node.entries:
+            before = self.sink.error_count
+            holds = self.any or self.holds(node.entries[WHEN][1])
+            if self.sink.error_count > before:
+                self.in_doubt.update([str(path[-1]), *_values(node)])
+            if not holds:
+                return None
+            node = Mapping({name: each for name, each in node.entries.items() if name != WHEN}, node.span)
+        if len(in_own_model(path)) >= _MAX_DEPTH:
+            return node
+        if isinstance(node, Mapping):
+            entries = {
+                name: (key, self._kept(value, (*path, name))) for name, (key, value) in node.entries.items()
+            }
+            return Mapping(dict(_present(entries)), node.span)
+        if isinstance(node, Sequence):
+            items = [self._kept(item, (*path, index)) for index, item in enumerate(node.items)]
+            return Sequence(tuple(item for item in items if item is not None), node.span)
+        return node
+
+    def holds(self, node: Node) -> bool:
+        if isinstance(node, Mapping):
+            found = [self._is_one_of(key, value) for key, value in node.entries.values()]
+            return all(found)
+        if isinstance(node, Scalar):
+            if isinstance(node.value, bool):
+                return node.value
+            if isinstance(node.value, str) and is_template(node.value):
+                return self._true(node)
+        self.sink.error(
+            "wrong-type",
+            "`when` is a mapping from variants and parameters to values, or one boolean expression",
+            node.span,
+            help='write `when: {gripper: hand}` or `when: "${payload > 1}"`',
+        )
+        return True
+
+    def _true(self, node: Scalar) -> bool:
+
+        try:
+            value = Template.parse(str(node.value)).value(self.scope)
+        except ExpressionError as error:
+            report(error, node, [*self.scope], broken=self.broken, sink=self.sink)
+            return True
+        if not isinstance(value, bool):
+            self.sink.error("wrong-type", "`when` needs `true` or `false`", node.span)
+            return True
+        return value
+
+    def _is_one_of(self, key: Key, node: Node) -> bool:
+        if key.name in self.broken:
+            return True
+        if key.name not in self.scope:
+            message = f"the variant or parameter `{key.name}` does not exist"
+            self.sink.add(unknown_name("name", key.name, self.scope, span=key.span, message=message))
+            return True
+        axis = self.axes.get(key.name)
+        have = self.scope[key.name]
+        holds = False
+        for each in node.items if isinstance(node, Sequence) and not isinstance(have, tuple) else (node,):
+            if axis is not None:
+                text = each.text if isinstance(each, Scalar) else ""
+                if text not in axis.entries:
+                    no_value(key.name, text, axis, node=each, sink=self.sink)
+                holds |= text == have
+            else:
+                value = plain(each)
+                holds |= value is not None and same(value, have)
+        return holds
+
+
+def _values(node: Node) -> Iterator[str]:
+    if isinstance(node, Scalar):
+        yield node.text
+    else:
+        inner = node.items if isinstance(node, Sequence) else [value for _, value in node.entries.values()]
+        for each in inner:
+            yield from _values(each)
+
+
+def has_conditions(node: Node, path: Path = ()) -> bool:
+    """Return whether some item of a recipe belongs to some builds only."""
+    if isinstance(node, Mapping):
+        if WHEN in node.entries and _is_item(path):
+            return True
+        inner = [((*path, name), value) for name, (_, value) in node.entries.items()]
+    else:
+        items = node.items if isinstance(node, Sequence) else ()
+        inner = [((*path, index), item) for index, item in enumerate(items)]
+    return len(in_own_model(path)) < _MAX_DEPTH and any(
+        has_conditions(value, below) for below, value in inner
+    )
+
+
+def _is_item(path: Path) -> bool:
+    """Return whether the item at this path may have a condition."""
+    own = in_own_model(path)
+    return is_edits(own[:-1]) or (len(own) > 0 and len(own) == _DEPTH.get(str(own[0])))
+
+
+def _present(entries: Map[str, tuple[Key, Node | None]]) -> Iterator[tuple[str, tuple[Key, Node]]]:
+    for name, (key, value) in entries.items():
+        if value is not None:
+            yield name, (key, value)
+
+
+# These keys do not occur in a concrete recipe.
+SETTLED = ("extends", "trust", "params", "variants", "matrix")
+
+
+@dataclass(frozen=True, slots=True)
+class Concrete:
+    """A recipe without parameters and variants, and the values it was made with.
+
+    `scope` has the values by name, those of variants as text; `lost` the names that are left out or in doubt
+    because of errors, `gone` the paths of the keys that are left out.
+    """
+
+    document: Mapping
+    scope: Map[str, Value]
+    parameters: Map[str, Parameter]
+    variants: Map[str, str]
+    lost: frozenset[str] = frozenset()
+    gone: frozenset[Path] = frozenset()
+
+
+def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = False) -> Concrete:
+    """Return the recipe with the values of `given`, and defaults for the rest.
+
+    Faulty pieces are reported and left out. With `any` it has the items of all builds, whatever their `when` says.
+    """
+    axes = read_axes(document, sink)
+    chosen = choose(axes, given, sink)
+    document = merged(document, axes, chosen, sink=sink)
+    declared = document.entries.get("params")
+    parameters = read_params(declared[1] if declared else None, sink)
+    _check_names(document, axes, parameters, given=given, sink=sink)
+    scope: dict[str, Value] = {**settle(parameters, given, sink, in_cells=_axes(document)), **chosen}
+    rest = Mapping(
+        {name: entry for name, entry in document.entries.items() if name not in SETTLED}, document.span
+    )
+    broken = (_declared(document, "params") | _declared(document, "variants")) - scope.keys()
+    substitution = Substitution(scope, parameters, broken, sink=sink)
+    condition = Condition(scope, axes, broken, sink=sink, any=any)
+    substituted = substitution.of(without_ids(condition.kept(rest), sink))
+    assert isinstance(substituted, Mapping)
+    return Concrete(
+        substituted,
+        scope,
+        parameters,
+        variants=chosen,
+        lost=frozenset(substitution.lost | condition.in_doubt),
+        gone=frozenset(substitution.gone),
+    )
+
+
+def scope_of(document: Mapping, given: Map[str, Node]) -> dict[str, Value]:
+    """Return the values by name that `expand` would use, without expanding anything; errors are reported there."""
+    sink = Sink()
+    axes = read_axes(document, sink)
+    chosen = choose(axes, given, sink)
+    taken = {axis: _only_params(axes[axis], value) for axis, value in chosen.items()}
+    declared = merged(_section(document), taken, chosen, sink=sink).entries.get("params")
+    return {**settle(read_params(declared[1] if declared else None, sink), given, sink), **chosen}
+
+
+def _only_params(values: Mapping, chosen: str) -> Mapping:
+    """Return the chosen value of an axis with only the `params` of its piece."""
+    key, piece = values.entries[chosen]
+    return Mapping({chosen: (key, _section(piece) if isinstance(piece, Mapping) else piece)}, values.span)
+
+
+def _section(document: Mapping) -> Mapping:
+    return Mapping({name: each for name, each in document.entries.items() if name == "params"}, document.span)
+
+
+def _axes(document: Mapping) -> frozenset[str]:
+    """Return the axes that the cells of the matrix set."""
+    axes = find(document, ("matrix", "axes"))
+    return frozenset(axes.entries) if isinstance(axes, Mapping) else frozenset()
+
+
+def _check_names(
+    document: Mapping, axes: Axes, parameters: Map[str, Parameter], given: Map[str, Node], sink: Sink
+) -> None:
+    for name in axes.keys() & parameters.keys():
+        variants = document.entries["variants"][1]
+        assert isinstance(variants, Mapping)
+        note = Note("the parameter", parameters[name].span)
+        sink.error(
+            "name-clash",
+            f"`{name}` is a variant and a parameter",
+            variants.entries[name][0].span,
+            notes=(note,),
+        )
+    tried = _declared(document, "params") | _declared(document, "variants")
+    for name, node in given.items():
+        if name not in tried:
+            message = f"the recipe has no parameter or variant `{name}`"
+            sink.add(unknown_name("name", name, [*axes, *parameters], span=node.span, message=message))
+
+
+def _declared(document: Mapping, section: str) -> frozenset[str]:
+    """Return the names in a section, including those of faulty entries."""
+    found = document.entries.get(section)
+    return frozenset(found[1].entries) if found is not None and isinstance(found[1], Mapping) else frozenset()
+
+
+KEYS = {
+    "axes": "The values of each variant or parameter, all combinations of which are built.",
+    "exclude": "Combinations that are not built.",
+    "include": "More combinations.",
+    "name": "What a combination is called, with `${…}` for its values.",
+    "emit": "What `build --worlds` makes of combinations that have different parts: nothing, which is an error"
+    " (`models`), or one model with the parts of all (`union`).",
+}
+"""The keys of a matrix with their meaning, in the order in which `fmt` writes them."""
+EMITS = ("models", "union")
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One combination: its name, and the value of every axis of the matrix that it sets, by name.
+
+    `cell` is the name of the combination, None without a matrix. `sample` is the number of its sample; 0 has no
+    draws. `is_sample` says that it is one of several samples.
+    """
+
+    name: str
+    given: dict[str, Node]
+    span: Span
+    sample: int = 0
+    cell: str | None = None
+    is_sample: bool = False
+
+    @property
+    def label(self) -> CellName:
+        """Its name in diagnostics."""
+        return CellName(self.name, self.cell, self.sample if self.is_sample else None)
+
+    def values(self) -> dict[str, Value | None]:
+        return {name: plain(node) for name, node in self.given.items()}
+
+
+def cells(document: Mapping, name: str, sink: Sink, given: Map[str, Node] | None = None) -> list[Cell]:
+    """Return all cells of a recipe of this name, in order: the last axis changes fastest, `include` comes last.
+
+    Without a matrix there are none. Unique names and all values are checked here, before anything is built. Other
+    parameters have the value of `given`, or their default.
+    """
+    found = document.entries.get("matrix")
+    if found is None:
+        return []
+    before = sink.error_count
+    matrix = _Matrix(document, found, given or {}, sink=sink)
+    combinations = list(matrix.combinations())
+    if sink.error_count > before:
+        return []
+    named = [(matrix.name_of(name, given), given, span) for given, span in combinations]
+    made = [Cell(each, given, span, cell=each) for each, given, span in named]
+    if sink.error_count == before:
+        _check_unique(made, matrix, sink)
+    return made if sink.error_count == before else []
+
+
+class _Matrix:
+    def __init__(self, document: Mapping, entry: tuple[Key, Node], given: Map[str, Node], sink: Sink) -> None:
+        self.document, self.given, self.sink = document, given, sink
+        self.key, node = entry
+        self.node = node if isinstance(node, Mapping) else Mapping({}, node.span)
+        if not isinstance(node, Mapping):
+            self._wrong("`matrix` is a mapping", node)
+        for each, _ in self.node.entries.values():
+            if each.name not in KEYS:
+                message = f"`matrix` has no key `{each.name}`"
+                sink.add(unknown_key(each.name, KEYS, each.span, message=message))
+        emit = self.node.entries.get("emit")
+        if emit is not None and not (isinstance(emit[1], Scalar) and emit[1].value in EMITS):
+            sink.error("unknown-name", "`emit` of a matrix is `models` or `union`", emit[1].span)
+        self.around: dict[str, Node] = {}
+        self.axes = self._axes()
+
+    def _wrong(self, message: str, node: Node) -> None:
+        help = "write `matrix: {axes: {gripper: [small, large]}}`"
+        self.sink.error("wrong-type", message, node.span, help=help)
+
+    def _axes(self) -> dict[str, tuple[Node, ...]]:
+        entry = self.node.entries.get("axes")
+        if entry is None:
+            self.sink.error("missing-key", "`matrix` lacks `axes`", self.key.span,
+                            help="write `matrix: {axes: {gripper: [small, large]}}`")  # fmt: skip
+            return {}
+        if not isinstance(entry[1], Mapping):
+            self._wrong("`axes` is a mapping from variants and parameters to lists of values", entry[1])
+            return {}
+        axes: dict[str, tuple[Node, ...]] = {}
+        for key, values in entry[1].entries.values():
+            if not isinstance(values, Sequence) or not values.items:
+                got = "an empty list" if isinstance(values, Sequence) else "no list"
+                self._wrong(f"axis `{key.name}` is a list of values, got {got}", values)
+                continue
+            axes[key.name] = values.items
+        self.around = self._around(axes)
+        for axis, items in axes.items():
+            for value in items:  # check each alone: does the name exist, and may it have that value?
+                concrete = expand(self.document, {**self.around, axis: value}, self.sink)
+                if axis not in concrete.parameters and axis not in concrete.variants:
+                    break  # reported, and the same for all its values
+        return axes
+
+    def _around(self, axes: Map[str, tuple[Node, ...]]) -> dict[str, Node]:
+        """Return the given values, with one for each axis that is a parameter without a default.
+
+        Every cell sets such a parameter. Unknown names are reported when a model is planned.
+        """
+        found = expand(self.document, self.given, Sink())
+        needed = {
+            axis: values[0]
+            for axis, values in axes.items()
+            if axis in found.parameters and found.parameters[axis].default is None
+        }
+        known = found.parameters.keys() | found.variants.keys()
+        return {**needed, **{name: node for name, node in self.given.items() if name in known}}
+
+    def combinations(self) -> Iterator[tuple[dict[str, Node], Span]]:
+        size = 1
+        for values in self.axes.values():
+            size *= len(values)
+        most = in_force().cells
+        if size > most:
+            self.sink.error(
+                "limit-exceeded",
+                f"the matrix has {size} cells; {most} are allowed",
+                self.key.span,
+                help=advice("cells", size),
+            )
+            return
+        excluded = list(self._entries("exclude"))
+        hit = [False] * len(excluded)
+        for values in itertools.product(*self.axes.values()) if self.axes else ():
+            given = dict(zip(self.axes, values, strict=True))
+            out = False
+            for index, entry in enumerate(excluded):
+                if all(_same(given[key.name], node) for key, node in entry.entries.values()):
+                    out = hit[index] = True
+            if not out:
+                yield given, self.key.span
+        for entry, seen in zip(excluded, hit, strict=True):
+            if not seen:
+                self.sink.error("unknown-name", "no cell of the matrix is like this one to be excluded", entry.span,
+                                help="its values are those of the axes, as they are written there")  # fmt: skip
+        for entry in self._entries("include"):
+            given = {key.name: node for key, node in entry.entries.values()}
+            expand(self.document, {**self.around, **given}, self.sink)
+            yield given, entry.span
+
+    def _entries(self, name: str) -> Iterator[Mapping]:
+        found = self.node.entries.get(name)
+        if found is None:
+            return
+        if not isinstance(found[1], Sequence):
+            self._wrong(f"`{name}` is a list of mappings from axes to values", found[1])
+            return
+        for item in found[1].items:
+            if not isinstance(item, Mapping) or not item.entries:
+                self._wrong(f"an item of `{name}` is a mapping from axes to values", item)
+            elif name == "include" or self._are_axes(item):
+                yield item
+
+    def _are_axes(self, item: Mapping) -> bool:
+        wrong = [key for key, _ in item.entries.values() if key.name not in self.axes]
+        for key in wrong:
+            message = f"the matrix has no axis `{key.name}`"
+            self.sink.add(unknown_name("axis", key.name, self.axes, span=key.span, message=message))
+        return not wrong
+
+    def name_of(self, name: str, given: dict[str, Node]) -> str:
+        scope = scope_of(self.document, {**self.given, **given})
+        name = settled_name(name, scope)
+        entry = self.node.entries.get("name")
+        if entry is None:
+            return "-".join(
+                [name, *(shown(scope[axis]) for axis in (*self.axes, *(given.keys() - self.axes.keys())))]
+            )
+        node = entry[1]
+        if not isinstance(node, Scalar) or not isinstance(node.value, str):
+            self._wrong("`name` of the matrix is text", node)
+            return name
+        try:
+            return str(Template.parse(node.value).value({**scope, "name": name}))
+        except ExpressionError as error:
+            report(error, node, ["name", *scope], broken=frozenset(), sink=self.sink)
+            return name
+
+
+def settled_name(name: str, scope: Map[str, Value]) -> str:
+    """Return a recipe's name with its expressions evaluated; their errors are reported when it is expanded."""
+    try:
+        return str(Template.parse(name).value(scope)) if is_template(name) else name
+    except ExpressionError:
+        return name
+
+
+def _same(a: Node, b: Node) -> bool:
+    if isinstance(a, Scalar) and isinstance(b, Scalar) and a.text == b.text:
+        return True
+    first, second = plain(a), plain(b)
+    return first is not None and second is not None and same(first, second)
+
+
+def _check_unique(made: list[Cell], matrix: _Matrix, sink: Sink) -> None:
+    seen: dict[str, Cell] = {}
+    for cell in made:
+        other = seen.setdefault(cell.name, cell)
+        if other is not cell:
+            entry = matrix.node.entries.get("name")
+            differing = [
+                axis
+                for axis in cell.given
+                if not _same(cell.given[axis], other.given.get(axis, cell.given[axis]))
+            ]
+            sink.error(
+                "name-clash",
+                f"two cells of the matrix are called `{cell.name}`",
+                entry[1].span if entry else cell.span,
+                notes=(Note(f"they differ in {', '.join(f'`{axis}`' for axis in differing)}"),)
+                if differing
+                else (),
+                help=f"put `${{{differing[0]}}}` into the name" if differing else "take one of the two out",
+            )
+            return

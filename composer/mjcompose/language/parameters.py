@@ -1,0 +1,510 @@
+"""The sections `params` and `variants`, and the values that they give to expressions."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+from collections.abc import Mapping as Map
+from dataclasses import replace
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Diagnostic, Note, Span
+from mjcompose.base.sink import Sink
+from mjcompose.base.suggest import did_you_mean, exists_note, renaming, unknown_key, unknown_name
+from mjcompose.text.expression import ExpressionError, UnknownName
+from mjcompose.text.expression_values import UNITS, Angle, Value, kind, shown
+from mjcompose.text.merge import Path, is_of_elements, merge
+from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, is_template
+
+# Names that expressions in `edit` define, and names that readers would confuse with parts of the language.
+RESERVED = frozenset({"name", "value", "index", "parent", "base"})
+_NAME = re.compile(r"[^\W\d]\w*")
+
+
+def is_usable(key: Key, what: str, sink: Sink) -> bool:
+    """Return whether an expression can use the name; `what` describes the named thing in messages."""
+    from mjcompose.text.expression import KEYWORDS
+    from mjcompose.text.expression_values import CONSTANTS, FUNCTIONS
+
+    if _NAME.fullmatch(key.name) is None:
+        help = f"write `{suggested}`" if _NAME.fullmatch(suggested := re.sub(r"\W", "_", key.name)) else None
+        sink.error(
+            "bad-name",
+            f"{what} has letters, digits and `_` in its name, got `{key.name}`",
+            key.span,
+            help=help,
+        )
+        return False
+    if key.name in RESERVED or key.name in KEYWORDS or key.name in FUNCTIONS or key.name in CONSTANTS:
+        sink.error(
+            "bad-name",
+            f"`{key.name}` has a meaning of its own in expressions and cannot name {what}",
+            key.span,
+            help=f"write for instance `{key.name}_`",
+        )
+        return False
+    return True
+
+
+def plain(node: Node) -> Value | None:
+    """Return the value of a scalar or a list of scalars; None for null, mappings, and other values."""
+    if isinstance(node, Scalar):
+        return node.value
+    if isinstance(node, Sequence):
+        items = tuple(value for item in node.items if (value := plain(item)) is not None)
+        return items if len(items) == len(node.items) else None
+    return None
+
+
+def node_of(value: Value, span: Span) -> Node:
+    """Return a node with this value and place."""
+    if isinstance(value, tuple):
+        return Sequence(tuple(node_of(each, span) for each in value), span)
+    return Scalar(value, span, shown(value), plain=not isinstance(value, str))
+
+
+def same(a: Value, b: Value) -> bool:
+    """Return whether two values are equal; `true` is not 1.
+
+    >>> same(1, 1.0), same(True, 1), same((1, 2), (1.0, 2))
+    (True, False, True)
+    """
+    if isinstance(a, tuple) and isinstance(b, tuple):
+        return len(a) == len(b) and all(map(same, a, b))
+    return isinstance(a, bool) == isinstance(b, bool) and a == b
+
+
+TYPES = ("bool", "int", "float", "string", "vector")
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A parameter of a recipe.
+
+    `low` and `high` bound numbers and every component of a vector; a parameter with `default` None must be given.
+    `unit` is for readers, except `deg` and `rad`: a value that is only `${name}` is then an angle with that unit.
+    """
+
+    name: str
+    type: str
+    default: Value | None
+    span: Span
+    low: float | None = None
+    high: float | None = None
+    choices: tuple[Value, ...] = ()
+    length: int | None = None
+    unit: str | None = None
+    doc: str = ""
+
+    @property
+    def is_angle(self) -> bool:
+        return self.unit in ("deg", "rad")
+
+    def read(self, value: Value) -> Value | Diagnostic:
+        """Return the value as it is stored, or the error about it.
+
+        An angle with a unit becomes a number in the parameter's unit.
+        """
+        if self.is_angle and isinstance(value, str) and (angle := Angle.read(value)):
+            value = angle.in_unit(str(self.unit))
+        if not _has_type(value, self.type):
+            help = "declare it as `{type: float, …}` to have any number" if self.type == "int" else None
+            return Diagnostic(
+                "wrong-type",
+                f"parameter `{self.name}` is {_NOUNS[self.type]}, got {_quoted(value)}",
+                help=help,
+            )
+        if self.choices and value not in self.choices:
+            known = [self._shown(each) for each in self.choices]
+            listed = ", ".join(f"`{each}`" for each in known)
+            help = did_you_mean(self._shown(value), known)
+            return Diagnostic(
+                "out-of-range", f"parameter `{self.name}` is one of {listed}, got {_quoted(value)}", help=help
+            )
+        if isinstance(value, tuple) and self.length is not None and len(value) != self.length:
+            return Diagnostic(
+                "wrong-length", f"parameter `{self.name}` has {self.length} numbers, got {len(value)}"
+            )
+        for number in value if isinstance(value, tuple) else (value,):
+            if isinstance(number, bool) or not isinstance(number, (int, float)):
+                continue
+            if self.low is not None and number < self.low:
+                return Diagnostic(
+                    "out-of-range",
+                    f"parameter `{self.name}` is at least {self._shown(self.low)}, got {self._shown(number)}",
+                )
+            if self.high is not None and number > self.high:
+                return Diagnostic(
+                    "out-of-range",
+                    f"parameter `{self.name}` is at most {self._shown(self.high)}, got {self._shown(number)}",
+                )
+        return value
+
+    def _shown(self, value: Value) -> str:
+        return shown(value) + (str(self.unit) if self.is_angle and isinstance(value, int | float) else "")
+
+
+_NOUNS = {
+    "bool": "`true` or `false`",
+    "int": "a whole number",
+    "float": "a number",
+    "string": "text",
+    "vector": "a list of numbers",
+}
+
+
+def _has_type(value: Value, type: str) -> bool:
+    if type == "bool" or isinstance(value, bool):
+        return type == "bool" and isinstance(value, bool)
+    if type == "int":
+        return isinstance(value, int)
+    if type == "float":
+        return isinstance(value, (int, float))
+    if type == "string":
+        return isinstance(value, str)
+    return isinstance(value, tuple) and all(_has_type(each, "float") for each in value)
+
+
+def _quoted(value: Value) -> str:
+    text = shown(value)
+    return f"{kind(value)} `{text}`" if len(text) <= 40 else kind(value)
+
+
+def inferred(default: Value) -> tuple[str, Value, str | None]:
+    """Return type, value and unit of a parameter of which only the default is known.
+
+    >>> inferred(1), inferred("90deg"), inferred("left")
+    (('float', 1, None), ('float', 90.0, 'deg'), ('string', 'left', None))
+    """
+    if isinstance(default, bool):
+        return "bool", default, None
+    if isinstance(default, (int, float)):
+        return "float", default, None
+    if isinstance(default, tuple):
+        return "vector", default, None
+    angle = Angle.read(default)
+    return ("float", angle.value, angle.unit) if angle else ("string", default, None)
+
+
+KEYS = {
+    "type": "what kind of value it has; without it, that of the default",
+    "default": "its value where none is given; without it, one must be given",
+    "min": "the least that it, or a component of it, may be",
+    "max": "the most that it, or a component of it, may be",
+    "choices": "the values that it may have",
+    "length": "how many numbers a vector has",
+    "unit": "for readers; `deg` and `rad` make it an angle",
+    "doc": "what it is for",
+}
+"""The keys of a parameter with their meaning, in the order in which `fmt` writes them."""
+
+
+def read_params(node: Node | None, sink: Sink) -> dict[str, Parameter]:
+    """Return the declared parameters, without faulty ones."""
+    if node is None:
+        return {}
+    if not isinstance(node, Mapping):
+        help = "write `params: {reach: {default: 0.45, unit: m}}`"
+        sink.error("wrong-type", "`params` is a mapping from names to parameters", node.span, help=help)
+        return {}
+    found: dict[str, Parameter] = {}
+    for key, value in node.entries.values():
+        if is_usable(key, "a parameter", sink):
+            parameter = _read(key, value, sink)
+            if parameter is not None:
+                found[key.name] = parameter
+    return found
+
+
+def _read(key: Key, node: Node, sink: Sink) -> Parameter | None:
+    before = sink.error_count
+    written = node.entries if isinstance(node, Mapping) else {"default": (key, node)}
+    _check_keys(key, written, sink)
+
+    def part(name: str) -> tuple[Value | None, Node | None]:
+        found = written.get(name)
+        return (plain(found[1]), found[1]) if found is not None else (None, None)
+
+    default, at = part("default")
+    if at is not None and default is None:
+        sink.error("wrong-type", f"the default of `{key.name}` is a value or a list of numbers", at.span)
+    if isinstance(default, str) and at is not None and is_template(default):
+        help = "a default is written out; use the parameter where the value is needed"
+        sink.error("wrong-type", f"the default of `{key.name}` cannot be an expression", at.span, help=help)
+    type, at_type = part("type")
+    choices, at_choices = part("choices")
+    if at_choices is not None and (not isinstance(choices, tuple) or not choices):
+        sink.error("wrong-type", f"`choices` of `{key.name}` is a list of values", at_choices.span)
+        choices = None
+    sample = default if default is not None else choices[0] if isinstance(choices, tuple) else None
+    guess, value, unit = inferred(sample) if sample is not None else (None, None, None)
+    if at_type is not None and type not in TYPES:
+        help = did_you_mean(str(type), TYPES) or "`choices: […]` lists the values of a choice"
+        sink.error("wrong-keyword", f"`type` of `{key.name}` is none of the types", at_type.span,
+                   notes=(exists_note("type", TYPES),), help=help, fix=renaming(str(type), TYPES))  # fmt: skip
+    if type is None and guess is None and at is None:
+        sink.error("missing-key", f"parameter `{key.name}` has neither `default` nor `type`", key.span,
+                   help="write `{default: …}`, or `{type: float}` for one that must be given")  # fmt: skip
+    own_unit, own_doc = part("unit")[0], part("doc")[0]
+    unit = unit if own_unit is None else str(own_unit)
+    low, high, length = (
+        _number(part(name)[1], name, key.name, unit=unit, sink=sink) for name in ("min", "max", "length")
+    )
+    if low is not None and high is not None and low > high:
+        at_high = part("max")[1]
+        assert at_high is not None
+        sink.error("out-of-range", f"`max` of `{key.name}` is below its `min`", at_high.span)
+    if sink.error_count > before:
+        return None
+    if type == "string":
+        value, unit = sample, None if own_unit is None else str(own_unit)
+    parameter = Parameter(
+        key.name, str(type or guess), None if default is None else value, span=key.span, low=low, high=high,
+        choices=tuple(_in_unit(each, unit) for each in choices) if isinstance(choices, tuple) else (),
+        length=int(length) if length is not None else len(value) if isinstance(value, tuple) else None,
+        unit=unit, doc=str(own_doc or ""),
+    )  # fmt: skip
+    if default is None:
+        return parameter
+    settled = parameter.read(default)
+    if isinstance(settled, Diagnostic):
+        assert at is not None
+        sink.add(replace(settled, span=at.span))
+        return None
+    return replace(parameter, default=settled)
+
+
+def _check_keys(key: Key, written: Map[str, tuple[Key, Node]], sink: Sink) -> None:
+    """Report unknown keys of a parameter, and values that should be text."""
+    for name, (each, value) in written.items():
+        if name not in KEYS:
+            message = f"parameter `{key.name}` has no key `{name}`"
+            sink.add(unknown_key(name, KEYS, each.span, message=message))
+        elif name in ("unit", "doc") and not isinstance(plain(value), str):
+            sink.error("wrong-type", f"`{name}` of `{key.name}` is text", value.span)
+
+
+def _in_unit(value: Value, unit: str | None) -> Value:
+    """Return an angle with a unit as a number in the unit of its parameter."""
+    angle = Angle.read(value) if isinstance(value, str) and unit in UNITS else None
+    return value if angle is None else angle.in_unit(str(unit))
+
+
+def _number(node: Node | None, what: str, name: str, unit: str | None, sink: Sink) -> float | None:
+    if node is None:
+        return None
+    value = _in_unit(node.value, unit) if isinstance(node, Scalar) and node.value is not None else None
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or value != value:
+        sink.error("wrong-type", f"`{what}` of `{name}` is a number", node.span)
+        return None
+    return value
+
+
+def settle(
+    parameters: Map[str, Parameter], given: Map[str, Node], sink: Sink, in_cells: Collection[str] = ()
+) -> dict[str, Value]:
+    """Return the value of every parameter: the given one, else its default, which also replaces faulty values.
+
+    A parameter without a default that is not given has no value. The cells of a matrix set those `in_cells`.
+    """
+    scope = {name: each.default for name, each in parameters.items() if each.default is not None}
+    for name, parameter in parameters.items():
+        node = given.get(name)
+        if node is None:
+            if parameter.default is None:
+                cells = "with `--all` the cells of the matrix, which set it, " if name in in_cells else ""
+                help = f"build with `--set {name}=…`, {cells}or write `with: {{{name}: …}}` where the recipe is used"
+                message = f"parameter `{name}` has no default and must be given"
+                sink.error("missing-key", message, parameter.span, help=help)
+            continue
+        value = plain(node)
+        answer = (
+            Diagnostic("wrong-type", f"parameter `{name}` is a value")
+            if value is None
+            else parameter.read(value)
+        )
+        if isinstance(answer, Diagnostic):
+            note = Note("the parameter is declared here", parameter.span)
+            sink.add(replace(answer, span=node.span, notes=(note,)))
+        else:
+            scope[name] = answer
+    return scope
+
+
+# Keys that belong to the recipe as a whole, and not to a piece of it.
+NO_PIECE = ("recipe", "extends", "trust", "variants", "matrix", "separator", "angle", "eulerseq")
+
+Axes = dict[str, Mapping]
+
+
+def read_axes(document: Mapping, sink: Sink) -> Axes:
+    """Return each axis with its pieces by value, without faulty ones."""
+    found = document.entries.get("variants")
+    if found is None:
+        return {}
+    help = "write `variants: {gripper: {small: {…}, large: {…}}}`"
+    if not isinstance(found[1], Mapping):
+        if words := _words(found[1]):
+            help = f"write `variants: {{AXIS: {_pieces(words)}}}`"
+        sink.error(
+            "wrong-type", "`variants` is a mapping from axes to their values", found[1].span, help=help
+        )
+        return {}
+    axes: Axes = {}
+    for key, values in found[1].entries.values():
+        if not is_usable(key, "a variant", sink):
+            continue
+        if not isinstance(values, Mapping) or not values.entries:
+            message = f"variant `{key.name}` is a mapping from its values to pieces of recipe"
+            words = _words(values)
+            own = f"write `{key.name}: {_pieces(words)}`, each with what it changes" if words else help
+            sink.error("wrong-type", message, key.span, help=own)
+            continue
+        axes[key.name] = values
+        for value, piece in values.entries.values():
+            if not isinstance(piece, Mapping):
+                message = f"`{value.name}` of variant `{key.name}` is a piece of recipe, a mapping"
+                sink.error(
+                    "wrong-type",
+                    message,
+                    value.span,
+                    help=f"write `{value.name}: {{}}` for one that changes nothing",
+                )
+                continue
+            if piece.entries.keys().isdisjoint(NO_PIECE):
+                continue
+            for name in NO_PIECE:
+                if name in piece.entries:
+                    sink.error("unknown-key", f"`{name}` cannot stand in a variant", piece.entries[name][0].span,
+                               help="write it at the top of the recipe")  # fmt: skip
+    return axes
+
+
+def _words(node: Node) -> list[str]:
+    """Return the texts of a list of texts, or a single text."""
+    items = node.items if isinstance(node, Sequence) else (node,)
+    texts = [item.text for item in items if isinstance(item, Scalar) and item.text]
+    return texts if len(texts) == len(items) else []
+
+
+def _pieces(values: list[str]) -> str:
+    return f"{{{', '.join(f'{value}: {{}}' for value in values)}}}"
+
+
+def choose(axes: Axes, given: Map[str, Node], sink: Sink) -> dict[str, str]:
+    """Return the value of every axis: the given one, else the first."""
+    chosen: dict[str, str] = {}
+    for axis, values in axes.items():
+        node = given.get(axis)
+        if node is None:
+            chosen[axis] = next(iter(values.entries))
+            continue
+        value = node.text if isinstance(node, Scalar) else ""
+        if value in values.entries:
+            chosen[axis] = value
+            continue
+        no_value(axis, value, values, node=node, sink=sink)
+    return chosen
+
+
+def no_value(axis: str, value: str, values: Mapping, node: Node, sink: Sink) -> None:
+    """Report that an axis does not have a value."""
+    message = f"variant `{axis}` has no value `{value}`"
+    sink.add(unknown_name("value", value, values.entries, span=node.span, message=message))
+
+
+def merged(document: Mapping, axes: Axes, chosen: Map[str, str], sink: Sink) -> Mapping:
+    """Merge the chosen pieces over the recipe, in the order of their axes."""
+    for axis, value in chosen.items():
+        piece = axes[axis].entries[value][1]
+        if isinstance(piece, Mapping):
+            document = merge(document, _permitted(piece), sink)
+    return document
+
+
+def _permitted(piece: Mapping) -> Mapping:
+    return Mapping({name: entry for name, entry in piece.entries.items() if name not in NO_PIECE}, piece.span)
+
+
+class Substitution:
+    """Evaluates the expressions of nodes.
+
+    `lost` has the keys and texts that were left out because an expression in them is faulty, `gone` the paths of
+    these keys.
+    """
+
+    def __init__(
+        self, scope: Map[str, Value], parameters: Map[str, Parameter], broken: frozenset[str], sink: Sink
+    ) -> None:
+        self.scope, self.parameters, self.broken, self.sink = scope, parameters, broken, sink
+        self.lost: set[str] = set()
+        self.gone: set[Path] = set()
+
+    def of(self, node: Node, path: Path = ()) -> Node | None:
+        """Return the node with its expressions evaluated, or None if its own value is faulty."""
+        if is_of_elements(path):  # evaluated later, for each element
+            return node
+        if isinstance(node, Scalar):
+            return self._scalar(node)
+        if isinstance(node, Sequence):
+            items = [self.of(item, (*path, index)) for index, item in enumerate(node.items)]
+            if any(item is None for item in items):  # a list without one of its values would be another list
+                return None
+            return Sequence(tuple(item for item in items if item is not None), node.span)
+        entries: dict[str, tuple[Key, Node]] = {}
+        for name, (key, value) in node.entries.items():
+            found = self.of(value, (*path, name))
+            if found is None:
+                self.lost.add(name)
+                self.gone.add((*path, name))
+            else:
+                entries[name] = (key, found)
+        return Mapping(entries, node.span)
+
+    def _scalar(self, node: Scalar) -> Node | None:
+        if not isinstance(node.value, str) or not is_template(node.value):
+            return node
+        from mjcompose.text.evaluate import Template  # most recipes have no expression
+
+        try:
+            template = Template.parse(node.value)
+            value = template.value(self.scope)
+        except ExpressionError as error:
+            self.lost.add(node.text)
+            report(error, node, [*self.scope], broken=self.broken, sink=self.sink)
+            return None
+        alone = self.parameters.get(template.is_one_name or "")
+        if alone is not None and alone.is_angle and isinstance(value, (int, float)):
+            value = f"{shown(value)}{alone.unit}"
+        return node_of(value, node.span)
+
+
+def report(
+    error: ExpressionError, node: Scalar, known: list[str], broken: frozenset[str], sink: Sink
+) -> None:
+    """Report an error in an expression, at its place in the scalar; errors about a `broken` name are follow-ups."""
+    if isinstance(error, UnknownName) and error.name in broken:
+        return
+    span = within(node, error.start, error.end)
+    if not isinstance(error, UnknownName):
+        sink.error("expression", error.message, span, help=error.help)
+        return
+    declared = f"declare it: `params: {{{error.name}: …}}`"
+    sink.add(unknown_name("parameter", error.name, known, span=span, otherwise=declared))
+
+
+def within(node: Scalar, start: int, end: int) -> Span:
+    """Return the place of some characters of a scalar's text.
+
+    It is the place of the whole scalar if the file writes the characters differently.
+    """
+    span = node.span
+    if span.end_line not in (None, span.line) or span.end_column is None:
+        return span
+    quotes = span.end_column - span.column - len(node.text)
+    if quotes not in (0, 2):
+        return span
+    first = span.column + quotes // 2
+    return Span(
+        span.file, span.line, first + start, end_line=span.line, end_column=first + max(end, start + 1)
+    )

@@ -1,0 +1,392 @@
+"""What places a part, and recipes that are written in place."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Literal
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Fault, Path
+from mjcompose.base.suggest import closest, did_you_mean, exists_note, renaming
+from mjcompose.language.element import Reader, label
+from mjcompose.language.element_schema import attribute_schema
+from mjcompose.language.form import (
+    Element,
+    Form,
+    Schema,
+    Settings,
+    Single,
+    Text,
+    Value,
+    definition,
+    kind_of,
+    reference,
+)
+from mjcompose.language.fragment import missing_key
+from mjcompose.language.value import bare_angle, read_value
+from mjcompose.model.grammar import GRAMMAR
+from mjcompose.text.expression_values import Angle
+from mjcompose.text.key_order import WHOLE
+from mjcompose.text.node import Key, Scalar, find
+from mjcompose.text.node import Mapping as Located
+from mjcompose.text.node import Sequence as List
+
+_TEXT = Text("model")
+INHERITED = ("recipe", "angle", "eulerseq", "separator", "conflict")
+"""What a model in place has of the recipe that it is written in, where it does not say otherwise."""
+Judge = Callable[[Located], list[Fault]]
+OF_A_FILE = {
+    "extends": "write it into a file of its own: `model: ./NAME.yaml`",
+    "params": "declare them in `params` of the recipe: `${…}` has the same values here",
+    "variants": "write them in `variants` of the recipe: a piece may change what is written here",
+    "matrix": "write it in the recipe itself",
+    "randomize": "write it in the recipe itself, whose fields reach what is written here",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class ModelField(Form):
+    """Form of the field `model`: a model reference, or a recipe as a mapping, which the planner reads."""
+
+    def schema(self) -> Schema:
+        return {"anyOf": [_TEXT.schema(), reference("in-place")]}
+
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> str | Mapping[str, Any] | None:
+        if isinstance(value, dict):
+            return value
+        if isinstance(value, list):
+            message = "`model` is a model reference, or a recipe as a mapping, got a list"
+            one_of = bool(value) and all(isinstance(each, str) for each in value)
+            help = advice_to_choose(value) if one_of else "write `model: {add: […]}`"
+            faults.append(Fault("wrong-type", message, help=help))
+            return None
+        return _TEXT.read(value, faults, settings)
+
+
+def advice_to_choose(models: Sequence[str]) -> str:
+    """Return what to write to choose one of several models in each sample."""
+    drawn = f"{{which: {{param: which, choice: [{', '.join(models)}]}}}}"
+    return (
+        f'one in each sample: `params: {{which: {models[0]}}}`, `model: "${{which}}"`, and `randomize` with'
+        f" `fields: {drawn}`"
+    )
+
+
+def fault_of_inline_recipe(value: Mapping[str, Any], owner: str, own: Iterable[str]) -> Fault | None:
+    """Return the fault of a base or part that is a recipe without `model` above it. `own` are its allowed keys."""
+    strange = [key for key in value if key in WHOLE[()] and key not in own]
+    if "model" in value or not strange:
+        return None
+    keys = ", ".join(f"`{key}`" for key in strange)
+    message = f"{keys} of {owner} {'stands' if len(strange) == 1 else 'stand'} where a `model` is expected"
+    help = f"a model that is written in place stands below `model`: `model: {{{strange[0]}: …}}`"
+    return Fault("missing-key", message, (strange[0],), key=True, help=help)
+
+
+@definition("in")
+def _definition(_: str) -> Schema:
+    return {"$ref": "#/$defs/InPlace"}
+
+
+def with_inherited(model: Located, around: Located) -> Located:
+    """Return the recipe that is written in place, with what it inherits from the one around it."""
+    inherited = {name: entry for name, entry in around.entries.items() if name in INHERITED}
+    known = {name: entry for name, entry in model.entries.items() if name not in OF_A_FILE}
+    version = Key("recipe", model.span), Scalar(1, model.span, "1", plain=True)
+    return Located({"recipe": version, **inherited, **known}, model.span)
+
+
+def faults_in_place(node: Located, judge: Judge) -> Iterator[Fault]:
+    """Yield the faults of the recipes that are written in place. `judge` finds those of one recipe."""
+    for at, model in _models(node):
+        if (choice := _choice(model)) is not None:
+            message = "`model` is a model reference or a recipe, and a choice among models is drawn"
+            yield Fault("unknown-key", message, (*at, "choice"), key=True, help=advice_to_choose(choice))
+            continue
+        yield from (
+            Fault(
+                "unknown-key",
+                f"a model that is written in place has no `{name}`",
+                (*at, name),
+                key=True,
+                help=help,
+            )
+            for name, help in OF_A_FILE.items()
+            if name in model.entries
+        )
+        for fault in judge(with_inherited(model, node)):
+            if not fault.at or fault.at[0] in model.entries:
+                related = tuple((message, (*at, *path)) for message, path in fault.related)
+                yield replace(fault, at=(*at, *fault.at), related=related)
+
+
+def _choice(model: Located) -> list[str] | None:
+    """Return the models of a random choice, or None if `model` is not one."""
+    choice = find(model, ("choice",))
+    if len(model.entries) > 1 or not isinstance(choice, List) or not choice.items:
+        return None
+    return [each.text for each in choice.items if isinstance(each, Scalar)] or None
+
+
+def _models(node: Located) -> Iterator[tuple[Path, Located]]:
+    """Yield the models that are written in place, each with its path."""
+    parts = find(node, ("attach",))
+    names = list(parts.entries) if isinstance(parts, Located) else []
+    for at in (("base", "model"), *(("attach", name, "model") for name in names)):
+        model = find(node, at)
+        if isinstance(model, Located):
+            yield at, model
+
+
+OWNER = "an attached part"
+ORIENTATIONS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
+WORDS = ("weld", "free", "ball", "mocap")
+JointWord = Literal["weld", "free", "ball", "mocap"]
+JointType = ("hinge", "slide", "ball")
+TINY = 1e-10
+"""Axes shorter than this are none to MuJoCo."""
+_NEUTRAL = {
+    "quat": "`[1, 0, 0, 0]`",
+    "axisangle": "an axis, such as `[0, 0, 1, 90deg]`",
+    "zaxis": "`[0, 0, 1]`",
+    "xyaxes": "`[1, 0, 0, 0, 1, 0]`",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Offset(Form):
+    """Form of a field that is an attribute of a frame: `pos`, or one of the orientations.
+
+    It is read as a tuple. It contains `Angle`s only if the attribute is an angle.
+    """
+
+    name: str
+
+    def schema(self) -> Schema:
+        return attribute_schema(GRAMMAR.element("frame").attributes[self.name])
+
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> Value | None:
+        attribute = GRAMMAR.element("frame").attributes[self.name]
+        read = read_value(attribute, value, (), owner=OWNER, faults=faults)
+        if isinstance(read, tuple) and attribute.angle is None:
+            read = tuple(item.radians if isinstance(item, Angle) else item for item in read)
+        elif read is not None and not settings.bare_angles:
+            bare = bare_angle(attribute, read, None, at=(), owner=OWNER)
+            faults += [bare] if bare is not None else []
+        if not faults and isinstance(read, tuple):
+            fault = _no_pose(self.name, read)
+            faults += [fault] if fault is not None else []
+        assert faults or isinstance(read, tuple), "an offset has several numbers"
+        return read
+
+
+def _no_pose(name: str, read: tuple[Single, ...]) -> Fault | None:
+    """Return the fault of numbers that are no position or orientation, or None.
+
+    Otherwise MuJoCo would report a frame that the user has not written.
+    """
+    numbers = [float(item.value if isinstance(item, Angle) else item) for item in read]
+    if not all(math.isfinite(number) for number in numbers):
+        wrong = next(index for index, number in enumerate(numbers) if not math.isfinite(number))
+        return Fault(
+            "out-of-range", f"`{name}` of {OWNER} expects finite numbers", (wrong,), help="write a number"
+        )
+    axes = {
+        "quat": [numbers],
+        "axisangle": [numbers[:3]],
+        "zaxis": [numbers],
+        "xyaxes": [numbers[:3], numbers[3:]],
+    }
+    for axis in axes.get(name, ()):
+        if math.hypot(*axis) < TINY:
+            message = f"`{name}` of {OWNER} is not an orientation: all its numbers are zero"
+            return Fault("out-of-range", message, help=f"leave `{name}` out, or write {_NEUTRAL[name]}")
+    if name == "xyaxes" and math.hypot(*_cross(numbers[:3], numbers[3:])) < TINY:
+        message = f"`xyaxes` of {OWNER} is not an orientation: its two axes have the same direction"
+        return Fault(
+            "out-of-range", message, help="write axes at a right angle, such as `[1, 0, 0, 0, 1, 0]`"
+        )
+    return None
+
+
+def _cross(a: list[float], b: list[float]) -> tuple[float, float, float]:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@dataclass(frozen=True, slots=True)
+class JointField(Form):
+    """Form of the field `joint`: a word, a mapping of a joint's attributes, or a list of such mappings with names.
+
+    It is read as the word, an `Element` for a joint without a name, or a tuple of `Element` with names.
+    """
+
+    def schema(self) -> Schema:
+        kind = {"enum": [*JointType], "description": GRAMMAR.element("joint").attributes["type"].doc}
+        one = {**reference("element:joint"), "properties": {"type": kind}}
+        several = {"type": "array", "minItems": 1, "items": {**one, "required": ["name"]}}
+        return {"anyOf": [{"enum": [*WORDS]}, {"type": "object", **one}, several]}
+
+    def read(
+        self, value: Any, faults: list[Fault], settings: Settings
+    ) -> str | Element | tuple[Element, ...] | None:
+        reader = Reader(settings, faults)
+        if isinstance(value, str) and value in WORDS:
+            return value
+        if isinstance(value, dict):
+            element = _joint(reader, value, ())
+            named = element is not None and "name" in element.attributes
+            return (element,) if element is not None and named else element
+        if isinstance(value, list):
+            return _joints(reader, value)
+        faults.append(_no_joint(value))
+        return None
+
+
+def _joints(reader: Reader, value: list[Any]) -> tuple[Element, ...]:
+    if not value:
+        reader.faults.append(Fault("wrong-length", "`joint` is an empty list", help="leave `joint` out"))
+    elements: list[Element] = []
+    names: dict[object, Path] = {}
+    for index, item in enumerate(value):
+        element = _joint(reader, item, (index,))
+        if isinstance(item, dict) and "name" not in item:
+            fault = missing_key("a joint in a list", "name", (index,))
+            help = "write `name: …`; the joint is called PREFIX/NAME"
+            reader.faults.append(Fault(fault.code, fault.message, (index,), help=help))
+        elif element is not None:
+            name = element.attributes.get("name")
+            if name in names:
+                related = (("the first one is here", names[name]),)
+                message = f"two joints of one part are called `{name}`"
+                reader.faults.append(
+                    Fault("name-clash", message, (index, "name"), related=related, help="choose another name")
+                )
+            names.setdefault(name, (index, "name"))
+            elements.append(element)
+    return tuple(elements)
+
+
+def _joint(reader: Reader, value: Any, at: Path) -> Element | None:
+    kind = GRAMMAR.element("joint")
+    written = value.get("type", "hinge") if isinstance(value, dict) else None
+    if written == "free":
+        message = "a free joint has no attributes and stands alone"
+        reader.faults.append(Fault("wrong-keyword", message, (*at, "type"), help="write `joint: free`"))
+        return None
+    # A joint between a place and a part only has the class that it names, which may set another type.
+    type = "hinge" if isinstance(value, Mapping) and "class" not in value else None
+    element = reader.element(kind, value, at, label("joint", value), joint=type)
+    if element is not None and element.attributes.get("name", "joint") == "":
+        message = "the name of a joint is empty"
+        reader.faults.append(Fault("bad-name", message, (*at, "name"), help="leave `name` out, or write one"))
+    return element
+
+
+def _no_joint(value: Any) -> Fault:
+    help = "write one of `weld`, `free`, `ball`, `mocap`, or `{type: hinge, axis: [0, 0, 1]}`"
+    if not isinstance(value, str):
+        return Fault(
+            "wrong-type", f"`joint` expects a word, a mapping or a list, got {kind_of(value)}", help=help
+        )
+    near, fix = closest(value, WORDS), None
+    if value in JointType:
+        help = f"write `joint: {{type: {value}, axis: [0, 0, 1]}}`"
+    elif near:
+        help, fix = f"write `joint: {near[0]}`", renaming(value, WORDS)
+    note = exists_note("word", WORDS, value)
+    return Fault("wrong-keyword", f"`joint` cannot be `{value}`", notes=(note,), help=help, fix=fix)
+
+
+QUANTITIES = ("force", "torque")
+
+
+@dataclass(frozen=True, slots=True)
+class Sense:
+    """What a place carries is measured: which of `force` and `torque`, the name of the site, and where both are cut."""
+
+    quantities: tuple[str, ...]
+    name: str = ""
+    cutoff: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class SenseField(Form):
+    """Form of the field `sense`: a list of quantities, or a mapping with a name and a cutoff."""
+
+    def schema(self) -> Schema:
+        doc = "the {} between the place and the part, in the axes of the place"
+        one = {each: {"type": "boolean", "description": doc.format(each)} for each in QUANTITIES}
+        several: Schema = {
+            "type": "object",
+            "properties": {
+                "name": {
+                    "type": "string",
+                    "minLength": 1,
+                    "description": "the body and its site are PREFIX/NAME, the sensors PREFIX/NAME_force and _torque",
+                },
+                **one,
+                "cutoff": {
+                    "type": "number",
+                    "minimum": 0,
+                    "description": "the largest value of the sensors; 0 for none",
+                },
+            },
+            "additionalProperties": False,
+            "anyOf": [{"required": [each]} for each in QUANTITIES],
+        }
+        words = {"type": "array", "minItems": 1, "uniqueItems": True, "items": {"enum": [*QUANTITIES]}}
+        return {"anyOf": [words, several]}
+
+    def read(self, value: Any, faults: list[Fault], settings: Settings) -> Sense | None:
+        if isinstance(value, Mapping):
+            return _sense(value, faults)
+        if not isinstance(value, list):
+            help = "write `sense: [force, torque]`"
+            faults.append(Fault("wrong-type", f"`sense` expects a list, got {kind_of(value)}", help=help))
+            return None
+        for index, item in enumerate(value):
+            if item not in QUANTITIES:
+                note, fix = exists_note("quantity", QUANTITIES, str(item)), renaming(str(item), QUANTITIES)
+                meant = did_you_mean(str(item), QUANTITIES)
+                message = f"`sense` cannot measure {kind_of(item)}"
+                faults.append(Fault("wrong-keyword", message, (index,), notes=(note,), help=meant, fix=fix))
+            elif item in value[:index]:
+                faults.append(
+                    Fault("wrong-keyword", f"`{item}` is in `sense` twice", (index,), help="leave one out")
+                )
+        if not value:
+            faults.append(Fault("wrong-length", "`sense` is an empty list", help="leave `sense` out"))
+        return Sense(tuple(each for each in QUANTITIES if each in value))
+
+
+def _sense(value: Mapping[str, Any], faults: list[Fault]) -> Sense:
+    known = ("name", *QUANTITIES, "cutoff")
+    for key, item in value.items():
+        wanted = ""
+        if key not in known:
+            note, fix = exists_note("key", known, str(key)), renaming(str(key), known)
+            help, message = did_you_mean(str(key), known), f"`sense` has no `{key}`"
+            faults.append(Fault("unknown-key", message, (key,), key=True, notes=(note,), help=help, fix=fix))
+        elif key in QUANTITIES and not isinstance(item, bool):
+            wanted = "`true` or `false`"
+        elif key == "cutoff" and (isinstance(item, bool) or not isinstance(item, int | float)):
+            wanted = "a number"
+        elif key == "cutoff" and not 0 <= item < math.inf:
+            faults.append(Fault("out-of-range", "`cutoff` is at least 0, and finite", (key,)))
+        elif key == "name" and (fault := Text("name").fault(item)) is not None:
+            faults.append(replace(fault, at=(key,)))
+        if wanted:
+            faults.append(Fault("wrong-type", f"`{key}` expects {wanted}, got {kind_of(item)}", (key,)))
+    quantities = tuple(each for each in QUANTITIES if value.get(each) is True)
+    if not quantities and not faults:
+        faults.append(
+            Fault(
+                "missing-key",
+                "`sense` measures nothing",
+                key=True,
+                help="write `force: true`, `torque: true` or both",
+            )
+        )
+    return Sense(quantities, str(value.get("name") or ""), 0.0 if faults else float(value.get("cutoff", 0)))

@@ -1,0 +1,376 @@
+"""The JSON Schema of recipes, for editors.
+
+`python -m mjcompose.language.schema > schemas/recipe.schema.json` writes it.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import json
+import sys
+import textwrap
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from mjcompose.language.attach import Attachment
+from mjcompose.language.expand import EMITS, SETTLED
+from mjcompose.language.expand import KEYS as MATRIX_KEYS
+from mjcompose.language.form import REFERENCE, Schema, check_rows, define, definition_key
+from mjcompose.language.parameters import KEYS as PARAMETER_KEYS
+from mjcompose.language.parameters import NO_PIECE, TYPES
+from mjcompose.language.placing import OF_A_FILE
+from mjcompose.language.randomize import Randomize
+from mjcompose.language.recipe import Recipe, sections_of
+from mjcompose.language.sections import Singleton
+from mjcompose.language.used_model import Base, Model, UrdfKeys
+
+_DEFS = "#/$defs/"
+_PIECE = "piece."
+_MAPPINGS = ("properties", "patternProperties")
+_LISTED = ("anyOf", "oneOf", "allOf", "prefixItems")
+_NESTED = ("additionalProperties", "items", "then", "else", "not")
+
+
+def loosened(properties: Schema, definitions: dict[str, Schema]) -> Schema:
+    """Return the same properties, all optional and with null allowed. New definitions go to `definitions`.
+
+    Conditions stay as they are: those that decide between forms require nothing.
+    """
+    loose = {name: _optional(each, definitions) for name, each in properties.items()}
+    return {name: _nullable(each) for name, each in loose.items()}
+
+
+def _optional(schema: Any, definitions: dict[str, Schema]) -> Any:
+    if isinstance(schema, list):
+        return [_optional(each, definitions) for each in schema]
+    if not isinstance(schema, dict):
+        return schema
+    found: Schema = {}
+    for key, value in schema.items():
+        if key in ("required", "minProperties"):
+            continue
+        if key in _MAPPINGS:
+            found[key] = loosened(value, definitions)
+        elif key in _LISTED:
+            found[key] = _optional(value, definitions)
+        elif key == "additionalProperties" and isinstance(value, dict):
+            found[key] = _nullable(_optional(value, definitions))
+        elif key in _NESTED:
+            found[key] = _optional(value, definitions)
+        elif key == "$ref":
+            found[key] = _reference(value, definitions)
+        else:
+            found[key] = value
+    return found
+
+
+def _reference(target: str, definitions: dict[str, Schema]) -> str:
+    name = target.removeprefix(_DEFS)
+    if not target.startswith(_DEFS) or name == "Piece" or name.startswith(_PIECE):
+        return target
+    piece = _PIECE + name
+    if piece not in definitions:
+        definitions[piece] = {}  # for those that refer to themselves
+        definitions[piece] = _nullable(_optional(definitions[name], definitions))
+    return _DEFS + piece
+
+
+def _nullable(schema: Any) -> Any:
+    """Return the schema that also allows null. A reference then points to a definition that does."""
+    if not isinstance(schema, dict):
+        return schema
+    found = dict(schema)
+    if "type" in found:
+        types = found["type"] if isinstance(found["type"], list) else [found["type"]]
+        found["type"] = types if "null" in types else [*types, "null"]
+    if "enum" in found:
+        found["enum"] = [*found["enum"], None]
+    if "const" in found:
+        found["enum"] = [found.pop("const"), None]
+    branches: dict[str, Callable[[Any], Any]] = {
+        "anyOf": _one_nullable,
+        "oneOf": _one_nullable,
+        "allOf": lambda each: [_nullable(one) for one in each],
+        "then": _nullable,
+        "else": _nullable,
+    }
+    for key, allow in branches.items():
+        if key in found:
+            found[key] = allow(found[key])
+    return found
+
+
+def _one_nullable(schemas: list[Any]) -> list[Any]:
+    """Return the alternatives with null allowed in one of them, which is enough."""
+    for index, each in enumerate(schemas):
+        if isinstance(each, dict) and "type" in each:
+            return [*schemas[:index], _nullable(each), *schemas[index + 1 :]]
+    return [*schemas, {"type": "null"}]
+
+
+_VALUE: Schema = {"type": ["number", "boolean", "string", "array"]}
+_BARE: Schema = {**_VALUE, "description": "the default alone; its type is that of the parameter"}
+_CELL: Schema = {"type": "object", "additionalProperties": _VALUE}
+
+
+def _described(keys: Mapping[str, str], schemas: Mapping[str, Schema]) -> dict[str, Schema]:
+    """Return the schemas of keys with their descriptions."""
+    check_rows("the JSON Schema of keys in composer/mjcompose/language/schema.py", schemas, keys)
+    return {name: {**schemas[name], "description": about} for name, about in keys.items()}
+
+
+_PARAMETER: Schema = {
+    "type": "object",
+    "properties": _described(
+        PARAMETER_KEYS,
+        {
+            "type": {"enum": list(TYPES)},
+            "default": _VALUE,
+            "min": {"type": "number"},
+            "max": {"type": "number"},
+            "choices": {"type": "array", "minItems": 1},
+            "length": {"type": "integer", "minimum": 1},
+            "unit": {"type": "string"},
+            "doc": {"type": "string"},
+        },
+    ),
+    "additionalProperties": False,
+}
+_MATRIX: Schema = {
+    "type": "object",
+    "properties": _described(
+        MATRIX_KEYS,
+        {
+            "axes": {"type": "object", "additionalProperties": {"type": "array", "minItems": 1}},
+            "exclude": {"type": "array", "items": _CELL},
+            "include": {"type": "array", "items": _CELL},
+            "name": {"type": "string"},
+            "emit": {"enum": list(EMITS)},
+        },
+    ),
+    "required": ["axes"],
+    "additionalProperties": False,
+    "description": "The combinations that `build --all` builds.",
+}
+# What a file that extends another one writes for itself.
+_OWN = ("recipe", "extends", "trust")
+_HEAD: dict[str, Schema] = {
+    "extends": {"type": "string", "minLength": 1, "description": "Another recipe, over which this file is merged."},
+    "trust": {
+        "type": "object",
+        "properties": {
+            "files": {"type": "array", "items": {"type": "string", "minLength": 1},
+                      "description": "Folders outside the project that models may read, relative to the recipe."},
+            "references": {"type": "array", "items": {"type": "string", "minLength": 1},
+                           "description": "What fetched recipes may name of this machine and its network:"
+                           " how such references begin, as `git+file:///srv/robots` or `package:NAME`."},
+        },
+        "additionalProperties": False,
+        "description": "What is opened to others on this machine; it counts in the recipe that is built alone.",
+    },
+    "params": {
+        "type": "object",
+        "additionalProperties": {"anyOf": [_PARAMETER, _BARE]},
+        "description": "Parameters by name: what `${name}` stands for, and what --set and `with` may set.",
+    },
+    "variants": {
+        "type": "object",
+        "additionalProperties": {
+            "type": "object",
+            "minProperties": 1,
+            "additionalProperties": {"$ref": "#/$defs/Piece"},
+        },
+        "description": "Pieces of recipe by axis and value, of which one of each axis is merged over the recipe.",
+    },
+    "matrix": _MATRIX,
+}  # fmt: skip
+_WHEN: Schema = {
+    "anyOf": [{"type": "object"}, {"type": "boolean"}, {"type": "string", "pattern": r"\$\{"}],
+    "description": "The builds that this belongs to: values of variants and parameters, or one boolean `${…}`.",
+}
+_ID: Schema = {
+    "type": "string",
+    "minLength": 1,
+    "description": "A name for merging: an item with the same one replaces this one.",
+}
+_WITH_WHEN = ("Attachment", "addition", "class", "element.contact.pair", "element.contact.exclude")
+
+
+def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
+    """Add these keys to the schema of a recipe, and the definition of a piece of recipe."""
+    properties = schema["properties"]
+    properties.update({name: dict(_HEAD[name]) for name in SETTLED})
+    for name, definition in definitions.items():
+        if name in _WITH_WHEN or name.startswith(("variant.", "named.")):
+            _into(definition, "when", _WHEN)
+    _into(definitions["addition"], "id", _ID)
+    definitions["addition"]["maxProperties"] += 2
+    for name in sections_of(Singleton):
+        _into(properties[name], "when", _WHEN)
+    _into(properties["check"]["additionalProperties"], "when", _WHEN)
+    definitions["InPlace"] = {
+        "type": "object",
+        "properties": {name: each for name, each in properties.items() if name not in OF_A_FILE},
+        "additionalProperties": False,
+        "description": "A recipe, written in place of a model reference.",
+    }
+    pieces = loosened(properties, definitions)
+    definitions["Piece"] = {
+        "type": "object",
+        "properties": {name: each for name, each in pieces.items() if name not in NO_PIECE},
+        "additionalProperties": False,
+        "description": "A piece of recipe: any of its keys. `null` takes out what the recipe has there.",
+    }
+    _demand_less_of_what_extends(schema, pieces)
+
+
+def _demand_less_of_what_extends(schema: Schema, pieces: Schema) -> None:
+    """Require less of a file that extends another.
+
+    It is a piece of recipe too, with the keys that only a whole one has.
+    """
+    whole = {name: schema.pop(name) for name in ("properties", "additionalProperties")}
+    schema["if"] = {"required": ["extends"]}
+    schema["then"] = {**whole, "properties": {**pieces, **{name: whole["properties"][name] for name in _OWN}}}
+    schema["else"] = whole
+
+
+def _into(schema: Any, key: str, value: Schema) -> None:
+    """Add a property to every mapping with fixed keys at the top of a schema."""
+    if isinstance(schema.get("properties"), dict) and "additionalProperties" in schema:
+        schema["properties"][key] = dict(value)
+    for combined in ("anyOf", "oneOf", "allOf"):
+        for each in schema.get(combined, ()):
+            _into(each, key, value)
+    for branch in ("then", "else"):
+        if branch in schema:
+            _into(schema[branch], key, value)
+
+
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+MODELS: tuple[type[Model], ...] = (Recipe, Attachment, Base, Randomize, UrdfKeys)
+WIDTH = 110
+
+_ORDER = (
+    "$schema title description markdownDescription $ref type const enum default properties "
+    "additionalProperties required"
+)
+_RANK = {key: rank for rank, key in enumerate(_ORDER.split())} | {"$defs": 1000}
+# Keys of JSON Schema whose mappings have names as keys.
+_NAMES = frozenset({"properties", "patternProperties", "$defs"})
+
+
+def recipe_schema() -> Schema:
+    """Return the schema of a whole recipe, as JSON Schema 2020-12. It is the same every time."""
+    schema = Recipe.model_json_schema()
+    definitions: dict[str, Schema] = schema.pop("$defs")
+    for model in MODELS:
+        target = schema if model is Recipe else definitions[model.__name__]
+        _describe(model, target.get("properties") or target["anyOf"][-1]["properties"])
+    schema = _tidy(schema)
+    definitions = {name: _tidy(each) for name, each in definitions.items()}
+    needed = definitions[Attachment.__name__].pop("required")
+    definitions[Attachment.__name__]["allOf"].append({"required": needed})  # as in `element_schema`
+    _complete(schema, definitions)
+    add_variation(schema, definitions)
+    # No title: editors would show it before every description.
+    head = {"$schema": DIALECT, "description": "A recipe of mjcompose: what a MuJoCo model is made of."}
+    whole = {**schema, **head, "$defs": dict(sorted(definitions.items()))}
+    for each in _mappings(whole):
+        description = each.get("description")
+        if isinstance(description, str) and "`" in description:
+            each["markdownDescription"] = description  # else editors show the marks
+    return whole
+
+
+def text() -> str:
+    """Return the schema as the text of its file. Short values are on one line, so that changes can be read."""
+    return _layout(recipe_schema(), "", in_order=True) + "\n"
+
+
+def _complete(schema: Any, definitions: dict[str, Schema]) -> None:
+    """Replace references by `$ref`, and add the definitions that they lead to."""
+    waiting = [schema, *definitions.values()]
+    while waiting:
+        for each in list(_mappings(waiting.pop())):
+            if REFERENCE not in each:
+                continue
+            name = each.pop(REFERENCE)
+            key = definition_key(name)
+            each["$ref"] = f"#/$defs/{key}"
+            if key not in definitions:
+                definitions[key] = define(name)
+                waiting.append(definitions[key])
+
+
+def _mappings(value: Any) -> Iterator[Schema]:
+    if isinstance(value, dict):
+        yield value
+        for each in list(value.values()):
+            yield from _mappings(each)
+    elif isinstance(value, list):
+        for each in value:
+            yield from _mappings(each)
+
+
+def _tidy(schema: Any, properties: bool = False) -> Any:
+    """Return the schema without pydantic's titles, and without null, which is not a value in a recipe."""
+    if isinstance(schema, list):
+        return [_tidy(each) for each in schema]
+    if not isinstance(schema, dict):
+        return schema
+    if properties:
+        return {name: _tidy(each) for name, each in schema.items()}
+    tidy = {key: _tidy(each, key == "properties") for key, each in schema.items() if key != "title"}
+    if tidy.get("default", ...) in (None, [], {}):
+        del tidy["default"]
+    alternatives = [each for each in tidy.get("anyOf", ()) if each != {"type": "null"}]
+    if len(alternatives) == 1:
+        del tidy["anyOf"]
+        tidy = {**alternatives[0], **tidy}
+    return tidy
+
+
+def _describe(model: type[Model], properties: dict[str, Schema]) -> None:
+    """Use the text below each field of a model as the description of its key, also for inherited fields."""
+    for each in reversed(model.__mro__[: model.__mro__.index(Model)]):
+        for field, text in _texts(each):
+            properties[model.model_fields[field].alias or field]["description"] = text
+
+
+def _texts(model: type) -> Iterator[tuple[str, str]]:
+    """Yield the fields that a class itself declares, each with the text below it."""
+    (body,) = ast.parse(textwrap.dedent(inspect.getsource(model))).body
+    assert isinstance(body, ast.ClassDef)
+    for field, text in zip(body.body, body.body[1:], strict=False):
+        if (
+            isinstance(field, ast.AnnAssign)
+            and isinstance(field.target, ast.Name)
+            and isinstance(text, ast.Expr)
+            and isinstance(text.value, ast.Constant)
+        ):
+            yield field.target.id, inspect.cleandoc(str(text.value.value))
+
+
+def _layout(value: Any, indent: str, in_order: bool) -> str:
+    """Return JSON text. With `in_order`, the keys are JSON Schema's own and are written in a fixed order."""
+    compact = json.dumps(value, ensure_ascii=False)
+    if isinstance(value, dict) and in_order:
+        value = dict(sorted(value.items(), key=lambda item: _RANK.get(item[0], 100)))
+        compact = json.dumps(value, ensure_ascii=False)
+    if not isinstance(value, dict | list) or len(indent) + len(compact) <= WIDTH:
+        return compact
+    inner = indent + " "
+    if isinstance(value, list):
+        lines = [f"{inner}{_layout(each, inner, in_order=True)}" for each in value]
+        return "[\n" + ",\n".join(lines) + f"\n{indent}]"
+    lines = [
+        f"{inner}{json.dumps(key, ensure_ascii=False)}: {_layout(each, inner, not in_order or key not in _NAMES)}"
+        for key, each in value.items()
+    ]
+    return "{\n" + ",\n".join(lines) + f"\n{indent}}}"
+
+
+if __name__ == "__main__":
+    sys.stdout.write(text())

@@ -1,0 +1,513 @@
+"""A located tree becomes a `Recipe`, and every fault a diagnostic."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Mapping as AbcMapping
+from dataclasses import replace
+from itertools import islice
+from typing import Any
+
+from pydantic import ValidationError
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Fault, Fix, Note, Path, Span
+from mjcompose.base.limits import in_force
+from mjcompose.base.sink import Sink
+from mjcompose.base.suggest import advised, closest, exists_note
+from mjcompose.language.attach import Attachment
+from mjcompose.language.element import raw
+from mjcompose.language.expand import SETTLED
+from mjcompose.language.form import Settings, kind_of, shown
+from mjcompose.language.placing import faults_in_place
+from mjcompose.language.recipe import VERSION, Recipe, sections_of
+from mjcompose.language.sections import ByTag, Lists, Typed
+from mjcompose.language.used_model import Base, Model
+from mjcompose.language.value import without_space
+from mjcompose.model.grammar import GRAMMAR
+from mjcompose.text.node import Key, Mapping, Node, Scalar, find, locate, texts, to_python
+from mjcompose.text.node import Sequence as List
+
+# Without these, nothing else in the recipe can be judged.
+_INDISPENSABLE = ("recipe", "separator", "base")
+# Without these, a part is another one, or is attached in another way.
+_MAKING = ("subtree", "joint", "sense", "drop", "edit", "prefix", "replicate", "with", "keyframes")
+# Sections in which parts may disagree, as `conflict` allows.
+_AGREED = ("option", "size", "statistic", "visual")
+_ROUNDS = 8
+
+Judge = Callable[[Mapping], tuple[Recipe | None, list[Fault]]]
+
+
+@dataclass(frozen=True, slots=True)
+class Recovered:
+    """A recipe without faults, its located tree, and every name and value in what was left out."""
+
+    recipe: Recipe
+    document: Mapping
+    lost: frozenset[str]
+
+
+def recover(node: Mapping, faults: Sequence[Fault], judge: Judge) -> Recovered | None:
+    """Return the recipe without the smallest pieces that have `faults`, or None if too little would remain.
+
+    It does no I/O.
+    """
+    lost: set[str] = set()
+    for _ in range(_ROUNDS):
+        for path in _outermost(_whole(existing_steps(node, fault.at)) for fault in faults):
+            if not path or (len(path) == 1 and _means(path[0], _INDISPENSABLE)):
+                return None
+            lost.update(_texts(node, path))
+            if _means(path[0], ("conflict",)):
+                lost.update(_AGREED)
+            unit = _means(path[0], ("angle",)) and len(path) == 1
+            node = _in_some_unit(_without(node, path)) if unit else _without(node, path)
+        recipe, faults = judge(node)
+        if recipe is not None:
+            return Recovered(recipe, node, frozenset(lost))
+    return None
+
+
+def _whole(path: Path) -> Path:
+    """Return the path of what is left out. With a fault in an essential key, it is the whole part."""
+    is_made = len(path) == 3 and path[0] == "attach" and _means(path[2], _MAKING, Attachment.model_fields)
+    return path[:2] if is_made else path
+
+
+def _means(
+    key: str | int, keys: Collection[str], known: Collection[str] = tuple(Recipe.model_fields)
+) -> bool:
+    """Return whether a key, or what it was probably meant to be, is one of `keys`."""
+    near = [str(key)] if key in known else closest(str(key), known)
+    return any(meant in keys for meant in near)
+
+
+def existing_steps(node: Node, path: Path) -> Path:
+    """Return the steps of a validator's path that exist in the data."""
+    found: list[str | int] = []
+    for step in path:
+        if isinstance(node, Mapping) and isinstance(step, str) and step in node.entries:
+            node = node.entries[step][1]
+        elif isinstance(node, List) and isinstance(step, int) and 0 <= step < len(node.items):
+            node = node.items[step]
+        else:
+            continue
+        found.append(step)
+    return tuple(found)
+
+
+def _in_some_unit(node: Mapping) -> Mapping:
+    """Return the recipe with a unit of angles, so that no missing unit is reported."""
+    key, unit = Key("angle", node.span), Scalar("radian", node.span, "radian", plain=True)
+    return Mapping({**node.entries, key.name: (key, unit)}, node.span)
+
+
+def _outermost(paths: Iterator[Path]) -> list[Path]:
+    """Return the paths that are not inside another one, last in the file first.
+
+    Removing one does not move the others then.
+    """
+    kept: list[Path] = []
+    for path in sorted(set(paths), key=len):
+        if not any(path[: len(each)] == each for each in kept):
+            kept.append(path)
+    return sorted(
+        kept, key=lambda path: [step if isinstance(step, int) else -1 for step in path], reverse=True
+    )
+
+
+def _without(node: Mapping, path: Path) -> Mapping:
+    found = _cut(node, path)
+    assert isinstance(found, Mapping)
+    return found
+
+
+def _cut(node: Node, path: Path) -> Node:
+    step, *rest = path
+    if isinstance(node, Mapping):
+        entries: dict[str, tuple[Key, Node]] = dict(node.entries)
+        assert isinstance(step, str)
+        key, value = entries.pop(step)
+        if rest:
+            entries = {**node.entries, step: (key, _cut(value, tuple(rest)))}
+        return Mapping(entries, node.span)
+    assert isinstance(node, List) and isinstance(step, int)
+    items = list(node.items)
+    items[step : step + 1] = [_cut(items[step], tuple(rest))] if rest else []
+    return List(tuple(items), node.span)
+
+
+def _texts(node: Node, path: Path) -> Iterator[str]:
+    """Yield the key at the end of a path, and every key and value below it."""
+    for step in path:
+        if isinstance(node, Mapping):
+            node = node.entries[str(step)][1]
+        elif isinstance(node, List) and isinstance(step, int):
+            node = node.items[step]
+    if isinstance(path[-1], str):
+        yield path[-1]
+    yield from texts(node)
+
+
+_NOTHING = object()
+
+
+def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
+    """Yield the faults of a validation, one for each mistake, with paths from the top of `data`.
+
+    For pydantic, a misspelled key is an unknown key and a missing one. Here it is one fault.
+    """
+    errors = error.errors(include_url=False)
+    extra = [each for each in errors if each["type"] == "extra_forbidden"]
+    missing: dict[Path, dict[str, Any]] = {}
+    for each in errors:
+        if each["type"] == "missing":
+            missing.setdefault(each["loc"][:-1], {})[str(each["loc"][-1])] = each
+    typos = {id(each): _meant(each["loc"], missing) for each in extra}
+    meant = {id(each) for each in typos.values() if each is not None}
+    parts = part_keys(data) if isinstance(data, AbcMapping) else {}
+    stray = [*parts]
+    for each in errors:
+        loc = real_path(data, each["loc"])
+        if each["type"] == "fault":
+            yield _moved(each["ctx"]["fault"], loc, each["loc"], data=data)
+        elif each["type"] == "extra_forbidden":
+            if loc[0] not in stray[1:]:  # the keys of a part at the top are one mistake
+                yield _extra(loc, typos[id(each)], data, parts=parts)
+        elif each["type"] != "missing":
+            yield _other(each, loc)
+        elif id(each) not in meant:
+            yield _missing(loc)
+
+
+def real_path(data: Any, loc: Path) -> Path:
+    """Return the path without steps that are no keys of the data, such as pydantic's names of alternatives.
+
+    The last step stays, because it may be a missing key.
+
+    >>> real_path({"sensor": {"imu": {"site": 1}}}, ("sensor", "imu", "force", "site"))
+    ('sensor', 'imu', 'site')
+    """
+    path: list[str | int] = []
+    for index, step in enumerate(loc):
+        below = _below(data, step)
+        if below is not _NOTHING:
+            data = below
+        elif index < len(loc) - 1:
+            continue
+        path.append(step)
+    return tuple(path)
+
+
+def _below(data: Any, step: str | int) -> Any:
+    """Return the value at a step, or `_NOTHING`."""
+    if isinstance(data, AbcMapping):
+        return data.get(step, _NOTHING)
+    if isinstance(data, list) and isinstance(step, int) and step < len(data):
+        return data[step]
+    return _NOTHING
+
+
+def _meant(loc: Path, missing: AbcMapping[Path, AbcMapping[str, Any]]) -> Any | None:
+    """Return the error of the missing key that an unknown key beside it should have been.
+
+    `missing` has the errors by mapping and key.
+    """
+    beside = missing.get(loc[:-1], {})
+    near = closest(str(loc[-1]), list(beside)) if beside else []
+    return beside[near[0]] if near else None
+
+
+def _moved(fault: Fault, loc: Path, raw: Path, data: Any) -> Fault:
+    """Return a fault whose paths start at the top, given the path of the value in which it was found."""
+    start = raw[: len(raw) - len(fault.at)]
+    related = tuple((message, real_path(data, (*start, *at))) for message, at in fault.related)
+    return replace(fault, at=loc, related=related)
+
+
+def _extra(loc: Path, meant: Any | None, data: Any, parts: AbcMapping[str, Any]) -> Fault:
+    name = str(loc[-1])
+    model, owner = _owner(loc[:-1])
+    known = _keys_errors(model)
+    if model is Attachment:  # a note lists the first few: what places a part is most often meant
+        known.sort(key=lambda name: name != "model" and name in _keys_errors(Base))
+    known += SETTLED if model is Recipe else ()
+    help, fix = advised(name, known if meant is None else [str(meant["loc"][-1])])
+    if model is Recipe and len(loc) == 1 and (elsewhere := advice_at_top(name, data[name], parts)):
+        help, fix = elsewhere, None
+    note = exists_note("key", known, name)
+    return Fault(
+        "unknown-key", f"{owner} has no key `{name}`", loc, key=True, notes=(note,), help=help, fix=fix
+    )
+
+
+def _keys_errors(model: type[Model]) -> list[str]:
+    return [field.alias or name for name, field in model.model_fields.items()]
+
+
+def _missing(loc: Path) -> Fault:
+    if loc == ("recipe",):
+        message = "the recipe does not say which version of the language it is written in"
+        help = f"write `recipe: {VERSION}` as its first line"
+        return Fault("missing-key", message, help=help, fix=Fix(f"recipe: {VERSION}\n"))
+    name = str(loc[-1])
+    _, owner = _owner(loc[:-1])
+    example = "./FILE.xml" if name == "model" else "…"
+    return Fault(
+        "missing-key",
+        f"{owner} lacks `{name}`",
+        loc[:-1],
+        key=True,
+        help=f"write `{name}: {example}`",
+        lacks=name,
+    )
+
+
+def _other(error: Any, loc: Path) -> Fault:
+    """Return the fault for any other error, such as a value that is not a mapping or not an allowed word."""
+    _, owner = _owner(loc)
+    value = error["input"]
+    if loc == ("base",):
+        message = f"`base` expects a model reference, or a mapping with `model`, got {kind_of(value)}"
+        return Fault("wrong-type", message, loc)
+    if loc == ("attach",):
+        help = None
+        if isinstance(value, list):
+            help = "the key is the prefix: write `PREFIX: {model: …}` instead of a list"
+        message = f"`attach` expects a mapping from prefix to part, got {kind_of(value)}"
+        return Fault("wrong-type", message, loc, help=help)
+    if error["type"] in ("model_type", "model_attributes_type", "dict_type", "mapping_type"):
+        help = None
+        if isinstance(value, str) and (spaced := without_space(value, Attachment.model_fields)):
+            help = f"put a space behind the colon: `{spaced}`"
+        elif isinstance(value, str) and "\n" not in value:
+            help = f"write `{{model: {value}}}`"
+        return Fault("wrong-type", f"{owner} expects a mapping, got {kind_of(value)}", loc, help=help)
+    return Fault("wrong-type", f"{owner}: {error['msg'][:1].lower()}{error['msg'][1:]}", loc)
+
+
+def _owner(path: Path) -> tuple[type[Model], str]:
+    """Return the model that validates a mapping, and its name in messages."""
+    if not path:
+        return Recipe, "the recipe"
+    if path[0] == "attach" and len(path) == 2:
+        return Attachment, f"part `{path[1]}`"
+    if path == ("base",):
+        return Base, "`base`"
+    return Recipe, f"`{path[-1]}`"
+
+
+_PART_KEYS = frozenset(
+    str(field.alias or name) for name, field in Attachment.model_fields.items()
+) - frozenset(Recipe.model_fields)
+_OF_MJCF = {
+    "worldbody": "write `add: [{to: world, body: {…}}]`",
+    "include": "write `attach` for another model, or `base` for the one to start from",
+    "flag": "write `option: {flag: {…}}`",
+}
+_MODEL_FILES = (".xml", ".urdf", ".xacro", ".yaml", ".yml")
+
+
+def part_keys(data: AbcMapping[str, Any]) -> dict[str, Any]:
+    """Return the keys at the top of a recipe that only a part can have."""
+    return {key: each for key, each in data.items() if key in _PART_KEYS and not isinstance(each, AbcMapping)}
+
+
+def advice_at_top(name: str, value: Any, parts: AbcMapping[str, Any]) -> str | None:
+    """Return what to write instead of `name: value` at the top of a recipe, or None if that is not known.
+
+    `parts` are the keys at the top that only a part can have.
+    """
+    if isinstance(value, AbcMapping) and "model" in value and not closest(name, Recipe.model_fields):
+        return f"a part goes under `attach`:\nattach:\n  {name}: {_flow(value)}"
+    if name in parts and (len(parts) > 1 or name != "model"):
+        entries = _flow({"model": "…", **parts})
+        return f"{_keys_at_top(parts)} of a part under `attach`:\nattach:\n  PREFIX: {entries}"
+    if name == "model":
+        if isinstance(value, str) and (":" in value or value.lower().endswith(_MODEL_FILES)):
+            return f"write `base: {value}` for the model to start from, or put it under `attach`, in a part"
+        return "write `base` for the model to start from, or `name` for what the result is called"
+    return _OF_MJCF.get(name) or _in_section(name, value)
+
+
+def _in_section(name: str, value: Any) -> str | None:
+    """Return the section that has such an element or setting, or None."""
+    if name in GRAMMAR.element("body").children:
+        return f"write it in the list `add`: `add: [{{to: world, {name}: {_short(value)}}}]`"
+    for tag, section in GRAMMAR.root.children.items():
+        if tag in ("option", "visual", "statistic") and name in {*section.attributes, *section.children}:
+            return f"write it in `{tag}`: `{tag}: {{{name}: {_short(value)}}}`"
+        if tag in (*sections_of(ByTag), *sections_of(Lists)) and name in section.children:
+            return f"write it in the section `{tag}`: `{tag}: {{{name}: …}}`"
+        if tag in sections_of(Typed) and name in section.children:
+            return f"write it in the section `{tag}`: `{tag}: {{NAME: {{type: {name}, …}}}}`"
+    return None
+
+
+def _keys_at_top(parts: AbcMapping[str, Any]) -> str:
+    *others, last = (f"`{key}`" for key in parts)
+    return f"{', '.join(others)} and {last} are keys" if others else f"{last} is a key"
+
+
+def _short(value: Any) -> str:
+    return shown(value) if isinstance(value, str | int | float | bool) or _is_flat(value) else "{…}"
+
+
+def _is_flat(value: Any) -> bool:
+    return isinstance(value, list) and all(isinstance(item, str | int | float) for item in value)
+
+
+def _flow(value: AbcMapping[str, Any]) -> str:
+    return f"{{{', '.join(f'{key}: {_short(each)}' for key, each in value.items())}}}"
+
+
+_UNKNOWN = ("unknown-key", "unknown-attribute", "unknown-element")
+_SEVERAL = 4
+
+
+def validate(node: Node, sink: Sink) -> Recipe | None:
+    """Return the recipe of a located tree, or None after reported errors.
+
+    Names, files and model references are not looked up. It does no I/O.
+    """
+    if not isinstance(node, Mapping):
+        _no_mapping(node, sink)
+        return None
+    recipe, faults = judge(node)
+    _report(faults, node, sink)
+    return recipe
+
+
+def validate_what_remains(node: Node, sink: Sink, gone: Collection[Path] = ()) -> Recovered | None:
+    """Return the recipe without the pieces that have faults, or None if too little would remain.
+
+    `gone` are the paths of keys whose values have faults that are already reported. These keys do not count as missing.
+    """
+    if not isinstance(node, Mapping):
+        _no_mapping(node, sink)
+        return None
+    recipe, faults = judge(node)
+    if recipe is not None:
+        return Recovered(recipe, node, frozenset())
+    _report((each for each in faults if not _follows(each, node, gone)), node, sink)
+    return recover(node, faults, judge)
+
+
+def judge(node: Mapping) -> tuple[Recipe | None, list[Fault]]:
+    """Return the recipe of a located tree, or None and all of its faults."""
+    early: list[Fault] = []
+    data = raw(node, early)
+    recipe: Recipe | None = None
+    found: list[Fault] = []
+    most = in_force().faults
+    try:
+        recipe = Recipe.model_validate(data, context=Settings.of(data))
+    except ValidationError as error:
+        found = list(islice(faults(error, data), most + 1))
+        if len(found) > most:  # each takes a search for what was meant; the sink says that there are too many
+            return None, found
+    found += faults_in_place(node, lambda model: judge(model)[1])
+    if not early and not found:
+        return recipe, []
+    version = [fault for fault in found if fault.code == "recipe-version"]
+    remaining = list(_without_misspelt(list(_one_each(early, found))))
+    return None, version or list(_without_strangers(remaining))
+
+
+def _follows(fault: Fault, node: Mapping, gone: Collection[Path]) -> bool:
+    """Whether a fault is about a mapping that lacks something only because that is `gone`."""
+    at = existing_steps(node, _mapping_of(fault))
+    if fault.lacks is not None:
+        return (*at, fault.lacks) in gone
+    if all(each[:-1] != at for each in gone):
+        return False
+    mapping = find(node, at)
+    is_empty = isinstance(mapping, Mapping) and not mapping.entries
+    return fault.code == "missing-key" or (fault.code == "wrong-type" and is_empty)
+
+
+def _no_mapping(node: Node, sink: Sink) -> None:
+    sink.error(
+        "wrong-type",
+        f"a recipe is a mapping, got {kind_of(to_python(node))}",
+        _start(node.span),
+        help="write `recipe: 1` as its first line, and the other keys below",
+    )
+
+
+def _one_each(early: list[Fault], found: list[Fault]) -> Iterable[Fault]:
+    """Yield the faults to report.
+
+    If a place has a fault of its own, then that its value is not an expected one is left out.
+    """
+    unknown = {fault.at for fault in found if fault.key}
+    kept = [fault for fault in early if not any(fault.at[:n] in unknown for n in range(1, len(fault.at) + 1))]
+    settled = {fault.at for fault in kept}
+    yield from kept
+    yield from (fault for fault in found if fault.key or fault.at not in settled)
+
+
+def _without_misspelt(faults: list[Fault]) -> Iterator[Fault]:
+    """Return the faults without those that a misspelled key causes twice, as an unknown and as a missing key."""
+    lacking = {(_mapping_of(fault), fault.lacks): fault for fault in faults if fault.lacks is not None}
+    keys_of: dict[Path, list[str]] = {}
+    for at, key in lacking:
+        keys_of.setdefault(at, []).append(str(key))
+    found: list[Fault] = []
+    for fault in faults:
+        if lacking and fault.code in _UNKNOWN and fault.key:
+            keys = [key for key in keys_of.get(fault.at[:-1], ()) if (fault.at[:-1], key) in lacking]
+            if near := closest(str(fault.at[-1]), keys):
+                del lacking[fault.at[:-1], near[0]]
+                fix = Fix(near[0], str(fault.at[-1]))
+                fault = replace(fault, help=f"write `{near[0]}`", fix=fix)
+        found.append(fault)
+    return (each for each in found if each.lacks is None or (_mapping_of(each), each.lacks) in lacking)
+
+
+def _mapping_of(fault: Fault) -> Path:
+    """Return the mapping that lacks a key."""
+    return fault.at[:-1] if fault.beside else fault.at
+
+
+def _without_strangers(faults: list[Fault]) -> Iterator[Fault]:
+    """Yield the faults, with one instead of several for a mapping that is of another kind or in a wrong place."""
+    strangers: dict[Path, list[Fault]] = {}
+    for fault in faults:
+        if fault.code in _UNKNOWN and fault.key and len(fault.at) > 1:
+            strangers.setdefault(fault.at[:-1], []).append(fault)
+    several = {at: found for at, found in strangers.items() if len(found) >= _SEVERAL}
+    for fault in faults:
+        first, *others = several.get(fault.at[:-1], [fault]) if fault.code in _UNKNOWN else [fault]
+        if fault is first and others:
+            keys = ", ".join(f"`{each.at[-1]}`" for each in others)
+            note = Note(f"the same is true of {keys}")
+            help = "is it in the right section? its indentation says to what it belongs"
+            yield replace(fault, notes=(note, *fault.notes), help=help, fix=None)
+        elif fault is first and not (fault.code == "missing-key" and fault.at in several):
+            yield fault
+
+
+def _report(faults: Iterable[Fault], node: Mapping, sink: Sink) -> None:
+    for fault in faults:
+        related = (Note(message, locate(node, at, key=True)) for message, at in fault.related)
+        notes = (*fault.notes, *related)
+        message, span = fault.message, _span(node, fault.at, fault.key)
+        if fault.within is not None:
+            line, column, width = fault.within
+            text = find(node, fault.at)
+            if isinstance(text, Scalar) and text.block is not None:
+                line, column = line + text.block[0] - 1, column + text.block[1] - 1
+                span = Span(span.file, line, column, end_line=line, end_column=column + width)
+            else:
+                message = f"line {line} of the fragment: {message}"
+        sink.error(fault.code, message, span, notes=notes, help=fault.help, fix=fault.fix)
+
+
+def _span(node: Mapping, path: Path, key: bool) -> Span:
+    return _start(node.span) if not path else locate(node, path, key=key)
+
+
+def _start(span: Span) -> Span:
+    return Span(span.file, span.line, span.column)

@@ -1,0 +1,326 @@
+"""The value of one attribute, checked by the grammar, with advice for what is almost right."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Collection
+from typing import Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Fault, Fix, Note, Path
+from mjcompose.base.suggest import advised, exists_note
+from mjcompose.language.form import Value, is_unprintable, kind_of, shown, unprintable
+from mjcompose.model.grammar import Attribute, ElementType, number_text
+from mjcompose.model.values import Refusal, check_number, check_python, expected, items, parse_real
+from mjcompose.text.expression_values import Angle
+
+_SUBSCRIPT = re.compile(r"([^\[\]]+)\[([0-9]{1,4})\]")
+
+
+def attribute_and_index(name: str) -> tuple[str, int | None]:
+    """Return the attribute that a key names, and the index of one of its numbers, or None for all of them.
+
+    >>> attribute_and_index("friction[0]"), attribute_and_index("pos")
+    (('friction', 0), ('pos', None))
+    """
+    found = _SUBSCRIPT.fullmatch(name)
+    return (name, None) if found is None else (found[1], int(found[2]))
+
+
+FULL_TURN = 6.2832
+
+
+def bare_angle(attribute: Attribute, value: Value, joint: str | None, at: Path, owner: str) -> Fault | None:
+    """Return the fault of a value that is an angle, is not zero, and has no unit. None if there is none.
+
+    `joint` is the type of the joint that has the attribute. If it is None, attributes of joints are not judged: the
+    caller has to look at their classes.
+    """
+    items = value if isinstance(value, tuple) else (value,)
+    bare = [index for index in angle_places(attribute, len(items), joint) if _is_bare(items[index])]
+    if not bare:
+        return None
+    # A number with decimals that is at most a full turn in radians is most likely in radians.
+    radians = any(not float(items[i]).is_integer() and abs(float(items[i])) <= FULL_TURN for i in bare)  # type: ignore[arg-type]
+    unit, name = ("rad", "radian") if radians else ("deg", "degree")
+    with_unit: list[Any] = [
+        f"{shown(item)}{unit}" if index in bare else item for index, item in enumerate(items)
+    ]
+    instead = shown(with_unit) if isinstance(value, tuple) else with_unit[0]
+    alone = len(bare) == 1 and isinstance(value, tuple)
+    clear = radians or any(abs(float(items[i])) > FULL_TURN for i in bare)  # type: ignore[arg-type]
+    return Fault(
+        "bare-angle",
+        f"`{attribute.name}` of {owner} is an angle without a unit",
+        (*at, bare[0]) if alone else at,
+        help=f"write `{attribute.name}: {instead}`, or `angle: {name}` at the top of the recipe",
+        fix=Fix(with_unit[bare[0]] if alone else instead) if clear else None,
+    )
+
+
+def angle_places(attribute: Attribute, count: int, joint: str | None) -> range:
+    """Return which numbers of an attribute are angles. `joint` is the type of the joint, for attributes of joints.
+
+    >>> from mjcompose.model.grammar import GRAMMAR
+    >>> angle_places(GRAMMAR.element("site").attributes["axisangle"], 4, None)
+    range(3, 4)
+    """
+    if attribute.angle in ("orientation-euler", "replicate"):
+        return range(count)
+    if attribute.angle == "orientation-axisangle":
+        return range(3, count)
+    if attribute.angle == "joint" and (joint == "hinge" or (joint == "ball" and attribute.name == "range")):
+        return range(count)
+    return range(0)
+
+
+def _is_bare(item: object) -> bool:
+    """Return whether a value is a number other than zero and has no unit."""
+    return isinstance(item, int | float) and item != 0
+
+
+_WORDS = {"yes": "true", "on": "true", "no": "false", "off": "false"}
+_SWITCHES = {
+    **dict.fromkeys(("true", "yes", "on", "enabled", "1"), "enable"),
+    **dict.fromkeys(("false", "no", "off", "disabled", "0"), "disable"),
+}
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_WITH_UNIT = re.compile(rf"({_NUMBER})\s*([a-zA-Zµ]+)")
+# How other tools write `${…}`.
+_TEMPLATE = re.compile(r"\$?[{(]{1,2}\s*([A-Za-z_][^{}()]*)[})]{1,2}|\$(\w+)")
+_PI = re.compile(rf"([-+])?(?:({_NUMBER})\s*\*\s*)?(?:np\.|math\.)?pi(?:\s*/\s*({_NUMBER}))?", re.IGNORECASE)
+# The divisor of a number in that unit, and the unit that MJCF expects.
+_UNITS = {
+    "mm": (1e3, "metres"), "cm": (1e2, "metres"), "m": (1, "metres"),
+    "us": (1e6, "seconds"), "µs": (1e6, "seconds"), "ms": (1e3, "seconds"), "s": (1, "seconds"),
+    "g": (1e3, "kilograms"), "kg": (1, "kilograms"), "N": (1, "newtons"), "Nm": (1, "newton metres"),
+}  # fmt: skip
+_FORMS = {
+    "pos": "[x, y, z]", "axis": "[x, y, z]", "zaxis": "[x, y, z]", "dir": "[x, y, z]", "anchor": "[x, y, z]",
+    "gravity": "[x, y, z]", "quat": "[w, x, y, z]", "axisangle": "[x, y, z, angle]",
+    "xyaxes": "[x, y, z, x, y, z], the x axis and then the y axis",
+    "fromto": "[x, y, z, x, y, z], one end and then the other",
+    "rgba": "[red, green, blue, opacity], each from 0 to 1",
+    "range": "[lower, upper]", "ctrlrange": "[lower, upper]", "forcerange": "[lower, upper]",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Advice:
+    """A help line, and the exact text that it recommends, if there is one."""
+
+    help: str
+    text: str | None = None
+
+    @property
+    def fix(self) -> Fix | None:
+        return None if self.text is None else Fix(self.text)
+
+
+def form_of(attribute: Attribute) -> str | None:
+    """Return how the numbers of an attribute are written, for attributes that are often written wrongly."""
+    form = _FORMS.get(attribute.name)
+    count = len(form.split("]")[0].split(",")) if form else 0
+    return form if attribute.type == "real" and attribute.max_length == count else None
+
+
+def instead(attribute: Attribute, value: object) -> Advice | None:
+    """Return what to write instead of a value, or None if that is not known.
+
+    It knows `'0.5'`, `90 deg`, `45°`, `pi/2`, `10cm`, `yes` and the like.
+    """
+    word = shown(value)
+    if attribute.type == "bool" or "true" in attribute.keywords:
+        # YAML 1.1 reads `yes` and `on` as booleans; YAML 1.2 has only `true` and `false`.
+        return _write(_WORDS.get(word.lower()) if isinstance(value, str) else None)
+    if set(attribute.keywords) == {"enable", "disable"}:
+        return _write(_SWITCHES.get(word.lower()))
+    if not attribute.is_number:
+        return None
+    advice = _number(attribute, value) if isinstance(value, str) else None
+    form = form_of(attribute)
+    return advice or (Advice(f"write `{attribute.name}: {form.replace(']', ']`', 1)}") if form else None)
+
+
+def item_instead(attribute: Attribute, item: object) -> Advice | None:
+    """Return what to write instead of one number of a list, or None if that is not known."""
+    if not isinstance(item, str):
+        return None
+    parts = items(item.replace(";", " "))
+    if len(parts) > 1 and all(parse_real(part) is not None for part in parts):
+        listed = ", ".join(parts)
+        return Advice(f"write commas between them: `{listed}`", listed)
+    return _number(attribute, item)
+
+
+def _number(attribute: Attribute, text: str) -> Advice | None:
+    if found := _TEMPLATE.fullmatch(text.strip()):
+        expression = f'"${{{(found[1] or found[2]).strip()}}}"'
+        return Advice(f"an expression is written `{expression}`", expression)
+    if parse_real(text) is not None:
+        return Advice(f"write `{text}` without quotes", text.strip())
+    if attribute.type != "real":
+        return None
+    near = text.replace("°", "deg").replace("degrees", "deg").replace("radians", "rad").replace(" ", "")
+    if near != text and Angle.read(near):
+        return _write(near)
+    if found := _PI.fullmatch(text.strip()):
+        sign, times, over = found.groups()
+        degrees = 180 * float(times or 1) / (float(over or 1) or math.nan)
+        return None if math.isnan(degrees) else _write(f"{sign or ''}{number_text(round(degrees, 9))}deg")
+    return without_unit(text)
+
+
+def without_unit(text: str) -> Advice | None:
+    """Return what to write instead of `10cm`, `2ms` or `5kg`, or None for any other text."""
+    found = _WITH_UNIT.fullmatch(text.strip())
+    if found is None or found[2] not in _UNITS:
+        return None
+    per, unit = _UNITS[found[2]]
+    number = number_text(float(found[1]) / per)
+    return Advice(f"write `{number}`: numbers have no unit but `deg` and `rad`, {unit} are usual", number)
+
+
+def _write(text: str | None) -> Advice | None:
+    return None if text is None else Advice(f"write `{text}`", text)
+
+
+def without_space(text: str, keys: Collection[str]) -> str | None:
+    """Return key and value of a text in which the space between them is missing, or None.
+
+    >>> without_space("model:./arm.xml", ["model"])
+    'model: ./arm.xml'
+    """
+    key, colon, value = text.partition(":")
+    return f"{key}: {value}" if colon and value and key in keys else None
+
+
+def element_instead(kind: ElementType, value: object) -> str | None:
+    """Return the mapping to write instead of a single value such as `sphere` or `./bracket.stl`, or None."""
+    if isinstance(value, list):
+        return "leave out the `-` or the brackets: this is one mapping"
+    if not isinstance(value, str):
+        return None
+    if value.lstrip().startswith("<"):
+        return "write a fragment of MJCF as `{xml: …}`"
+    if spaced := without_space(value, kind.attributes):
+        return f"put a space behind the colon: `{spaced}`"
+    for attribute in kind.attributes.values():
+        if value in attribute.keywords or (attribute.type == "file" and "." in value):
+            return f"write `{{{attribute.name}: {value}}}`"
+    return "write a mapping from attributes to values: `{…: …}`"
+
+
+def read_value(attribute: Attribute, value: Any, at: Path, owner: str, faults: list[Fault]) -> Value | None:
+    """Return the value with lists as tuples, or None after a reported fault.
+
+    `owner` is the element of the attribute in messages. An `Angle` is allowed for any real number.
+    """
+    subject = f"`{attribute.name}` of {owner}"
+    if isinstance(value, dict):
+        faults.append(Fault("wrong-type", f"{subject} expects {expected(attribute)}, got a mapping", at))
+        return None
+    if isinstance(value, list):
+        return _read_list(attribute, value, at, subject=subject, faults=faults)
+    read = _angle(attribute, value)
+    answer = check_python(attribute, read.value if isinstance(read, Angle) else read)
+    if answer is not None:
+        faults.append(_fault(attribute, value, answer, code=_code(attribute, read), at=at, subject=subject))
+        return None
+    return read if _printable(attribute, read, at, subject=subject, faults=faults) else None
+
+
+def _read_list(
+    attribute: Attribute, value: list[Any], at: Path, subject: str, faults: list[Fault]
+) -> Value | None:
+    items: list[Any] = [_angle(attribute, item) for item in value]
+    several = attribute.is_number and attribute.max_length != 1
+    if several:
+        # Each number is checked alone, so that a fault points at the number and not at the whole list.
+        before = len(faults)
+        for index, item in enumerate(items):
+            number = item.value if isinstance(item, Angle) else item
+            if check_number(attribute, number) is not None:
+                faults.append(_item_fault(attribute, item, (*at, index), subject=subject))
+        if len(faults) > before:
+            return None
+    answer = check_python(attribute, [item.value if isinstance(item, Angle) else item for item in items])
+    if answer is not None:
+        code = "wrong-length" if several else _list_code(attribute, items)
+        faults.append(_fault(attribute, value, answer, code=code, at=at, subject=subject))
+        return None
+    for index, item in enumerate(items):
+        if not _printable(attribute, item, (*at, index), subject=subject, faults=faults):
+            return None
+    return tuple(items)
+
+
+def _angle(attribute: Attribute, value: Any) -> Any:
+    if attribute.type != "real" or not isinstance(value, str):
+        return value
+    return Angle.read(value) or value
+
+
+def _code(attribute: Attribute, value: object) -> str:
+    """Return the error code for a single value that the grammar refused."""
+    if attribute.is_number:
+        return "wrong-length" if isinstance(value, Angle) else _number_code(attribute, value)
+    if attribute.type in ("keyword", "keywords") and isinstance(value, str | bool | int):
+        return "wrong-keyword"
+    return "wrong-length" if attribute.type == "chars" and isinstance(value, str) else "wrong-type"
+
+
+def _number_code(attribute: Attribute, value: object) -> str:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return "wrong-type"
+    if attribute.type == "int" and isinstance(value, float) and not value.is_integer():
+        return "wrong-type"
+    return "out-of-range" if check_number(attribute, value) else "wrong-length"
+
+
+def _list_code(attribute: Attribute, items: list[Any]) -> str:
+    """Return the error code for a list that the grammar refused, for another reason than a single number."""
+    if attribute.type == "keywords" and items and all(isinstance(item, str | bool | int) for item in items):
+        return "wrong-keyword"
+    return "wrong-length" if attribute.separated and not items else "wrong-type"
+
+
+def _item_fault(attribute: Attribute, item: object, at: Path, subject: str) -> Fault:
+    code = _number_code(attribute, item)
+    noun = "integers" if attribute.type == "int" else "numbers"
+    wanted = f"{noun} of 32 bits" if code == "out-of-range" else noun
+    advice = item_instead(attribute, item)
+    message = f"{subject} expects {wanted}, got {kind_of(item)}"
+    return (
+        Fault(code, message, at)
+        if advice is None
+        else Fault(code, message, at, help=advice.help, fix=advice.fix)
+    )
+
+
+def _fault(attribute: Attribute, value: Any, answer: Refusal, code: str, at: Path, subject: str) -> Fault:
+    """Return the grammar's answer as a fault."""
+    advice = None if answer.advice else instead(attribute, value)
+    help = answer.advice if advice is None else advice.help
+    notes: tuple[Note, ...] = ()
+    fix = None if advice is None else advice.fix
+    if code == "wrong-keyword":
+        words = value if isinstance(value, list) else [value]
+        wrong = next((text for text in map(shown, words) if text not in attribute.keywords), None)
+        if wrong is not None:
+            near, renamed = advised(wrong, attribute.keywords)
+            if near is not None:
+                help, fix = near, renamed if value == wrong else None
+            if answer.unknown is not None and not answer.lists_keywords:
+                notes = (exists_note("keyword", attribute.keywords, wrong),)
+    elif answer.instead is not None:
+        help, fix = f"write `{attribute.name}: {answer.instead}`", Fix(answer.instead)
+    return Fault(code, f"{subject} {answer.message}", at, notes=notes, help=help, fix=fix)
+
+
+def _printable(attribute: Attribute, value: object, at: Path, subject: str, faults: list[Fault]) -> bool:
+    if not isinstance(value, str) or not is_unprintable(value):
+        return True
+    faults.append(unprintable(subject, at, name=attribute.type in ("name", "reference", "references")))
+    return False

@@ -1,0 +1,360 @@
+"""The definition of a verb of `edit`, and how its values are checked.
+
+The JSON Schema of the attributes that `edit` can change, by the tag of the selector.
+
+For rare tags, any attribute is accepted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, TypeAlias
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Fault, Path
+from mjcompose.base.suggest import closest
+from mjcompose.language.element_schema import TEMPLATE_PATTERN, attribute_schema
+from mjcompose.language.form import EXCLUSIVE, Schema, definition, kind_of, reference, shown
+from mjcompose.language.placing import ORIENTATIONS
+from mjcompose.language.select import check_template, kinds_of, unknown_attribute
+from mjcompose.language.value import attribute_and_index, bare_angle, read_value
+from mjcompose.model.grammar import GRAMMAR, Attribute, ElementType
+from mjcompose.model.selector import Selector, paths_of
+from mjcompose.text.expression_values import Angle
+from mjcompose.text.node import is_template
+
+MASS = "mass"
+
+
+@dataclass(slots=True)
+class Checker:
+    """Checks the values of `set`, `scale` and `offset`. With `bare_angles`, angles without a unit are allowed."""
+
+    bare_angles: bool
+    faults: list[Fault]
+
+    def attributes(self, verb: str, value: Mapping[str, Any], selector: Selector | None, at: Path) -> None:
+        """Check the mapping that `set`, `scale` or `offset` is given."""
+        kinds = () if selector is None else kinds_of(selector.tag)
+        self._attributes(verb, value, kinds, tag=selector.tag if selector else "", at=at)
+
+    def _attributes(
+        self, verb: str, value: Mapping[str, Any], kinds: tuple[ElementType, ...], tag: str, at: Path
+    ) -> None:
+        turned = [name for name in value if name in ORIENTATIONS]
+        if len(turned) > 1 and verb == "set":
+            message = f"`{tag}` can have one orientation, and there are `{turned[0]}` and `{turned[1]}`"
+            self.faults.append(Fault(EXCLUSIVE, message, (*at, turned[1]), key=True,
+                                     help=f"leave `{turned[0]}` or `{turned[1]}` out"))  # fmt: skip
+        for name, item in value.items():
+            path = (*at, name)
+            below = tuple(kind.children[name] for kind in kinds if name in kind.children)
+            if isinstance(item, dict) and (below or not kinds):
+                self._attributes(verb, item, below, tag=name, at=path)
+                continue
+            attribute, index = attribute_and_index(name)
+            if any(kind.path == "body" for kind in kinds) and name == MASS:
+                self._number(item, f"`{MASS}` of `body`", path)
+                continue
+            if attribute == "name" and kinds and kinds[0].path != "default":
+                self.faults.append(Fault("unknown-key", f"`{verb}` cannot change a name", path, key=True,
+                                         help="write `rename: …`, which every reference follows"))  # fmt: skip
+                continue
+            fitting = [kind.attributes[attribute] for kind in kinds if attribute in kind.attributes]
+            if kinds and not fitting:
+                self.faults.append(self.unknown(attribute, tag, kinds, at=path))
+                continue
+            self.value(verb, fitting, index, value=item, tag=tag, at=path)
+
+    def unknown(self, name: str, tag: str, kinds: tuple[ElementType, ...], at: Path) -> Fault:
+        """Return the fault of a name that is not an attribute of what is selected."""
+        if all(kind.path == "default" or kind.tag == "default" for kind in kinds):
+            known = [child for child in kinds[0].children if child != "default"]
+            near = closest(name, known)
+            help = f"write the tag first: `{{{near[0] if near and name in known else 'geom'}: {{…}}}}`"
+            message = f"`{name}` is not a tag that a class can have settings for"
+            return Fault("unknown-element", message, at, key=True, help=help)
+        return unknown_attribute(name, tag, kinds, at=at)
+
+    def value(
+        self, verb: str, fitting: list[Attribute], index: int | None, value: Any, tag: str, at: Path
+    ) -> None:
+        """Check the value of one attribute, or of one of its numbers."""
+        subject = f"`{tag}`"
+        if not self._templates(value, at):
+            return
+        if index is not None or verb != "set":
+            self._arithmetic(verb, fitting, index, value=value, tag=tag, at=at)
+            return
+        if isinstance(value, dict):
+            self.faults.append(
+                Fault("wrong-type", f"`{at[-1]}` of {subject} expects a value, got a mapping", at)
+            )
+            return
+        tried: list[list[Fault]] = []
+        for attribute in fitting:
+            sample = _sample(attribute, value)
+            if sample is None:
+                return
+            found: list[Fault] = []
+            read = read_value(attribute, sample, at, owner=subject, faults=found)
+            if read is not None and not found and sample == value and not self.bare_angles:
+                bare = bare_angle(attribute, read, None, at=at, owner=subject)
+                found += [bare] if bare is not None else []
+            if not found:
+                return
+            tried.append(found)
+        self.faults += tried[0] if tried else []
+
+    def _arithmetic(
+        self, verb: str, fitting: list[Attribute], index: int | None, value: Any, tag: str, at: Path
+    ) -> None:
+        subject = f"`{at[-1]}` of `{tag}`"
+        numeric = [each for each in fitting if each.is_number]
+        if fitting and not numeric:
+            message = f"{subject} is not a number, which `{verb}` needs"
+            if index is not None:
+                message = f"`{fitting[0].name}` of `{tag}` has no numbers that could be counted"
+            self.faults.append(Fault("wrong-type", message, at, key=True))
+            return
+        lengths = [each.max_length for each in numeric]
+        if index is not None and numeric and all(most is not None and index >= most for most in lengths):
+            most = max(each for each in lengths if each is not None)
+            message = f"{subject} does not exist: `{numeric[0].name}` has {most} number{'s' * (most != 1)}"
+            self.faults.append(Fault("wrong-length", message, at, key=True, help="the first number is `[0]`"))
+            return
+        if isinstance(value, list) and index is None:
+            if numeric and all(most is not None and len(value) > most for most in lengths):
+                message = f"{subject} has {max(filter(None, lengths))} numbers, got {len(value)}"
+                self.faults.append(Fault("wrong-length", message, at))
+            for position, item in enumerate(value):
+                self._number(item, subject, (*at, position), angle=verb != "scale")
+            return
+        self._number(value, subject, at, angle=verb != "scale")
+
+    def _number(self, value: Any, subject: str, at: Path, angle: bool = False) -> None:
+        if isinstance(value, str) and is_template(value):
+            check_template(value, at, self.faults)
+            return
+        if isinstance(value, str) and angle and Angle.read(value) is not None:
+            return
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            self.faults.append(Fault("wrong-type", f"{subject} expects a number, got {kind_of(value)}", at))
+
+    def _templates(self, value: Any, at: Path) -> bool:
+        """Return whether every `${…}` can be parsed."""
+        if isinstance(value, list):
+            sound = [self._templates(item, (*at, index)) for index, item in enumerate(value)]
+            return all(sound)
+        if isinstance(value, str) and is_template(value):
+            return check_template(value, at, self.faults) is not None
+        return True
+
+
+def _sample(attribute: Attribute, value: Any) -> Any:
+    """Return a value of the same form without `${…}`, or None if only the model shows whether it fits."""
+    if isinstance(value, list):
+        items = [1 if _computed(item) and attribute.is_number else item for item in value]
+        return None if any(map(_computed, items)) else items
+    return None if _computed(value) else value
+
+
+def _computed(value: Any) -> bool:
+    return isinstance(value, str) and is_template(value)
+
+
+Changed: TypeAlias = Iterable[tuple[str | None, str]]
+"""Attributes, each with its tag, or None where the selector does not say the tag."""
+
+
+@dataclass(frozen=True, slots=True)
+class Selected:
+    """What a verb is applied to: the selector, or None if it has a fault, and the verb's path in the recipe."""
+
+    selector: Selector | None
+    at: Path
+    checker: Checker
+
+    @property
+    def tag(self) -> str:
+        return self.selector.tag if self.selector else ""
+
+    @property
+    def kinds(self) -> tuple[ElementType, ...]:
+        """Return the elements that the selector's tag means, or none if it does not say."""
+        return kinds_of(self.selector.tag) if self.selector else ()
+
+    def add(self, fault: Fault) -> None:
+        self.checker.faults.append(fault)
+
+
+@dataclass(frozen=True, slots=True)
+class Verb:
+    """A verb, as a recipe writes it. What carries it out is in `composer/mjcompose/build/verbs`.
+
+    `description` is for editors and the reference page. `read` returns the value as `Edit` keeps it, and reports
+    faults. `words` returns the value on one line, for `plan` and `explain`. `changes` returns which attributes
+    follow from the value, if the selector has a tag. It is None for a verb that makes or removes elements, after
+    which a part cannot be compared with its source. `schema` is the JSON Schema of the value; `schema_of_tag` has
+    further conditions if the selector has a tag, and `schema_of_classes` if it selects default classes. A verb that
+    is `alone` cannot be combined with others.
+    """
+
+    name: str
+    description: str
+    read: Callable[[Any, Selected], Any]
+    words: Callable[[Any], str]
+    changes: Callable[[str | None, Any], Changed] | None
+    schema: Callable[[], Schema]
+    schema_of_tag: Callable[[str], Schema] | None = None
+    schema_of_classes: Callable[[], Schema] | None = None
+    alone: bool = False
+
+
+def read_mapping(name: str, value: Any, example: str, selected: Selected) -> dict[str, Any] | None:
+    """Return the value of a verb that must be a mapping with entries, or None after a reported fault."""
+    if isinstance(value, dict) and value:
+        return value
+    message = f"`{name}` expects a mapping, got {kind_of(value) if value != {} else 'an empty one'}"
+    selected.add(Fault("wrong-type", message, selected.at, help=f"write `{name}: {example}`"))
+    return None
+
+
+def with_values(value: Mapping[str, Any], but: str) -> str:
+    """Return all entries of a mapping but one, as the end of a line.
+
+    >>> with_values({"to": "motor", "gear": [2]}, "to")
+    ' with gear = [2]'
+    """
+    given = [f"{name} = {shown(each)}" for name, each in value.items() if name != but]
+    return f" with {', '.join(given)}" if given else ""
+
+
+def flat(written: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
+    """Yield the values of a mapping and of mappings inside it, by their paths."""
+    for name, value in written.items():
+        if isinstance(value, Mapping):
+            yield from flat(value, f"{above}{name}.")
+        else:
+            yield above + name, shown(value)
+
+
+_CLASSES = "default"
+
+
+def assigning(name: str, sign: str, description: str, values: str) -> Verb:
+    """Return a verb that gives attributes new values.
+
+    `sign` is written between attribute and value in words. `values` is the kind of definition of the values in the
+    JSON Schema.
+    """
+
+    def words(value: Mapping[str, Any]) -> str:
+        return f"{name} {', '.join(f'{attribute} {sign} {each}' for attribute, each in flat(value))}"
+
+    def of_tag(tag: str) -> Schema:
+        return reference(f"{values}:{tag}")
+
+    return Verb(
+        name,
+        description,
+        _reader(name),
+        words=words,
+        changes=_changes,
+        schema=lambda: {"type": "object", "minProperties": 1},
+        schema_of_tag=of_tag,
+        schema_of_classes=_of_classes,
+    )
+
+
+def _reader(name: str) -> Callable[[Any, Selected], dict[str, Any]]:
+    def read(value: Any, selected: Selected) -> dict[str, Any]:
+        given = read_mapping(name, value, "{ATTRIBUTE: VALUE}", selected=selected)
+        if given is None:
+            return {}
+        selected.checker.attributes(name, given, selected.selector, at=selected.at)
+        return dict(given)
+
+    return read
+
+
+def _changes(tag: str | None, value: Mapping[str, Any]) -> Changed:
+    for name, each in value.items():
+        if isinstance(each, Mapping):  # of a class or of a section
+            yield from ((name, attribute_and_index(inner)[0]) for inner in each)
+        else:
+            yield tag, attribute_and_index(name)[0]
+
+
+def _of_classes() -> Schema:
+    rows = [tag for tag in GRAMMAR.section(_CLASSES).children if tag != _CLASSES]
+    return {"propertyNames": {"enum": rows}, "additionalProperties": {"type": "object"}}
+
+
+# The tags that people edit. Each further one makes the schema longer.
+TAGS = (
+    "body", "frame", "geom", "site", "joint", "freejoint", "camera", "light", "inertial", "mesh", "material", "texture",
+    "hfield", "skin", "exclude", "pair", "actuator", "equality", "tendon", "sensor",
+)  # fmt: skip
+
+
+@definition("settable")
+def settable(tag: str) -> Schema:
+    """Return the schema of a mapping from the attributes of a tag, and from single numbers of them, to their values."""
+    found: dict[str, Schema] = {}
+    for name, attributes in attributes_of(tag).items():
+        schemas = [attribute_schema(each) for each in attributes]
+        same = all({**each, "description": ""} == {**schemas[0], "description": ""} for each in schemas)
+        found[name] = schemas[0] if same else {"description": schemas[0].get("description", "")}
+    return _numbered(tag, found, reference("number"))
+
+
+@definition("scalable")
+def scalable(tag: str) -> Schema:
+    """Return the schema of a mapping from attributes that are numbers to factors or offsets."""
+    found = {
+        name: {**reference("amount"), "description": attributes[0].doc}
+        for name, attributes in attributes_of(tag).items()
+        if any(each.is_number for each in attributes)
+    }
+    return _numbered(tag, found, reference("amount"))
+
+
+def _numbered(tag: str, properties: dict[str, Schema], number: Schema) -> Schema:
+    if tag == "body":
+        properties[MASS] = {**reference("number"), "description": "the body's whole inertia, in proportion"}
+    several = [
+        name
+        for name, attributes in attributes_of(tag).items()
+        if any(each.is_number and each.max_length != 1 for each in attributes)
+    ]
+    schema: Schema = {
+        "type": "object",
+        "properties": properties,
+        "additionalProperties": False,
+        "minProperties": 1,
+    }
+    if several:
+        schema["patternProperties"] = {rf"^({'|'.join(several)})\[[0-9]+\]$": number}
+    return schema
+
+
+def attributes_of(tag: str) -> dict[str, list[Attribute]]:
+    """Return the attributes of all elements that a tag means, except for names, which `rename` changes."""
+    found: dict[str, list[Attribute]] = {}
+    for path in sorted(paths_of(tag)):
+        for each in GRAMMAR.element(path).attributes.values():
+            if each.name != "name":
+                found.setdefault(each.name, []).append(each)
+    return found
+
+
+@definition("amount")
+def amount(_: str) -> Schema:
+    """Return the schema of a number, a list of them, or an expression of `${value}`."""
+    return {
+        "type": ["number", "string", "array"],
+        "pattern": TEMPLATE_PATTERN,
+        "items": reference("number"),
+        "patternErrorMessage": "expected a number, a list of numbers, or ${…}",
+    }

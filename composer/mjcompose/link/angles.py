@@ -1,0 +1,442 @@
+"""Passes: one unit of angle and one Euler sequence, and flexes that keep their place.
+
+Pass: one unit of angle and one Euler sequence for the whole model.
+
+The model is in degrees only if every unit is; otherwise it is in radians. MuJoCo's own arithmetic converts degrees
+to radians, so the values stay identical to the bit; the conversion from radians to degrees cannot guarantee that.
+
+Passes: a `<flexcomp>` in the world of a unit, with its joint defaults and a `quat` that stretches it.
+
+MuJoCo gives a flex the joint defaults of its body, or those of the top class if the flex is in the world; no frame
+and no class of its own can change that. So the joint settings for a flex in the world stay in the top class, and
+every other class reverts them. A flex that would get other defaults than it has alone is an error.
+
+Directly below a body or the world, MuJoCo takes a `quat` as it is, even if its length is not 1; this stretches the
+flex. Below a frame, such as the frame around a part, MuJoCo normalises it. The difference is reported, and is an
+error from 0.1 % on.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import cast
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from mjcompose.base.diagnostic import Note
+from mjcompose.base.rotation import normalise, quat_from_euler
+from mjcompose.link import numbers
+from mjcompose.link.linking import Flex, Linking, Part
+from mjcompose.model.classes import (
+    MAIN,
+    NESTED,
+    Classes,
+    DefaultClass,
+    childclass_of,
+    through_frames,
+    written,
+)
+from mjcompose.model.grammar import GRAMMAR, to_text
+from mjcompose.model.unit import Unit
+
+_TURNED = etree.XPath("(worldbody | default)//*[@euler or @axisangle]")
+_LIMITED = "range"
+# Not `fovy` and `cutoff`: MuJoCo 4.0 reads these in degrees under `<compiler angle="radian"/>`, too. Nor the numbers of
+# keys, which are always in radians.
+_ANGULAR = ("range", "ref", "springref", "springyield")
+# A ball has no `ref`: MuJoCo 4.0 starts `<joint type="ball" ref="90"/>` at 1 0 0 0.
+_OF_BALLS = ("range", "springyield")
+
+
+def angles(linking: Linking) -> None:
+    """Rewrite each unit that differs from what the model will say.
+
+    The part is in degrees, MuJoCo's default, and the base is not:
+
+    >>> from mjcompose.link.link import after
+    >>> part = '<worldbody><body euler="180 0 0"><joint range="0 90"/></body></worldbody>'
+    >>> base = '<compiler angle="radian"/>'
+    >>> after(angles, part, base)
+    part: <worldbody><body euler="3.141592653589793 0 0"><joint range="0 1.5707963267948966"/></body></worldbody>
+    """
+    unit, sequence = model_angle(linking), linking.base.settings.eulerseq
+    for part in linking.units:
+        settings = part.settings
+        to_radians = settings.angle == "degree" and unit == "radian"
+        if to_radians or settings.eulerseq != sequence:
+            _orientations(linking, part, to_radians, sequence)
+        if to_radians:
+            _joints(part)
+
+
+def model_angle(linking: Linking) -> str:
+    return linking.angle
+
+
+def _orientations(linking: Linking, unit: Unit, to_radians: bool, sequence: str) -> None:
+    own = unit.settings.eulerseq
+    degrees = unit.settings.angle == "degree"
+    for element in cast(list[Node], _TURNED(unit.root)):
+        euler = element.get("euler")
+        if euler is not None and euler.strip():
+            values = numbers.read(euler)
+            if element.tag == "replicate":
+                _replicate(linking, unit, element, values, sequence, to_radians)
+            elif own != sequence:
+                radians = [numbers.orientation_radians(v) for v in values] if degrees else values
+                del element.attrib["euler"]
+                element.set("quat", numbers.text(quat_from_euler(radians, own)))
+            elif to_radians:
+                element.set("euler", numbers.text(map(numbers.orientation_radians, values)))
+        axisangle = element.get("axisangle")
+        if to_radians and axisangle is not None and axisangle.strip():
+            *axis, angle = axisangle.split()
+            turned = numbers.text([numbers.orientation_radians(*numbers.read(angle))])
+            element.set("axisangle", " ".join([*axis, turned]))
+
+
+def _replicate(
+    linking: Linking, unit: Unit, element: Node, values: list[float], sequence: str, to_radians: bool
+) -> None:
+    """Convert the angles of a replicate.
+
+    A replicate has no quat, but a rotation about one axis is the same in any sequence that has the axis.
+    """
+    own = unit.settings.eulerseq
+    # The schema has no `quat` for a `<replicate>`, so that a turn about several axes cannot be written in another
+    # sequence: `euler="90 90 0"` is 0.5 0.5 0.5 0.5 in `xyz` and 0.5 0.5 0.5 -0.5 in `XYZ`.
+    if to_radians:
+        values = [numbers.orientation_radians(value) for value in values]
+    if own != sequence:
+        moved = in_sequence(values, own, sequence)
+        if moved is None:
+            linking.sink.error(
+                "compiler-setting",
+                f"`<replicate>` turns about several axes in the sequence `{own}`, the model reads `{sequence}`",
+                linking.span(unit, element),
+                help="give each axis a `<replicate>` of its own",
+            )
+            return
+        values = moved
+    element.set("euler", numbers.text(values))
+
+
+def in_sequence(values: Sequence[float], own: str, sequence: str) -> list[float] | None:
+    """Convert angles from the sequence `own` to another one. Return None if they turn about several axes.
+
+    >>> in_sequence([20, 0, 0], "xyz", "zyx")
+    [0.0, 0.0, 20]
+    """
+    turning = [at for at, value in enumerate(values) if value]
+    letters = sequence.lower()
+    if len(turning) > 1 or (turning and own[turning[0]].lower() not in letters):
+        return None
+    moved = [0.0, 0.0, 0.0]
+    for at in turning:
+        moved[letters.index(own[at].lower())] = values[at]
+    return moved
+
+
+def _joints(unit: Unit) -> None:
+    """Convert the ranges and references of hinges, and the ranges of balls, to radians wherever they are written.
+
+    A class may give one value to hinges and to slides: then each hinge gets the converted value on itself.
+    """
+    # MuJoCo 4.0 turns a range only if it limits the joint: `<joint range="-90 90" limited="false"/>` keeps -90 90 in
+    # `jnt_range`. One class may serve both kinds: of `<joint range="0 90"/>` a hinge takes 1.5708 and a slide 90.
+    classes = unit.classes
+    in_classes = {
+        str(name)
+        for section in unit.root.iterchildren("default")
+        for joint in section.iter("joint")
+        for name in joint.keys()  # noqa: SIM118 (an element is not a mapping)
+    }
+    given: dict[tuple[Node, str], list[tuple[Node, bool]]] = {}
+    own: list[tuple[Node, str]] = []
+    for joint in _joints_of_bodies(unit.root):
+        childclass = childclass_of(joint)
+        for attribute in _ANGULAR:
+            writer: Node | None = joint
+            if written(joint, attribute) is None:
+                writer = _writer(joint, classes, childclass, attribute) if attribute in in_classes else None
+            if writer is None:
+                continue
+            turns = _is_angle(unit, classes, joint, childclass, attribute)
+            if writer is joint:
+                if turns:
+                    own.append((joint, attribute))
+            else:
+                given.setdefault((writer, attribute), []).append((joint, turns))
+    for flex, body in _flexes(unit.root) if in_classes else ():
+        for attribute in _ANGULAR:
+            writer = _writer(body, classes, body.get("childclass") or childclass_of(body), attribute)
+            if writer is not None:
+                given.setdefault((writer, attribute), []).append((flex, False))
+    own += _of_classes(given)
+    own += [each for each in _in_unused_classes(unit) if each not in given]
+    for element, attribute in own:
+        _convert(element, attribute, numbers.joint_radians)
+
+
+def _of_classes(given: Mapping[tuple[Node, str], list[tuple[Node, bool]]]) -> Iterator[tuple[Node, str]]:
+    """Yield the angles that classes give to joints: in the class, or on the joints if only some have angles."""
+    for (writer, attribute), users in given.items():
+        if all(turns for _, turns in users):
+            yield writer, attribute
+            continue
+        for joint, turns in users:
+            if turns:
+                joint.set(attribute, str(writer.get(attribute)))
+                yield joint, attribute
+
+
+def _in_unused_classes(unit: Unit) -> Iterator[tuple[Node, str]]:
+    """Yield the angles of classes that no joint uses yet. A joint that is added later reads them in degrees."""
+    for section in unit.root.iterchildren("default"):
+        for joint in section.iter("joint"):
+            if joint.get("type") != "slide":
+                yield from ((joint, attribute) for attribute in _ANGULAR if joint.get(attribute))
+
+
+def _joints_of_bodies(root: Node) -> Iterator[Node]:
+    """Yield the joints of bodies, without those in a `<composite>`, which are templates for joints."""
+    for worldbody in root.iterchildren("worldbody"):
+        for joint in worldbody.iter("joint"):
+            parent = joint.getparent()
+            if parent is not None and parent.tag in NESTED:
+                yield joint
+
+
+def _flexes(root: Node) -> Iterator[tuple[Node, Node]]:
+    """Yield every flex, and the body whose joint defaults apply to the slide joints of its vertices."""
+    for flex in root.iter("flexcomp"):
+        body = next(flex.iterancestors("body", "worldbody"), None)
+        if body is not None:
+            yield flex, body
+
+
+def _writer(joint: Node, classes: Classes, childclass: str | None, attribute: str) -> Node | None:
+    """Return the element of a class that sets the joint's value, or None."""
+    inherited = classes.get(str(joint.get("class") or childclass or "") or None).lookup("joint", attribute)
+    return inherited[1] if inherited else None
+
+
+def _is_angle(unit: Unit, classes: Classes, joint: Node, childclass: str | None, attribute: str) -> bool:
+    kind = classes.effective(joint, childclass, "type") or "hinge"
+    if kind != "hinge" and (kind != "ball" or attribute not in _OF_BALLS):
+        return False
+    if attribute != _LIMITED:
+        return True
+    limited = classes.effective(joint, childclass, "limited") or "auto"
+    # MuJoCo 4.0 turns only a range that limits: `<joint range="0 90" limited="false"/>` compiles to 0 90.
+    if limited != "auto":
+        return limited == "true"
+    low, high = [*numbers.read(classes.effective(joint, childclass, "range") or ""), 0.0, 0.0][:2]
+    return unit.settings.autolimits == "true" and low < high
+
+
+def _convert(element: Node, attribute: str, turn: Callable[[float], float]) -> None:
+    value = element.get(attribute)
+    if value and str(value).strip():
+        element.set(attribute, numbers.text(turn(number) for number in numbers.read(str(value))))
+
+
+# What a flex decides itself, or MuJoCo refuses to it. Of a class `c` with `<joint armature="3"/>` MuJoCo 4.0 takes the
+# armature for the vertices in `<body name="b" childclass="c"><flexcomp …/></body>`, and 0 in
+# `<body name="b"><frame childclass="c"><flexcomp …/></frame></body>`.
+_NOT_TAKEN = ("type", "axis", "pos", "damping", "springdamper")
+
+
+def note_flexes(linking: Linking) -> None:
+    """Record the flexes in the worldbodies of the units before the units are joined.
+
+    MuJoCo gives their vertices the joint settings of the top class:
+
+    >>> from mjcompose.link.link import noted
+    >>> part = (
+    ...     '<default><joint armature="2"/></default>'
+    ...     '<worldbody><flexcomp name="f" type="grid" count="2 2 1" spacing="1 1 1"/></worldbody>'
+    ... )
+    >>> noted(note_flexes, part).notes.flexes[0].joint
+    {'armature': '2'}
+    """
+    if not linking.parts:
+        return
+    for unit, part in [(linking.base, None), *((part.unit, part) for part in linking.parts)]:
+        for worldbody in unit.root.iterchildren("worldbody"):
+            found = (child for child in through_frames(worldbody) if child.tag == "flexcomp")
+            linking.notes.flexes.extend(Flex(flex, unit, part, top_joint(unit)) for flex in found)
+
+
+def in_world(linking: Linking) -> Iterator[Flex]:
+    """Yield the recorded flexes that are also in the world of the joined model."""
+    for flex in linking.notes.flexes:
+        part = flex.part
+        if part is None or (part.place.kind == "world" and not part.has_body):
+            yield flex
+
+
+def keep_in_main(linking: Linking, top: Node) -> None:
+    """Write into the top class what a flex in the world needs. The classes of the units undo it."""
+    kept = next((flex.joint for flex in in_world(linking) if flex.joint), None)
+    if kept is None:
+        return
+    linking.notes.main_joint = dict(kept)
+    for wrapped in top.iterchildren("default"):
+        joint = next(wrapped.iterchildren("joint"), None)
+        if joint is None:
+            joint = wrapped.makeelement("joint")
+            wrapped.insert(0, joint)
+        for name, value in taken_back(kept).items():
+            if written(joint, name) is None:
+                joint.set(name, value)
+    top.insert(0, top.makeelement("joint", linking.notes.main_joint))
+
+
+def taken_back(given: Mapping[str, str]) -> dict[str, str]:
+    """Return the joint attributes that undo what the top class sets."""
+    # As many numbers as are given, for the others are MuJoCo's own.
+    undone = {name: _neutral(name).split()[: len(value.split())] for name, value in given.items()}
+    return {name: " ".join(values) for name, values in undone.items() if values}
+
+
+def check_flexes(linking: Linking) -> None:
+    """Refuse a flex whose vertices would get other joint defaults in the model than alone.
+
+    A flex takes the joint defaults of the body around it, which are those of the base here:
+
+    >>> from mjcompose.link.link import after
+    >>> part = (
+    ...     '<default><joint armature="2"/></default>'
+    ...     '<worldbody><flexcomp name="f" type="grid" count="2 2 1" dim="2"/></worldbody>'
+    ... )
+    >>> base = '<worldbody><body><site name="tool"/></body></worldbody>'
+    >>> after(check_flexes, part, base, on="tool")
+    error: the flex of `p/` takes the joint defaults `armature="2"` alone, and here of MuJoCo
+    """
+    for flex in linking.notes.flexes:
+        body = next(flex.element.iterancestors("body"), None)
+        given = linking.notes.main_joint if body is None else _given_by(linking, body)
+        lost = [name for name in given if name in flex.joint and not _neutral(name)]
+        if not _same(given, flex.joint) or lost:
+            _refuse(linking, flex, given)
+        elif flex.part is not None and body is not None and _will_be_set(linking, body):
+            _refuse_set(linking, flex.part, flex)
+
+
+def top_joint(unit: Unit) -> dict[str, str]:
+    """Return the joint settings of a unit's top class that apply to its flexes."""
+    given: dict[str, str] = {}
+    for section in unit.root.iterchildren("default"):
+        for joint in section.iterchildren("joint"):
+            given.update({str(name): str(value) for name, value in joint.items() if value.strip()})
+    return _taken(given)
+
+
+def _given_by(linking: Linking, body: Node) -> dict[str, str]:
+    found = _class_of(linking, body)
+    kind = GRAMMAR.element("default/joint")
+    values = {each: found.lookup("joint", each) for each in kind.attributes}
+    return _taken({each: value[0] for each, value in values.items() if value is not None})
+
+
+def _will_be_set(linking: Linking, body: Node) -> bool:
+    """Return whether the recipe sets joint defaults of the base's top class and the body uses that class."""
+    if "joint" not in linking.request.isolated_tags:
+        return False
+    found: DefaultClass | None = _class_of(linking, body)
+    while found is not None and found.name != linking.base_class:
+        found = found.parent
+    return found is not None
+
+
+def _class_of(linking: Linking, body: Node) -> DefaultClass:
+    return linking.base.classes.get(str(body.get("childclass") or childclass_of(body) or MAIN))
+
+
+def _taken(given: Mapping[str, str]) -> dict[str, str]:
+    return {
+        name: value
+        for name, value in given.items()
+        if name not in _NOT_TAKEN and name != "class" and value.split() != _neutral(name).split()
+    }
+
+
+def _neutral(name: str) -> str:
+    """Return MuJoCo's default value, or an empty text if it cannot be written."""
+    attribute = GRAMMAR.element("default/joint").attributes[name]
+    return "" if attribute.default is None else to_text(attribute, attribute.default)
+
+
+def _same(one: Mapping[str, str], other: Mapping[str, str]) -> bool:
+    return {name: value.split() for name, value in one.items()} == {
+        name: value.split() for name, value in other.items()
+    }
+
+
+def _refuse(linking: Linking, flex: Flex, given: Mapping[str, str]) -> None:
+    part: Part | None = flex.part
+    called = part.called if part is not None else linking.base.label
+    linking.sink.error(
+        "not-supported",
+        f"the flex of `{called}` takes the joint defaults {_shown(flex.joint)} alone, and here {_shown(given)}",
+        linking.span(flex.unit, flex.element),
+        notes=(Note("a flex takes the joint defaults of the body around it, in the world those of `main`"),),
+        help="put the `<flexcomp>` into a `<body>` of its own",
+    )
+
+
+def _refuse_set(linking: Linking, part: Part, flex: Flex) -> None:
+    linking.sink.error(
+        "not-supported",
+        f"the flex of `{part.called}` would take the joint defaults that the recipe sets for `main`: "
+        f"it is attached to the {part.place.kind} `{part.place.name}`",
+        linking.span(flex.unit, flex.element),
+        notes=(Note("a flex takes the joint defaults of the body around it"),),
+        help="put the `<flexcomp>` into a `<body>` of its own",
+        subjects=(part.called, part.place.name),
+    )
+
+
+def _shown(joint: Mapping[str, str]) -> str:
+    return " ".join(f'`{name}="{value}"`' for name, value in joint.items()) or "of MuJoCo"
+
+
+_ROUNDING = 1e-9
+_TOLERABLE = 1e-3
+
+
+def flex_turns(linking: Linking) -> None:
+    """Report changes that frames make to the flexes in the worldbodies of parts.
+
+    A `quat` that a frame would normalise is reported:
+
+    >>> from mjcompose.link.link import after
+    >>> part = (
+    ...     '<worldbody><flexcomp name="f" type="grid" count="2 2 1" dim="2" quat="0 2 0 0"/></worldbody>'
+    ... )
+    >>> after(flex_turns, part)
+    error: the flex of `p/` is turned by a `quat` of length 2: MuJoCo stretches it alone, and not below a frame
+    """
+    for flex in linking.notes.flexes:
+        parent = flex.element.getparent()
+        # In a frame of its own a flex is read the same way alone.
+        if flex.part is None or parent is None or parent.tag != "worldbody":
+            continue
+        quat = numbers.read(str(flex.element.get("quat") or "1 0 0 0"))
+        length = math.hypot(*quat)
+        # Of a number that stands alone MuJoCo 4.0 makes no turn, and so nothing to stretch: `quat="2 0 0 0"` leaves
+        # vertices at 0.5 that `quat="0 2 0 0"` takes to 3.5.
+        if len(quat) != 4 or not any(quat[1:]) or abs(length - 1) < _ROUNDING:
+            continue
+        report = linking.sink.error if abs(length - 1) > _TOLERABLE else linking.sink.warning
+        w, x, y, z = quat
+        report(
+            "not-supported",
+            f"the flex of `{flex.part.called}` is turned by a `quat` of length {length:.6g}: MuJoCo stretches it "
+            "alone, and not below a frame",
+            linking.span(flex.unit, flex.element, "quat"),
+            help=f'write `quat="{numbers.text(normalise((w, x, y, z)))}"`, which only turns',
+        )

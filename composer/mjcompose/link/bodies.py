@@ -1,0 +1,492 @@
+"""Pass: the bodies of each part go to the part's place, inside a frame with the part's pose and default class."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from heapq import heappop, heappush
+from types import MappingProxyType
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.suggest import closest, exists_note, renaming
+from mjcompose.link import numbers
+from mjcompose.link.angles import model_angle, taken_back
+from mjcompose.link.inertia import has_mass
+from mjcompose.link.key_layout import JOINTS, joint_type
+from mjcompose.link.linking import Linking, Part, Sense
+from mjcompose.link.numbers import pose_in_world, read_pose
+from mjcompose.link.settings import is_leaf
+from mjcompose.model.classes import (
+    MAIN,
+    ORIENTATIONS,
+    Classes,
+    childclass_of,
+    default_tag,
+    own,
+    through_frames,
+)
+from mjcompose.model.cost import scaled_above
+from mjcompose.model.edit import attached_notes
+from mjcompose.model.names import word
+from mjcompose.model.parse import above
+
+_PLACES = ("site", "body", "frame")
+_GIVEN = ("pos", *ORIENTATIONS, "fromto")
+
+
+def bodies(linking: Linking) -> None:
+    """Attach the parts in their order. A part that is attached to another part waits for that one.
+
+    >>> from mjcompose.link.link import after
+    >>> part = '<worldbody><body/></worldbody>'
+    >>> base = '<worldbody><site name="s" pos="0 0 1"/></worldbody>'
+    >>> after(bodies, part, base, on="s")
+    model: <worldbody><site name="s" pos="0 0 1"/><frame pos="0 0 1" childclass="p/"><body/></frame></worldbody>
+    """
+    order = _Order(linking)
+    tops: dict[Part, Node] = {}
+    while ready := order.next():
+        for part in ready:
+            _hang(linking, part, tops)
+            order.attached(part)
+    if not order.waiting:
+        _in_order(linking, tops)
+        return
+    lost = [part for part in order.waiting if part.mount is None]
+    _report_lost(linking, lost)
+    if not lost:
+        _ring(linking, [*order.waiting])
+    prefixes = [part.prefix for part in order.waiting if part.prefix]
+    linking.sink.suppress_about(
+        [*prefixes, *(each.removesuffix(linking.request.separator) for each in prefixes)]
+    )
+
+
+class _Order:
+    """The order in which parts can be attached. Each part is looked at again only when what it waits for is there.
+
+    A part waits for the part that has its place, for an entry of `add` that makes it, or for the body that another
+    attachment makes. Entries are carried out as late as possible, in the order of the parts.
+    """
+
+    def __init__(self, linking: Linking) -> None:
+        self.linking = linking
+        self.numbers = {part: number for number, part in enumerate(linking.parts)}
+        self.waiting = dict.fromkeys(linking.parts)
+        self.ready: set[int] = set()
+        self.nowhere: list[int] = []
+        """A heap of the parts whose place an entry may make now."""
+        self.until: dict[object, list[Part]] = {}
+        """By the root of another part, or by the kind and the name of an element: who waits for it."""
+        for part in linking.parts:
+            self._look(part)
+
+    def next(self) -> list[Part]:
+        """Return the parts that can be attached now, none if no part is left or all wait for one another."""
+        while not self.ready and self.nowhere:
+            self._make(self.linking.parts[heappop(self.nowhere)])
+        ready, self.ready = sorted(self.ready), set()
+        return [self.linking.parts[number] for number in ready]
+
+    def attached(self, part: Part) -> None:
+        """Look at the parts that wait for one that is attached now."""
+        del self.waiting[part]
+        self._there(part.unit.root)
+        self._there(("body", part.prefix))
+
+    def _there(self, what: object) -> None:
+        for part in self.until.pop(what, ()):
+            self._look(part)
+
+    def _look(self, part: Part) -> None:
+        if part not in self.waiting:
+            return
+        if _mount(self.linking, part):
+            self.ready.add(self.numbers[part])
+        elif part.mount is not None:
+            self.until.setdefault(part.mount.getroottree().getroot(), []).append(part)
+        else:
+            self.until.setdefault((part.place.kind, part.place.name), []).append(part)
+            heappush(self.nowhere, self.numbers[part])
+
+    def _make(self, part: Part) -> None:
+        """Let the recipe add the place of a part, or wait for what this is added to."""
+        later, place = self.linking.later_places, part.place
+        if later is None or part.mount is not None:
+            return
+        made = later.make(place.kind, str(place.name))
+        for name in made:
+            self._there(name)
+        if made or (holder := later.waits_for(place.kind, str(place.name))) is None:
+            return
+        node = self.linking.names.find(*holder)
+        self.until.setdefault(holder if node is None else node.getroottree().getroot(), []).append(part)
+
+
+def _in_order(linking: Linking, tops: Mapping[Part, Node]) -> None:
+    """Restore the order of floating parts in the world, some of which had to wait for their place."""
+    if not tops:
+        return
+    world = linking.base.section("worldbody")
+    hung = [tops[part] for part in linking.parts if part in tops and tops[part].getparent() is world]
+    places = {node: at for at, node in enumerate(world)}
+    if hung != sorted(hung, key=places.__getitem__):
+        world.extend(hung)
+
+
+def _ring(linking: Linking, waiting: list[Part]) -> None:
+    """Report parts that are attached to one another, or a part that is attached to itself."""
+    by_root = {part.unit.root: part for part in waiting}
+    ring = [waiting[0]]
+    while True:
+        mount = ring[-1].mount
+        assert mount is not None
+        host = by_root[mount.getroottree().getroot()]
+        if host in ring:
+            break
+        ring.append(host)
+    ring = [*ring[ring.index(host) :], host]
+    linking.sink.error(
+        "attach-cycle",
+        "parts are attached to one another: " + " to ".join(f"`{part.called}`" for part in ring),
+        host.place.span or host.span,
+        help="one of them must be attached to the base or to the world",
+        subjects=(part.called for part in ring),
+    )
+
+
+def _report_lost(linking: Linking, lost: Iterable[Part]) -> None:
+    """Report places that do not exist, and the first part that waits for what is added to itself."""
+    later = linking.later_places
+    waiting = []
+    for part in lost:
+        added = None if later is None else later.stands_on(part.place.kind, str(part.place.name))
+        if added is None:
+            _nowhere(linking, part)
+        elif any(linking.names.find(kind, added[0]) is not None for kind in ("body", "frame")):
+            waiting.append((part, *added))
+        # What is added to nothing is reported where that is carried out.
+    for part, to, span in waiting[:1]:
+        _waits_for_itself(linking, part, to, span)
+
+
+def _nowhere(linking: Linking, part: Part) -> None:
+    """Report that the place of a part does not exist."""
+    kind, name = part.place.kind, part.place.name or ""
+    added = [] if linking.later_places is None else linking.later_places.names()
+    names = [
+        *(each for each in linking.names.of(kind) if not each.startswith(part.prefix or "\0")),
+        *(each for of_kind, each in added if of_kind == kind),
+    ]
+    notes = [exists_note(kind, names, name)]
+    other = [
+        *(each for each in linking.names.kinds_of(name) if each != kind),
+        *(each for each, of_name in added if of_name == name),
+    ]
+    near, fix = closest(name, names), None if other else renaming(name, names)
+    help = f"did you mean `{kind}: {near[0]}`?" if near else None
+    if not near and not names:
+        bodies = [each for each in linking.names.of("body") if not each.startswith(part.prefix or "\0")]
+        if bodies and kind != "body":
+            notes.append(exists_note("body", bodies, name))
+            help = "attach it to a body, with a `pos` if need be: `body: NAME`"
+    if usable := [each for each in other if each in _PLACES]:
+        help = f"`{name}` is a {usable[0]}: write `{usable[0]}: {name}`"
+    elif other:
+        notes.insert(
+            0,
+            Note(
+                f"`{name}` is {word(other[0], article=True)}; parts are attached to sites, bodies and frames"
+            ),
+        )
+    linking.sink.error(
+        "attach-place",
+        f"the {kind} `{name}` to attach `{part.called}` to does not exist",
+        part.place.span or part.span,
+        notes=(*notes, *attached_notes(linking.base, name)),
+        help=help,
+        subjects=(name, part.called),
+        fix=fix,
+    )
+
+
+def _waits_for_itself(linking: Linking, part: Part, to: str, added: Span) -> None:
+    """Report that a part is attached to an element that is added to this part or to a part attached to it."""
+    linking.sink.error(
+        "attach-cycle",
+        f"`{part.called}` is attached to the {part.place.kind} `{part.place.name}`, which is added to `{to}`, and that "
+        f"is attached to `{part.called}`",
+        part.place.span or part.span,
+        notes=(Note(f"the {part.place.kind} is added here", added),),
+        help="one of them must stand on the base or in the world",
+        subjects=(part.called, part.place.name),
+    )
+
+
+def _mount(linking: Linking, part: Part) -> bool:
+    """Find the element to attach to. Return False if it is not in the model yet."""
+    if part.place.kind == "world":
+        part.mount = linking.base.section("worldbody")
+        return True
+    assert part.place.name is not None
+    part.mount = linking.names.find(part.place.kind, part.place.name)
+    return part.mount is not None and part.mount.getroottree().getroot() is linking.base.root
+
+
+def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
+    """Attach a part, and put the outermost element created for it into `tops`."""
+    mount = part.mount
+    assert mount is not None
+    parent = mount
+    pose: dict[str, str] = {}
+    if part.place.kind == "site":
+        holder = mount.getparent()
+        assert holder is not None
+        # A site holds nothing: the part hangs beside it, with its pose.
+        parent, pose = holder, effective_pose(mount, linking.base.classes)
+    if (scaled := scaled_above(parent)) is not None:
+        _scaled(linking, part, scaled)
+    if (
+        part.place.kind != "world"
+        and not part.floats
+        and (aligned := _aligned_by(linking, parent)) is not None
+    ):
+        _aligned(linking, part, aligned)
+    offset = dict(part.place.offset)
+    if part.sense is not None and part.floats:
+        _nothing_carries(linking, part)
+    if part.floats and part.place.kind != "world":
+        pose = _in_world(linking, parent, pose, offset)
+        parent, offset = linking.base.section("worldbody"), {}
+    outer, last = parent, next(parent.iterchildren(reversed=True), None)
+    if part.sense is not None:
+        parent, pose = _sensing_body(linking, part, part.sense, parent, pose), {}
+    # A frame has one pose, so that the site's and the recipe's offset from it take two.
+    if pose and offset:
+        parent = _child(linking, part, parent, "frame", pose)
+        pose = {}
+    written = part.place.written if offset and not pose else {}
+    pose = pose or offset
+    if part.joints or part.mocap:
+        parent, pose, written = _body_of(linking, part, parent, pose, written), {}, {}
+    # In MuJoCo 4.0 the `childclass` of a `<frame>` counts for what stands in it, and a frame without a pose changes no
+    # bit of the bodies inside.
+    frame = parent.makeelement("frame", {**pose, "childclass": part.top_class})
+    _bring_world(linking, part, frame)
+    if next(frame.iterchildren("*"), None) is not None:
+        parent.append(frame)
+        part.content = frame
+    else:
+        parent.extend(list(frame))  # comments of a part without bodies
+        part.content = parent
+    if part.joints or part.mocap:
+        _bound_mass(linking, parent)
+    top = next(outer.iterchildren(reversed=True), None)
+    if top is not None and top is not last:
+        tops[part] = top
+    placed = any(keyed is part for keyed, _ in linking.keys.attached)
+    if placed or (part.layout is not None and part.layout.in_world_coordinates):
+        part.pose_in_world = pose_in_world(frame, *_reading(linking))
+    linking.base.origins.adopt(part.unit.origins)
+    linking.base.origins.own(frame, part.unit.file)
+    if written:
+        linking.base.origins.settings[frame] = dict(written)
+
+
+def _body_of(
+    linking: Linking, part: Part, parent: Node, pose: dict[str, str], written: Mapping[str, Span]
+) -> Node:
+    """Create the body for a part that moves. It has the joints of the attachment."""
+    named = {"name": part.prefix} if part.prefix else {}
+    body = _child(linking, part, parent, "body", {**named, **pose}, written)
+    if part.mocap:
+        body.set("mocap", "true")
+    if any(flex.part is part for flex in linking.notes.flexes):
+        body.set("childclass", part.top_class)
+    for joint in part.joints:
+        undone = taken_back(linking.notes.main_joint) if joint.tag == "joint" else {}
+        added = _child(linking, part, body, joint.tag, {**undone, **joint.attributes}, joint.written)
+        _declare_joint(linking, part, added)
+    if part.prefix:
+        linking.names.declared.setdefault("body", {})[part.prefix] = body
+    return body
+
+
+def _bound_mass(linking: Linking, body: Node) -> None:
+    """Give the body of an attachment the least mass that the base asks for every body, if it has none of its own."""
+    # MuJoCo 4.0 raises mass and moments of each body to `boundmass` and `boundinertia`, those of 0, too.
+    least, moment = linking.base.settings.boundmass, linking.base.settings.boundinertia
+    if (float(least) or float(moment)) and not any(
+        has_mass(geom, linking.base.classes) for geom in own(body, "geom")
+    ):
+        inertial = {"pos": "0 0 0", "mass": least, "diaginertia": f"{moment} {moment} {moment}"}
+        body.insert(0, body.makeelement("inertial", inertial))
+
+
+def _sensing_body(linking: Linking, part: Part, sense: Sense, parent: Node, pose: dict[str, str]) -> Node:
+    """Create the body that carries the part, with its site and its sensors."""
+    body = _child(linking, part, parent, "body", {"name": sense.name, **pose})
+    site = _child(linking, part, body, "site", {"name": sense.name})
+    if linking.base.classes.give("site", *_GIVEN):  # what a class of the place says is meant for other sites
+        site.attrib.update({"class": MAIN, "pos": "0 0 0", "quat": "1 0 0 0"})
+    made = [("body", sense.name, body), ("site", sense.name, site)]
+    section = part.unit.section("sensor")
+    for tag, name in reversed(sense.sensors):
+        sensor = section.makeelement(tag, {"name": name, "site": sense.name})
+        if sense.cutoff:
+            sensor.set("cutoff", sense.cutoff)
+        section.insert(0, sensor)
+        part.unit.origins.own(sensor, sense.span)
+        made.append(("sensor", name, sensor))
+    for kind, name, node in made:
+        linking.base.origins.own(node, sense.span)
+        earlier = linking.names.declared.setdefault(kind, {}).setdefault(name, node)
+        if earlier is not node:
+            linking.sink.error(
+                "name-clash",
+                f"`sense` of `{part.called}` makes the {kind} `{name}`, and the model has one of that name",
+                sense.span,
+                notes=(Note("it is declared here", linking.span(part.unit, earlier, "name")),),
+                help="give it another name: `sense: {name: wrist, force: true}`",
+                subjects=(name, part.called),
+            )
+    return body
+
+
+def _nothing_carries(linking: Linking, part: Part) -> None:
+    assert part.sense is not None
+    linking.sink.error(
+        "attach-place",
+        f"`{part.called}` floats freely, so that nothing carries it and `sense` has nothing to measure",
+        part.sense.span,
+        help="leave `sense` out, or let the part hang on its place",
+        subjects=(part.called,),
+    )
+
+
+def _bring_world(linking: Linking, part: Part, frame: Node) -> None:
+    """Move the elements in the worldbody of a part into its frame, with the comments above them."""
+    unit = part.unit
+    # MuJoCo reads several `<worldbody>` as one, in their order.
+    for worldbody in list(unit.root.iterchildren("worldbody")):
+        owner = unit.origins.owners.get(worldbody)
+        if owner is not None:  # it was included from another file
+            for child in worldbody:
+                unit.origins.owners.setdefault(child, owner)
+        frame.extend([*above(worldbody, unit.header), *worldbody])
+        unit.root.remove(worldbody)
+    # The comments at the top of a file stand once, above the first part that is made of it.
+    if unit.header and next(each for each in linking.parts if each.unit.file == unit.file) is part:
+        for comment in reversed(unit.header):
+            frame.insert(0, comment)
+
+
+def _scaled(linking: Linking, part: Part, frame: Node) -> None:
+    linking.sink.error(
+        "attach-place",
+        f"`{part.called}` cannot be attached to the {part.place.kind} `{part.place.name}`: "
+        "it is inside a frame that scales, and the part would be scaled with it",
+        part.place.span or part.span,
+        notes=(Note("the frame", linking.span(linking.base, frame, "scale")),),
+        help="attach the part outside the frame, or apply the scale to the source",
+        subjects=(part.called, part.place.name),
+    )
+
+
+def _aligned_by(linking: Linking, mount: Node) -> Node | None:
+    """Return the free joint of the mount's body if MuJoCo aligns the body as long as nothing is attached to it."""
+    body = mount if mount.tag == "body" else next(mount.iterancestors("body"), None)
+    if body is None or not is_leaf(body):
+        return None
+    by_default = str(linking.notes.aligned).lower()
+    for child in through_frames(body):
+        align = child.get("align") or "auto"
+        if child.tag not in JOINTS or joint_type(child, linking.base.classes) != "free":
+            continue
+        if (by_default if align == "auto" else align) == "true":
+            return child
+    return None
+
+
+def _aligned(linking: Linking, part: Part, joint: Node) -> None:
+    linking.sink.error(
+        "attach-place",
+        f"`{part.called}` cannot be attached to the {part.place.kind} `{part.place.name}`: MuJoCo aligns its body with "
+        "the inertia, and would no longer with something on it",
+        part.place.span or part.span,
+        notes=(Note("the free joint that is aligned", linking.span(linking.base, joint)),),
+        help='write `align="false"` on the free joint in the source, or in a copy of it',
+        subjects=(part.called, part.place.name),
+    )
+
+
+def _declare_joint(linking: Linking, part: Part, joint: Node) -> None:
+    name = str(joint.get("name") or "")
+    if not name:
+        return
+    earlier = linking.names.declared.setdefault("joint", {}).setdefault(name, joint)
+    if earlier is not joint:
+        linking.sink.error(
+            "name-clash",
+            f"the joint `{name}` that `joint` gives `{part.called}` has the name of another joint",
+            part.span,
+            notes=(Note("it is declared here", linking.span(part.unit, earlier, "name")),),
+            help="choose another name",
+            subjects=(name, part.called),
+        )
+
+
+def _reading(linking: Linking) -> tuple[bool, str]:
+    return model_angle(linking) == "degree", linking.base.settings.eulerseq
+
+
+def _in_world(linking: Linking, parent: Node, pose: dict[str, str], offset: dict[str, str]) -> dict[str, str]:
+    """Return the pose of the place in the world, because a floating part cannot be below a body."""
+    reading = _reading(linking)
+    there = pose_in_world(parent, *reading) @ read_pose(pose, *reading) @ read_pose(offset, *reading)
+    return {"pos": numbers.text(there.pos), "quat": numbers.text(there.quat)}
+
+
+def _child(
+    linking: Linking,
+    part: Part,
+    parent: Node,
+    tag: str,
+    attributes: dict[str, str],
+    written: Mapping[str, Span] = MappingProxyType({}),
+) -> Node:
+    """Create an element for a part. `written` has the places of its attributes in the recipe."""
+    child = parent.makeelement(tag, attributes)
+    parent.append(child)
+    if part.span is not None:
+        linking.base.origins.own(child, part.span)
+    if written:
+        linking.base.origins.settings[child] = dict(written)
+    return child
+
+
+def effective_pose(site: Node, classes: Classes) -> dict[str, str]:
+    """Return the effective pose attributes of a site, including its classes. `fromto` is converted to a pose."""
+    written = {name: str(site.get(name)) for name in _GIVEN if site.get(name)}
+    name = site.get("class") or childclass_of(site)
+    found = classes.get(str(name) if name else None) if classes.give("site", *_GIVEN) else None
+    if found is not None:
+        tag = default_tag(site)
+        inherited = {name: value[0] for name in ("pos", "fromto") if (value := found.lookup(tag, name))}
+        turned = found.orientation(tag)
+        # Any orientation takes the place of any other: with `<site euler="90 0 0"/>` in the class, MuJoCo 4.0 compiles
+        # `<site quat="1 0 0 0"/>` to 1 0 0 0.
+        if turned and written.keys().isdisjoint(ORIENTATIONS):
+            inherited[turned[0]] = turned[1]
+        written = {**inherited, **written}
+    ends = numbers.read(written.pop("fromto", ""))
+    if len(ends) == 6 and not any(map(math.isnan, ends)):
+        # The z axis points from the second end to the first: MuJoCo 4.0 turns `<site fromto="0 0 0 1 0 0" …/>` as it
+        # does `<site zaxis="-1 0 0"/>`. Six `nan` take back what a class says.
+        start, end = ends[:3], ends[3:]
+        middle = [0.5 * (a + b) for a, b in zip(start, end, strict=True)]
+        along = [a - b for a, b in zip(start, end, strict=True)]
+        return {"pos": numbers.text(middle), "zaxis": numbers.text(along)}
+    return written

@@ -1,0 +1,250 @@
+"""Pass: `fusestatic` and `discardvisual`, which make MuJoCo leave out elements. The linker removes the same ones.
+
+MuJoCo compiles the unit alone to determine which elements these are, because its rules differ between versions.
+`discardvisual` removes geoms that nothing collides with, the assets that only these use, and everything that gives
+colour. `fusestatic` merges a body without joints into its parent, so a frame replaces it. The bodies that change
+get the inertia that they have in the unit alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.diagnostic import Cause, Note
+from mjcompose.link.inertia import has_mass, settle
+from mjcompose.link.linking import Linking, Part
+from mjcompose.link.measure import BODIES, NAMED, Survey, cannot_be_kept, survey
+from mjcompose.model.classes import childclass_of, own, through_frames, walk_bodies
+from mjcompose.model.files import stem
+from mjcompose.model.grammar import GRAMMAR
+from mjcompose.model.names import LISTS, REFERS, naming_table
+from mjcompose.model.unit import Unit
+
+_REDUCING = ("fusestatic", "discardvisual")
+
+
+def body_reduction(linking: Linking) -> None:
+    """Reduce each unit that asks for it; a model of one unit leaves it to MuJoCo.
+
+    >>> from mjcompose.link.link import after
+    >>> part = (
+    ...     '<compiler discardvisual="true"/>'
+    ...     '<worldbody><geom size=".1"/><geom size=".2" contype="0" conaffinity="0"/></worldbody>'
+    ... )
+    >>> after(body_reduction, part)
+    part: <compiler/>
+    part: <worldbody><geom size=".1"/></worldbody>
+    """
+    if not linking.composed:
+        return
+    _reduce(linking, linking.base, None)
+    for part in linking.parts:
+        _reduce(linking, part.unit, part)
+
+
+def _reduce(linking: Linking, unit: Unit, part: Part | None) -> None:
+    wanted = [name for name in _REDUCING if getattr(unit.settings, name) == "true"]
+    if not wanted:
+        return
+    # On a joint of the recipe stands what would be part of a world alone: it keeps its mass.
+    pinned = static_bodies(unit) if part is not None and part.has_body else ()
+    found = survey(linking, unit, wanted, (*BODIES, *NAMED), pinned=pinned)
+    if found is None:
+        return
+    changed = discard(unit, found) if "discardvisual" in wanted else set()
+    changed |= fuse(linking, unit, part, found) if "fusestatic" in wanted else set()
+    unit.forget_settings(*wanted)
+    settle(linking, unit, changed, found)
+
+
+_ASSETS = ("mesh", "material", "texture")
+_COLOURS = ("material", "texture")
+
+
+def discard(unit: Unit, found: Survey) -> set[Node]:
+    """Remove from the unit what MuJoCo has discarded. Return the bodies that have lost geoms."""
+    changed: set[Node] = set()
+    for geom, _ in list(walk_bodies(unit.root)):
+        if geom.tag == "geom" and found.is_gone(geom):
+            # MuJoCo 4.0 leaves the mass of the geom in the body: of geoms of 1 and 2 kg, the body weighs 3 without the
+            # second, too.
+            body = next((each for each in geom.iterancestors("body") if not found.is_gone(each)), None)
+            if body is not None:
+                changed.add(body)
+            _remove(geom)
+    # With `discardvisual` MuJoCo 4.0 leaves out every material, also those of geoms that stay: `nmat` is 0 for
+    # `<material name="m"/>` and `<geom size=".1" material="m"/>`.
+    for section in unit.root.iterchildren("*"):
+        _leave_uncoloured(section)
+    left = {tag: found.names(tag) for tag in _ASSETS}
+    for section in unit.root.iterchildren("asset"):
+        for asset in list(section.iterchildren(*_ASSETS)):
+            if (asset.get("name") or stem(str(asset.get("file") or ""))) not in left[str(asset.tag)]:
+                _remove(asset)
+    return changed
+
+
+def _leave_uncoloured(section: Node) -> None:
+    """Remove every reference to a material or texture, except those that keep it in the model."""
+    table = naming_table(str(section.tag))
+    for element in list(section.iter("*")):
+        for name, (kind, namespace) in table.get(str(element.tag), {}).items():
+            if kind in (REFERS, LISTS) and namespace in _COLOURS and name in element.attrib:
+                del element.attrib[name]
+                if section.tag == "default" and not element.attrib:
+                    _remove(element)
+    for layer in list(section.iter("layer")):
+        _remove(layer)
+
+
+def _remove(element: Node) -> None:
+    holder = element.getparent()
+    assert holder is not None
+    holder.remove(element)
+
+
+_JOINTS = ("joint", "freejoint")
+_HOLDERS = ("frame", "replicate")
+_WITH_BODIES = ("body", "flexcomp")
+_OF_BODIES_ONLY = ("inertial", "plugin")
+
+
+def static_bodies(unit: Unit) -> list[Node]:
+    """Return the bodies that no joint moves, neither their own nor one above them."""
+    found: list[Node] = []
+    for element, _ in walk_bodies(unit.root):
+        if element.tag == "body" and element.get("mocap") != "true" and not own(element, *_JOINTS):
+            above = _body_above(element)
+            if above is None or above in found:
+                found.append(element)
+    return found
+
+
+def fuse(linking: Linking, unit: Unit, part: Part | None, found: Survey) -> set[Node]:
+    """Turn the bodies that MuJoCo has fused into frames. Return the bodies that they became part of."""
+    fused = [
+        element for element, _ in walk_bodies(unit.root) if element.tag == "body" and found.is_gone(element)
+    ]
+    hosts = {body: _host(body, found) for body in fused}
+    if any(_flexible(linking, unit, body, host) for body, host in hosts.items()):
+        return set()
+    if part is not None and part.place.kind != "world":
+        _weightless(linking, unit, part, [body for body, host in hosts.items() if host is None])
+    frames = {str(frame.get("name")) for frame in unit.root.iter("frame")}
+    for body in fused:
+        _make_frame(body, frames)
+    for host in dict.fromkeys(hosts.values()):
+        for parent in (host,) if host is not None else unit.root.iterchildren("worldbody"):
+            _own_things_first(unit, parent, hosts)
+    # The host weighs what both did.
+    return {host for host in hosts.values() if host is not None}
+
+
+def _body_above(element: Node) -> Node | None:
+    return next(element.iterancestors("body"), None)
+
+
+def _host(body: Node, found: Survey) -> Node | None:
+    """Return the body that a fused body becomes part of, or None for the world."""
+    host = _body_above(body)
+    while host is not None and found.is_gone(host):
+        host = _body_above(host)
+    return host
+
+
+def _make_frame(body: Node, frames: set[str]) -> None:
+    """Turn a body into a frame, which keeps its name if it is free, so that parts can still be attached there."""
+    for child in own(body, *_OF_BODIES_ONLY):
+        holder = child.getparent()
+        assert holder is not None
+        holder.remove(child)
+    body.tag = "frame"
+    known = GRAMMAR.element("frame").attributes
+    for name in list(body.attrib):
+        if name not in known:
+            del body.attrib[name]
+    name = str(body.get("name") or "")
+    # A frame may have the name of a body. Two frames of one name are "repeated name" in MuJoCo 4.0.
+    if name in frames:
+        del body.attrib["name"]
+    elif name:
+        frames.add(name)
+
+
+def _own_things_first(unit: Unit, parent: Node, fused: Collection[Node]) -> list[Node]:
+    """Put a body's own elements before those of fused bodies, as MuJoCo numbers them. Return the last ones: bodies."""
+    # Under `fusestatic` MuJoCo 4.0 counts the geom of `<body><joint/><body><geom/></body><geom/></body>` first that is
+    # written last.
+    own_things: list[Node] = []
+    inner: list[Node] = []
+    for child in list(parent):
+        if child in fused:
+            _own_things_first(unit, child, fused)
+        if not _is_inner(child, fused):
+            own_things.append(child)
+            continue
+        inner.append(child)
+        if child.tag == "frame" and child not in fused:
+            behind = _own_things_first(unit, child, fused)
+            if len(behind) < len(child):
+                own_things.append(_split(unit, child, behind))
+    parent.extend([*own_things, *inner])
+    return inner
+
+
+def _is_inner(element: Node, fused: Collection[Node]) -> bool:
+    """Return whether an element is a body or contains bodies."""
+    if element in fused or element.tag in _WITH_BODIES:
+        return True
+    return element.tag in _HOLDERS and any(_is_inner(child, fused) for child in element)
+
+
+def _split(unit: Unit, frame: Node, behind: list[Node]) -> Node:
+    """Return a second frame with the same pose, with all elements except those `behind`."""
+    attributes = {str(name): str(value) for name, value in frame.items() if name != "name"}
+    other = frame.makeelement("frame", attributes)
+    other.extend([child for child in frame if child not in behind])
+    if frame in unit.origins.owners:
+        unit.origins.own(other, unit.origins.owners[frame])
+    return other
+
+
+def _flexible(linking: Linking, unit: Unit, body: Node, host: Node | None) -> bool:
+    """Report a `<flexcomp>` whose joints would change: their classes come from its body, never from a frame."""
+    flexcomp = next((child for child in through_frames(body) if child.tag == "flexcomp"), None)
+    if flexcomp is None:
+        return False
+    before = unit.classes.get(body.get("childclass") or childclass_of(body))
+    after = unit.classes.get(None if host is None else host.get("childclass") or childclass_of(host))
+    if before is after or not (before.sets("joint") or after.sets("joint")):
+        return False
+    cannot_be_kept(
+        linking, unit, ("fusestatic",), "the joints of a `<flexcomp>` would have another class", flexcomp
+    )
+    return True
+
+
+def _weightless(linking: Linking, unit: Unit, part: Part, bodies: list[Node]) -> None:
+    """Remove the mass of bodies that are fused with the world, so that the part adds no mass where it is attached."""
+    # MuJoCo gives the world no mass, whatever its geoms: `body_mass` of `<worldbody><geom size=".1"/></worldbody>` is
+    # 0.
+    heavy: list[Node] = []
+    for body in bodies:
+        weighty = [geom for geom in own(body, "geom") if has_mass(geom, unit.classes)]
+        for geom in weighty:
+            geom.set("mass", "0")
+        if weighty or own(body, "inertial"):
+            heavy.append(body)
+    if heavy:
+        compiler = next(each for each in unit.root.iterchildren("compiler") if each.get("fusestatic"))
+        linking.sink.warning(
+            "compiler-setting",
+            f"`fusestatic` makes bodies of `{part.called}` part of the world, which has no mass: "
+            "theirs is not in the composition",
+            linking.span(unit, compiler, "fusestatic"),
+            notes=[Note("such a body", linking.span(unit, body)) for body in heavy[:1]],
+            help='take `fusestatic="true"` out of a copy of the file, and they stay bodies',
+            cause=Cause(unit.file, f"`{part.called}`"),
+        )

@@ -1,0 +1,417 @@
+"""Passes: default classes apply only to the elements of their own part.
+
+Pass: the default classes of each part, and of the base, apply only to its own elements.
+
+A part's unnamed top class becomes the class `PREFIX/`. If the base's top class sets anything, its settings move to
+the class `base/`, because a part cannot undo an attribute that has no neutral value.
+
+Pass: actuators whose gain changes when several top-level `<default>` sections become separate classes.
+
+An actuator takes the gain of its class only if that class is for its own kind of actuator. Otherwise MuJoCo 4 looks
+in the enclosing classes, and in the top class, which combines all top-level `<default>` sections. After wrapping,
+each section is a class of its own, so the gain may come from another class. MuJoCo compiles the unit both ways; if
+a gain differs, the original gain is written on the actuator.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
+from functools import cache
+from typing import NamedTuple
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from mjcompose.base.diagnostic import Note
+from mjcompose.base.sink import Sink
+from mjcompose.link.angles import in_world, keep_in_main
+from mjcompose.link.key_layout import actuators_in_order, element_of
+from mjcompose.link.linking import Linking
+from mjcompose.model.classes import MAIN, NESTED, Classes, DefaultClass, says_something
+from mjcompose.model.grammar import GRAMMAR
+from mjcompose.model.parse import above
+from mjcompose.model.unit import Unit
+
+# Sections whose elements take a class but stand outside the body tree, where no childclass reaches them: MuJoCo 4.0
+# gives a `<motor joint="j"/>` gear 1 though the body of `j` has a childclass with `<motor gear="5"/>`.
+_CLASSED: Mapping[str, tuple[str, ...] | None] = {
+    "asset": ("mesh", "material", "texture"),
+    "contact": ("pair",),
+    "equality": None,
+    "tendon": ("spatial", "fixed"),
+    "actuator": None,
+}
+_TREE = ("joint", "geom", "site", "camera", "light")
+
+
+def defaults(linking: Linking) -> None:
+    """Wrap the top classes, move all classes under the base's, and name the class of what has none.
+
+    The actuator stands outside of the body tree and has to name the class:
+
+    >>> from mjcompose.link.link import after
+    >>> part = (
+    ...     '<default><motor gear="2"/></default>'
+    ...     '<worldbody><site name="s"/></worldbody>'
+    ...     '<actuator><motor site="s"/></actuator>'
+    ... )
+    >>> after(defaults, part)
+    base: <default><default class="p/"><motor gear="2"/></default></default>
+    part: <actuator><motor site="p/s" class="p/"/></actuator>
+    """
+    base = linking.base
+    for unit in linking.units:
+        unit.forget_classes()
+    if linking.base_class is not None:
+        own = _wrap(linking, base, linking.base_class)
+        _claim_sections(base, linking.base_class, own | linking.request.isolated_tags)
+        _claim_world(base, linking.base_class)
+    _join(linking)
+
+
+def _join(linking: Linking) -> None:
+    """Wrap the top class of every part, and move the classes below that of the model."""
+    base = linking.base
+    if not linking.parts:
+        return
+    top = next(base.root.iterchildren("default"), None)
+    if top is None:
+        top = base.root.makeelement("default")
+        base.insert(top)
+    for part in linking.parts:
+        own = _wrap(linking, part.unit, part.top_class)
+        _claim_sections(part.unit, part.top_class, own)
+        for section in list(part.unit.root.iterchildren("default")):
+            for wrapped in list(section):
+                top.append(wrapped)
+                linking.base.origins.own(wrapped, part.unit.origins.owner(section, part.unit.file))
+            part.unit.root.remove(section)
+    keep_in_main(linking, top)
+    base.forget_classes()
+
+
+def choose_classes(linking: Linking) -> None:
+    """Decide the name of every top class before anything is renamed.
+
+    The top class of the base keeps its name as long as it sets nothing:
+
+    >>> from mjcompose.link.link import noted
+    >>> noted(choose_classes, base='<default><default class="c"/></default>').base_class
+    >>> linking = noted(choose_classes, base='<default><geom density="5"/></default>')
+    >>> linking.base_class, linking.parts[0].top_class
+    ('base/', 'p/')
+    """
+    separator = linking.request.separator
+    prefixes = {part.prefix for part in linking.parts}
+    # A unit that is itself a composition has wrapped classes already.
+    taken = _class_names(linking.base, *(part.unit for part in linking.parts if not part.prefix))
+    for part in linking.parts:
+        own = part.prefix or f"{part.unit.model or part.unit.label}{separator}"
+        part.top_class = _free(own, taken if part.prefix else taken | prefixes)
+        taken.add(part.top_class)
+    needed = any(flex.joint for flex in in_world(linking))
+    # An element cannot take back all that a class says: with `<default><geom user="1 2"/></default>` in the base,
+    # `<geom user=""/>` of a part still has 1 2 in MuJoCo 4.0. So the top class of the base may set nothing.
+    if linking.parts and (linking.request.isolated_tags or needed or _top_kinds(linking.base.root)):
+        linking.base_class = _free(f"base{separator}", taken | prefixes)
+
+
+def _free(name: str, taken: Set[str]) -> str:
+    # A class exists once in a model, wherever it is nested: else MuJoCo 4.0 says "repeated default class name".
+    while name in taken:
+        name = "_" + name
+    return name
+
+
+def _class_names(*units: Unit) -> set[str]:
+    return {
+        str(element.get("class"))
+        for unit in units
+        for section in unit.root.iterchildren("default")
+        for element in section.iter("default")
+    }
+
+
+def _top_kinds(root: Node) -> set[str]:
+    """Return the tags for which the top class itself sets attributes."""
+    return {
+        str(element.tag)
+        for section in root.iterchildren("default")
+        for element in section.iterchildren(etree.Element)
+        if element.tag != "default" and says_something(element)
+    }
+
+
+def _wrap(linking: Linking, unit: Unit, name: str) -> set[str]:
+    """Turn the unit's top class into the nested class `name`. Return the tags for which it sets attributes."""
+    root = unit.root
+    kinds = _top_kinds(root)
+    sections = list(root.iterchildren("default"))
+    if not sections:
+        sections = [root.makeelement("default")]
+        unit.insert(sections[0])
+    outer: Node | None = None
+    for at, section in enumerate(sections):
+        last = at == len(sections) - 1
+        wrapped = root.makeelement("default", {"class": name if last else f"{name}{at + 1}"})
+        wrapped.extend([*(above(section, unit.header) if unit is not linking.base else ()), *section])
+        # The top class can only be called `main` ("cannot be renamed" in MuJoCo 4.0), and a nested one has to have a
+        # name ("empty class name").
+        if "class" in section.attrib:
+            del section.attrib["class"]
+        if outer is None:
+            section.append(wrapped)
+        else:
+            # What a later section says of the top class does not reach the classes of an earlier one: MuJoCo 4.0 copies
+            # the parent when it reads a class. In `<default><geom size=".1"/><default class="c"/></default>
+            # <default><geom size=".2"/></default>` the class `c` has size 0.1.
+            outer.append(wrapped)
+            root.remove(section)
+        outer = wrapped
+    assert outer is not None
+    linking.names.declared.setdefault("default", {}).setdefault(name, outer)
+    return kinds
+
+
+def _claim_sections(unit: Unit, name: str, kinds: set[str]) -> None:
+    """Set the top class on the elements outside the body tree that have no class of their own."""
+    if not kinds:
+        return
+    # Sensors, keys and exclusions have no class: `<clock class="main"/>` violates the schema of MuJoCo 4.0.
+    for section in unit.root:
+        if section.tag not in _CLASSED:
+            continue
+        tags = _CLASSED[str(section.tag)]
+        if section.tag in ("equality", "tendon") and section.tag not in kinds:
+            continue
+        if section.tag in ("asset", "contact"):
+            tags = tuple(kinds.intersection(tags or ()))
+            if not tags:
+                continue
+        for element in section.iterchildren(*(tags or ("*",))):
+            if element.get("class") is None:
+                element.set("class", name)
+
+
+def _claim_world(unit: Unit, name: str) -> None:
+    """Set the top class on elements in the world without a class. Below a body, its `childclass` has this effect."""
+    # The world itself cannot take a class: `<worldbody childclass="c">` is "World body cannot have attributes" in
+    # MuJoCo 4.0.
+    for worldbody in unit.root.iterchildren("worldbody"):
+        for element in worldbody:
+            tag = element.tag
+            if tag in NESTED:
+                if not element.get("childclass"):
+                    element.set("childclass", name)
+            elif tag in _TREE and element.get("class") is None:
+                element.set("class", name)
+
+
+# All tags of actuators share one row of a class in MuJoCo 4.0: after `<default><position kp="50"/></default>` a
+# `<general joint="j"/>` is a servo with a gain of 50, while a `<motor joint="j"/>` has 1 and keeps the range.
+_OF_ANY_KIND = ("general", "motor", "plugin")
+"""They take what the class has, or nothing of it."""
+_OF_NONE = ("motor", "plugin")
+_MIXED = ""
+"""The kind of a class that itself would find another gain."""
+_GAINS = ("gaintype", "gainprm", "biastype", "biasprm", "dyntype", "dynprm")
+_ONE_OF = ("kv", "dampratio")
+"""Attributes of which MuJoCo takes one."""
+
+_Gains = Mapping[Node, list[list[float]]]
+
+
+class _Class(NamedTuple):
+    """The kind of actuator that a class is for, and the number of the section that declares it."""
+
+    kind: str | None
+    section: int
+
+
+class _Suspect(NamedTuple):
+    """An actuator whose gain may change.
+
+    `written` are its attributes, `kind` the kind of its class, and `later` an element that sets actuators in a
+    later section.
+    """
+
+    actuator: Node
+    written: dict[str, str]
+    kind: str | None
+    later: Node
+
+
+def top_level_defaults(linking: Linking) -> None:
+    """Write the gain that several top-level `<default>` elements set for an actuator, or refuse it if impossible.
+
+    >>> from mjcompose.link.link import after
+    >>> part = (
+    ...     '<default><position kp="4"/></default><default><velocity kv="9"/></default>'
+    ...     '<worldbody><body><joint name="j"/><geom size=".1"/></body></worldbody>'
+    ...     '<actuator><position joint="j"/></actuator>'
+    ... )
+    >>> after(top_level_defaults, part)
+    part: <actuator><position joint="j" kp="1"/></actuator>
+    """
+    wrapped = [part.unit for part in linking.parts]
+    if linking.base_class is not None:
+        wrapped.append(linking.base)
+    for unit in wrapped:
+        suspects = list(_suspects(unit))
+        alone = (_gains(linking, unit) if suspects else None) or {}
+        for gain in (_found, _found_in_the_end, _found_nowhere) if alone else ():
+            for suspect in suspects:
+                _write(unit, suspect.actuator, gain)
+            there = _gains(linking, unit, wrap=True)
+            moved = [each for each in suspects if not there or alone[each.actuator] != there[each.actuator]]
+            for suspect in moved:
+                suspect.actuator.attrib.clear()
+                suspect.actuator.attrib.update(suspect.written)  # type: ignore[arg-type]  # of the stubs
+            suspects = moved
+            if not suspects:
+                break
+        for suspect in suspects:
+            _refuse(linking, unit, suspect)
+
+
+def _suspects(unit: Unit) -> Iterator[_Suspect]:
+    """Yield actuators whose class is of another kind, if the top class changes between sections."""
+    sections = list(unit.root.iterchildren("default"))
+    setting = [at for at, section in enumerate(sections) if _actuators(section)]
+    if not setting or setting == [0]:
+        return
+    classes = _read_all(sections)
+    for actuator in unit.root.findall("actuator/*"):
+        found = classes.get(str(actuator.get("class") or MAIN))
+        if found is None or (len(setting) == 1 and setting[0] <= found.section):
+            continue
+        fine = _OF_NONE if found.kind == _MIXED else (found.kind, *_OF_ANY_KIND)
+        if actuator.tag not in fine:
+            later = _actuators(sections[setting[-1]])[0]
+            written = {str(name): str(value) for name, value in actuator.items()}
+            yield _Suspect(actuator, written, found.kind, later)
+
+
+def _read_all(sections: Sequence[Node]) -> dict[str, _Class]:
+    """Read all classes. Each one begins as a copy of the enclosing class at that point."""
+    found: dict[str, _Class] = {}
+    earlier = False
+    for at, section in enumerate(sections):
+        kind = found[MAIN].kind if at else None
+        _read(section, MAIN, _Class(kind, at), earlier, found)
+        earlier = earlier or bool(_actuators(section))
+    return found
+
+
+def _read(node: Node, name: str, around: _Class, earlier: bool, found: dict[str, _Class]) -> None:
+    """Read a class. `earlier` is whether the top class has set actuators in a section before this one."""
+    kind = around.kind
+    for actuator in _actuators(node):
+        tag = str(actuator.tag)
+        if kind != _MIXED:
+            kind = _MIXED if earlier and tag not in (kind, *_OF_ANY_KIND) else tag
+    found[name] = _Class(kind, around.section)
+    for nested in node.iterchildren("default"):
+        _read(nested, str(nested.get("class", "")), found[name], earlier, found)
+
+
+def _actuators(node: Node) -> list[Node]:
+    return list(node.iterchildren(*_tags()))
+
+
+@cache
+def _tags() -> tuple[str, ...]:
+    return tuple(GRAMMAR.section("actuator").children)
+
+
+def _gains(linking: Linking, unit: Unit, *, wrap: bool = False) -> _Gains | None:
+    """Return the gains that MuJoCo computes for the unit's actuators, as it is or with its top class wrapped."""
+    if linking.measure is None:
+        return None
+    copy = unit.copied()
+    if wrap:
+        defaults(Linking(copy, [], Sink(), linking.request, base_class=f"top{linking.request.separator}"))
+    arrays = tuple(f"actuator_{name}" for name in _GAINS)
+    measured = linking.measure(copy, arrays, attempt=wrap)
+    own = unit.root.findall("actuator/*")
+    element = dict(zip(copy.root.findall("actuator/*"), own, strict=True))
+    rows = [element[element_of(each)] for each in actuators_in_order(copy.root)]
+    if not measured or len(measured[arrays[0]]) != len(rows):
+        return None
+    found: dict[Node, list[list[float]]] = {each: [] for each in own}
+    for array in arrays:
+        width = len(measured[array]) // len(rows)
+        for row, holder in enumerate(rows):
+            found[holder].append(measured[array][row * width : (row + 1) * width])
+    return found
+
+
+def _write(
+    unit: Unit, actuator: Node, gain: Callable[[Classes, DefaultClass, str], DefaultClass | None]
+) -> None:
+    """Write the values of the class that `gain` finds, if the composition has other values."""
+    from mjcompose.model.classes import default_text  # few models need it
+
+    tag = str(actuator.tag)
+    own = unit.classes.get(actuator.get("class"))
+    alone, there = gain(unit.classes, own, tag), _found(unit.classes, own, tag)
+    common = GRAMMAR.element("actuator/motor").attributes
+    # A `kv` beside the actuator's own `dampratio` would be an error: "kv and dampratio cannot both be defined" in
+    # MuJoCo 4.0.
+    settled = _ONE_OF if any(actuator.get(name) is not None for name in _ONE_OF) else ()
+    for name, attribute in GRAMMAR.element(f"actuator/{tag}").attributes.items():
+        if name in common or name in settled or not attribute.in_default or actuator.get(name) is not None:
+            continue
+        default = default_text(attribute)
+        value, other = (_value(asked, tag, name, default) for asked in (alone, there))
+        if value is not None and value != other:
+            actuator.set(name, value)
+
+
+def _value(asked: DefaultClass | None, tag: str, name: str, default: str | None) -> str | None:
+    found = asked.lookup(tag, name) if asked is not None else None
+    return default if found is None else found[0]
+
+
+def _found(classes: Classes, own: DefaultClass, tag: str) -> DefaultClass | None:
+    """Return the nearest class of an actuator's kind after the sections are wrapped."""
+    found: DefaultClass | None = own
+    while found is not None and not _is_of(found, tag):
+        found = found.parent
+    return found
+
+
+def _found_in_the_end(classes: Classes, own: DefaultClass, tag: str) -> DefaultClass | None:
+    """Return the nearest class of an actuator's kind if the top class is the result of all sections."""
+    found: DefaultClass | None = own
+    while found is not None and found.name != MAIN:
+        if _is_of(found, tag):
+            return found
+        found = found.parent
+    return _found(classes, classes.get(MAIN), tag)
+
+
+def _found_nowhere(classes: Classes, own: DefaultClass, tag: str) -> DefaultClass | None:
+    """Return None, for MuJoCo's own values without a class."""
+    return None
+
+
+def _is_of(found: DefaultClass, tag: str) -> bool:
+    """Return whether the last actuator settings of a class are for this tag."""
+    own = found.elements.get(tag)
+    section = own[0].getparent() if own else None
+    return section is not None and _actuators(section)[-1].tag == tag
+
+
+def _refuse(linking: Linking, unit: Unit, suspect: _Suspect) -> None:
+    actuator, _, kind, later = suspect
+    called = f"`{actuator.get('name')}`" if actuator.get("name") else "without a name"
+    own = f"is of another kind, `<{kind}>`" if kind else "is of no kind of its own"
+    linking.sink.error(
+        "not-supported",
+        f"the `<{actuator.tag}>` {called} would take another gain in the composition: its class {own}, "
+        "and the top class of its file is written in several `<default>`",
+        linking.span(unit, actuator),
+        notes=(Note("one of them sets actuators here", linking.span(unit, later)),),
+        help="join the top-level `<default>` sections of the file into one",
+    )

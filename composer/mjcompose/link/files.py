@@ -1,0 +1,328 @@
+"""Pass: every file gets a path in the bundle, and equal assets become one.
+
+Merge assets that mean the same in several copies of a part, and redirect every reference.
+
+This works on a finished model, in which all parts share one set of compiler settings.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
+from dataclasses import field
+from pathlib import Path
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.access import Door, Passed, held
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Span
+from mjcompose.base.files import Refused, read_regular
+from mjcompose.link.linking import FileUse, Linking
+from mjcompose.model.classes import DefaultClass
+from mjcompose.model.edit import BadSkin, rename_bones
+from mjcompose.model.files import Settings, file_attributes, is_absolute, is_plain, join, written_path
+from mjcompose.model.grammar import GRAMMAR, Attribute
+from mjcompose.model.names import LISTS, REFERS, REFERS_BY, WORLD, declaration, naming_table, object_namespace
+from mjcompose.model.unit import Unit
+
+KINDS = ("texture", "material", "mesh", "hfield")
+"""What is merged, in an order in which nothing refers to a later kind."""
+# What a class gives counts by its values, whatever the class is called.
+_NO_MEANING = ("name", "class")
+
+Merged = Mapping[str, Mapping[str, str]]
+"""By kind: for each name that is gone, the name that stands for it."""
+
+
+def dedup(
+    model: Unit, uses: Sequence[FileUse], prefixes: Collection[str]
+) -> tuple[Merged, tuple[FileUse, ...]]:
+    """Merge equal textures, materials, meshes and height fields. Return the merged names and the remaining files.
+
+    The first element stays. `prefixes` are those of all parts: what one and the same part has twice stays two. Reads
+    files whose path alone does not say whether they are equal.
+    """
+    merged: dict[str, dict[str, str]] = {kind: {} for kind in KINDS}
+    meanings = _Meanings(model, uses, merged)
+    gone: set[Node] = set()
+    for kind in KINDS:
+        kept: dict[Hashable, list[_Kept]] = {}
+        for element in [
+            each for section in model.root.iterchildren("asset") for each in section.iterchildren(kind)
+        ]:
+            declared = declaration(element, "asset")
+            if declared is None:
+                continue
+            name = declared[1]
+            # The longest prefix: an asset of `arm/hand/` is not one of `arm/`.
+            part = max((prefix for prefix in prefixes if name.startswith(prefix)), key=len, default="")
+            alike = kept.setdefault(meanings.of(element), [])
+            free = [each for each in alike if part not in each.parts]
+            if not free:
+                alike.append(_Kept(name, name.removeprefix(part), {part}))
+                continue
+            found = next((each for each in free if each.local == name.removeprefix(part)), free[0])
+            found.parts.add(part)
+            merged[kind][name] = found.name
+            gone.add(element)
+    if gone:
+        _redirect(model.root, merged)
+    for element in gone:
+        section = element.getparent()
+        assert section is not None
+        section.remove(element)
+    names = {kind: names for kind, names in merged.items() if names}
+    return names, tuple(use for use in uses if use.element not in gone)
+
+
+@dataclass(slots=True)
+class _Kept:
+    """An element that is kept: its name, its name within its part, and the parts that contain it."""
+
+    name: str
+    local: str
+    parts: set[str] = field(default_factory=set)
+
+
+class _Meanings:
+    """Computes the meaning of elements: their attributes in effect, the bytes of their files, and their references."""
+
+    def __init__(self, model: Unit, uses: Sequence[FileUse], merged: Merged) -> None:
+        self._classes = model.classes
+        self._uses = {(use.element, use.attribute): use for use in uses}
+        self._merged = merged
+        self._digests: dict[str, str] = {}
+
+    def of(self, element: Node) -> Hashable:
+        """Return a key that is equal for elements with the same tag and the same meaning to MuJoCo."""
+        tag = str(element.tag)
+        known = GRAMMAR.element(f"asset/{tag}").attributes
+        values = {name: self._classes.effective(element, None, name) for name in known}
+        values.update({str(name): str(value) for name, value in element.items()})
+        inherited = self._inherited(tag, self._classes.get(element.get("class")))
+        return self._written(element, known, values), tuple(inherited)
+
+    def _written(
+        self, element: Node, known: Mapping[str, Attribute], values: Mapping[str, str | None]
+    ) -> Hashable:
+        attributes = tuple(
+            sorted(
+                (name, self._value(element, name, known.get(name), value))
+                for name, value in values.items()
+                if name not in _NO_MEANING and value is not None
+            )
+        )
+        return attributes, tuple(self._child(child) for child in element.iterchildren("*"))
+
+    def _child(self, element: Node) -> Hashable:
+        found = GRAMMAR.within("asset").get(str(element.tag))
+        values = {str(name): str(value) for name, value in element.items()}
+        return element.tag, self._written(element, found.attributes if found else {}, values)
+
+    def _inherited(self, tag: str, of: DefaultClass | None) -> Iterator[Hashable]:
+        """Yield the keys of child elements (`layer`) that a class gives to an element, as it gives attributes."""
+        while of is not None:
+            for element in of.elements.get(tag, ()):
+                yield from (self._child(child) for child in element.iterchildren("*"))
+            of = of.parent
+
+    def _value(self, element: Node, name: str, attribute: Attribute | None, value: str) -> str:
+        if attribute is None:
+            return value
+        if attribute.type == "file" and value:
+            use = self._uses.get((element, name))
+            return self._digest(use) if use is not None else value
+        if attribute.refers is not None and attribute.refers in self._merged:
+            return self._merged[attribute.refers].get(value, value)
+        # `1 1 1` and `1.0 1 1` mean the same.
+        if attribute.is_number:
+            try:
+                return " ".join(repr(float(number)) for number in value.split())
+            except ValueError:
+                return value
+        return value
+
+    def _digest(self, use: FileUse) -> str:
+        """Return a hash of the bytes of a file and of the format that its suffix means."""
+        # MuJoCo picks the reader of a mesh by the suffix: the same bytes as `.stl` and as `.obj` are two things.
+        suffix = use.path.rpartition(".")[2].lower()
+        if use.content is not None:
+            return f"{hashlib.sha256(use.content).hexdigest()}.{suffix}"
+        if use.source not in self._digests:
+            try:
+                self._digests[use.source] = hashlib.sha256(read_regular(use.source)).hexdigest()
+            except OSError:  # reported where all files are read
+                self._digests[use.source] = use.source
+        return f"{self._digests[use.source]}.{suffix}"
+
+
+def _redirect(root: Node, merged: Merged) -> None:
+    """Replace every reference to a removed name by the name that it was merged into."""
+    for section in root.iterchildren("*"):
+        table = naming_table(str(section.tag))
+        for element in section.iterdescendants(*table) if table else ():
+            for key, (kind, namespace) in table[str(element.tag)].items():
+                value = str(element.get(key) or "")
+                if not value or kind not in (REFERS, LISTS, REFERS_BY):
+                    continue
+                target = object_namespace(element, namespace) if kind == REFERS_BY else namespace
+                names = merged.get(target or "", {})
+                if kind == LISTS:
+                    new = " ".join(names.get(each, each) for each in value.split())
+                else:
+                    new = names.get(value, value)
+                if new != value and names:
+                    element.set(key, new)
+
+
+ASSETS = "assets"
+# Where each path of the bundle comes from, by the path in lower case: some file systems do not distinguish cases.
+Taken = dict[str, tuple[str, bytes | None]]
+
+
+def files(linking: Linking) -> None:
+    """Store each file as `assets/LABEL/path`. Units with the same label share a folder unless their paths clash.
+
+    >>> from mjcompose.link.link import after
+    >>> part = '<compiler meshdir="meshes"/><asset><mesh file="link.obj"/></asset>'
+    >>> after(files, part)
+    part: <asset><mesh file="assets/part/link.obj"/></asset>
+    """
+    # Parts of one source share its files: the same path is taken by the same bytes only.
+    taken: Taken = {}
+    for prefix, unit in [("", linking.base), *((part.prefix, part.unit) for part in linking.parts)]:
+        named = list(file_attributes(unit.root))
+        if named:
+            _give_paths(linking, unit, prefix, named, taken)
+
+
+def _give_paths(
+    linking: Linking, unit: Unit, prefix: str, named: list[tuple[Node, str, str]], taken: Taken
+) -> None:
+    directory = str(unit.directory)
+    folders = {"texture": join(directory, unit.settings.texture_folder)}
+    mesh_folder = join(directory, unit.settings.mesh_folder)
+    simple = not unit.contents and unit.settings.strippath != "true"
+    target = f"{ASSETS}/{unit.label}/"
+    use = linking.files.append
+    # Of most files no path has to be shortened.
+    plain = [
+        f"{folders.get(element.tag, mesh_folder)}/{name}"
+        if simple and element.tag != "skin" and is_plain(name)
+        else ""
+        for element, _, name in named
+    ]
+    listed = unit.door.admit_listed(filter(None, plain))
+    for (element, attribute, name), where in zip(named, plain, strict=True):
+        tag = element.tag
+        if where:
+            path = name if "/" in name and is_settled(unit, tag, name) else target + name
+            source = listed.get(where) or _admitted(linking, unit, element, attribute, where)
+            if source is None:
+                continue
+            alone: tuple[str, bytes | None] = (source, None)
+            if taken.setdefault(path.lower(), alone) == alone:
+                element.set(attribute, path)
+                use(FileUse(element, attribute, path, source, None))
+                continue
+        written = written_path(unit.settings, element, name)
+        known = unit.contents.get(written) if unit.contents else None
+        content = known if isinstance(known, bytes) else None
+        if known is None:
+            source = _admitted(linking, unit, element, attribute, join(directory, written))
+        else:
+            source = held(known if isinstance(known, Path) else join(directory, written))
+        if source is None:
+            continue
+        if prefix and tag == "skin":
+            content = _skin(linking, unit, element, prefix, source, content)
+        path = _free(unit, tag, written, source, content, taken)
+        element.set(attribute, path)
+        use(FileUse(element, attribute, path, source, content))
+
+
+def _admitted(linking: Linking, unit: Unit, element: Node, attribute: str, path: str) -> Passed | None:
+    """Return the path that a unit refers to, or None if the unit may not read it, which is reported."""
+    try:
+        return unit.door.admit(path)
+    except Refused as refused:
+        refused.report(linking.sink, linking.span(unit, element, attribute))
+        return None
+
+
+def _skin(
+    linking: Linking, unit: Unit, element: Node, prefix: str, source: Passed, content: bytes | None
+) -> bytes | None:
+    """Return the content of a skin file with the prefix on the names of its bodies."""
+    try:
+        data = read_regular(source) if content is None else content
+        return rename_bones(data, lambda name: name if name == WORLD else prefix + name)
+    except OSError:
+        return content  # reported where all files are read
+    except BadSkin as fault:
+        linking.sink.error("not-supported", f"`{source}`: {fault}", linking.span(unit, element))
+        return content
+
+
+def is_settled(unit: Unit, tag: object, name: str) -> bool:
+    """Return whether the path is one of a composition: `assets/LABEL/…` without a folder from the compiler."""
+    if not name.startswith(f"{ASSETS}/") or name.count("/") < 2:
+        return False
+    settings = unit.settings
+    return not (settings.texture_folder if tag == "texture" else settings.mesh_folder)
+
+
+def _free(unit: Unit, tag: object, written: str, source: str, content: bytes | None, taken: Taken) -> str:
+    below = inside(unit.settings, written)
+    path = f"{ASSETS}/{unit.label}/{below}"
+    if is_settled(unit, tag, written):
+        path = written
+    # A bundle may be unpacked where upper and lower case are one: `A.obj` and `a.obj` get different paths.
+    key = path.lower()
+    if key not in taken:
+        taken[key] = (source, content)
+        return path
+    _, label, below = path.split("/", 2)
+    number = 1
+    while True:
+        if taken.setdefault(path.lower(), (source, content)) == (source, content):
+            return path
+        number += 1
+        path = f"{ASSETS}/{label}-{number}/{below}"
+
+
+def inside(settings: Settings, written: str) -> str:
+    """Return the path below the unit's own asset folder, which is not repeated in the bundle."""
+    if is_absolute(written):
+        return written.rsplit("/", 1)[-1]
+    for folder in (settings.mesh_folder, settings.texture_folder):
+        if folder and written.startswith(start := join("", folder) + "/"):
+            written = written[len(start) :]
+            break
+    # Such a step would lead out of the bundle.
+    if ".." in written:
+        return "/".join(step for step in written.split("/") if step != "..")
+    return written
+
+
+def add_file(
+    linking: Linking, folder: Path, element: Node, attribute: str, name: str, door: Door, span: Span
+) -> None:
+    """Add a file from the recipe. Its path is relative to the recipe, and it is stored below `assets/` as for parts.
+
+    `door` is that of the recipe, `span` where it names the file.
+    """
+    try:
+        source = door.admit(join(str(folder), name))
+    except Refused as refused:
+        refused.report(linking.sink, span)
+        return
+    inside = "/".join(step for step in name.replace("\\", "/").split("/") if step not in ("..", ".", ""))
+    path, number = f"{ASSETS}/{inside}", 1
+    taken = {use.path.lower(): use.source for use in linking.files}
+    while taken.get(path.lower(), source) != source:
+        number += 1
+        path = f"{ASSETS}/{number}/{inside}"
+    element.set(attribute, path)
+    linking.files.append(FileUse(element, attribute, path, source, None))

@@ -1,0 +1,326 @@
+"""Passes: masses, fitted sizes and length ranges become explicit.
+
+Pass: the mass of each body becomes explicit if the unit's rule for it is not MuJoCo's default.
+
+The model always has `inertiafromgeom="auto"` and `inertiagrouprange="0 5"`, MuJoCo's defaults.
+
+Pass: the length ranges of muscles, which MuJoCo finds by moving the model, become explicit.
+
+Each unit keeps the ranges that MuJoCo finds in it alone. This is needed if a `<lengthrange>` changes how MuJoCo
+finds them, or if a part is attached to something that moves, because then MuJoCo would move the part as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.diagnostic import Note
+from mjcompose.base.rotation import Pose
+from mjcompose.link import numbers
+from mjcompose.link.linking import Linking
+from mjcompose.link.measure import BODIES, GEOMS, Survey, cannot_be_kept, survey
+from mjcompose.link.numbers import read_pose
+from mjcompose.model.classes import ORIENTATIONS, Classes, childclass_of, own, walk_bodies
+from mjcompose.model.files import Settings
+from mjcompose.model.unit import Unit
+
+_DEFAULT = Settings()
+# Rules that change a whole model after its parts: only MuJoCo can say what they give.
+# MuJoCo 4.0 gives an empty `<body/>` a mass of 3 under `boundmass="3"`, and makes moments of 1 1 5 three of 2.3333
+# under `balanceinertia`; `settotalmass` scales all bodies when everything else is done.
+MEASURED = ("balanceinertia", "boundmass", "boundinertia", "settotalmass")
+_RULES = ("inertiafromgeom", "inertiagrouprange", *MEASURED)
+
+
+def inertia(linking: Linking) -> None:
+    """Rewrite each unit whose rule differs; a model of one unit keeps its own rules.
+
+    A geom outside of `inertiagrouprange` gives its body no mass:
+
+    >>> from mjcompose.link.link import after
+    >>> part = (
+    ...     '<compiler inertiagrouprange="0 1"/>'
+    ...     '<worldbody><body><geom size=".1" group="2"/></body></worldbody>'
+    ... )
+    >>> after(inertia, part)
+    part: <worldbody><body><geom size=".1" group="2" mass="0"/></body></worldbody>
+    """
+    if not linking.composed:
+        return
+    for unit in linking.units:
+        settings = unit.settings
+        if any(getattr(settings, name) != getattr(_DEFAULT, name) for name in MEASURED):
+            write_inertias(linking, unit)
+            continue
+        if settings.inertiagrouprange.split() != ["0", "5"]:
+            _leave_out_groups(unit, *(int(bound) for bound in settings.inertiagrouprange.split()))
+        if settings.inertiafromgeom == "true":
+            _from_geoms(unit)
+        elif settings.inertiafromgeom == "false":
+            _never_from_geoms(linking, unit)
+
+
+def _bodies(unit: Unit) -> list[Node]:
+    return [element for element, _ in walk_bodies(unit.root) if element.tag == "body"]
+
+
+def _leave_out_groups(unit: Unit, low: int, high: int) -> None:
+    classes = unit.classes
+    for element, childclass in walk_bodies(unit.root):
+        if element.tag == "geom":
+            group = int(classes.effective(element, childclass, "group") or 0)
+            # The geom keeps its collisions and its looks: only a mass of 0 takes it out of the inertia. In MuJoCo 4.0
+            # `inertiagrouprange="1 2"` leaves of two unit spheres in groups 0 and 1 the mass of one, 4188.79.
+            if not low <= group <= high:
+                element.set("mass", "0")
+
+
+def _from_geoms(unit: Unit) -> None:
+    """Apply the rule `true`: geoms override a written inertial; a body without geoms keeps it."""
+    # A body whose geoms all have no mass counts as one without geoms: in MuJoCo 4.0 `<body><inertial mass="7" pos="0 0
+    # 0" diaginertia="1 1 1"/></body>` keeps its mass of 7 under `inertiafromgeom="true"`.
+    classes = unit.classes
+    for body in _bodies(unit):
+        inertials = own(body, "inertial")
+        if inertials and any(has_mass(geom, classes) for geom in own(body, "geom")):
+            for inertial in inertials:
+                holder = inertial.getparent()
+                assert holder is not None
+                holder.remove(inertial)
+
+
+def has_mass(geom: Node, classes: Classes) -> bool:
+    childclass = childclass_of(geom)
+    mass = classes.effective(geom, childclass, "mass")
+    # A mass wins over a density: in MuJoCo 4.0 `<geom size=".1" mass="0" density="1000"/>` weighs nothing.
+    if mass is not None:
+        return numbers.read(mass)[0] != 0
+    density = classes.effective(geom, childclass, "density")
+    return density is None or numbers.read(density)[0] != 0
+
+
+def _never_from_geoms(linking: Linking, unit: Unit) -> None:
+    """Apply the rule `false`: a body without a written inertial has no mass, whatever its geoms are."""
+    classes = unit.classes
+    for body in _bodies(unit):
+        if not own(body, "inertial"):
+            for geom in own(body, "geom"):
+                if has_mass(geom, classes):
+                    geom.set("mass", "0")
+            body.insert(0, body.makeelement("inertial", {**_pose(body), "mass": "0", "diaginertia": "0 0 0"}))
+            linking.notes.inertia_written.add(body)
+
+
+def _pose(body: Node) -> dict[str, str]:
+    """Return the frame that MuJoCo uses for an inertia that is not set: the body's own pose, as written."""
+    # MuJoCo 4.0 copies the frame of the body in its parent: with `<compiler inertiafromgeom="false"/>` the
+    # `<body pos="1 2 3"><geom size=".1"/></body>` has `body_ipos` 1 2 3.
+    written = {name: str(body.get(name)) for name in ("pos", *ORIENTATIONS) if body.get(name)}
+    return {"pos": "0 0 0", **written}
+
+
+def write_inertias(linking: Linking, unit: Unit) -> None:
+    """Compile the unit alone, and write the inertia that MuJoCo computes for every body."""
+    wanting = [name for name in MEASURED if getattr(unit.settings, name) != getattr(_DEFAULT, name)]
+    found = survey(linking, unit, wanting, BODIES)
+    if found is not None:
+        write_measured(linking, unit, wanting, _bodies(unit), found)
+
+
+def settle(linking: Linking, unit: Unit, changed: Collection[Node], found: Survey) -> None:
+    """Write the surveyed inertia of the changed bodies, or of all bodies if a rule of the unit requires it.
+
+    Afterwards the unit has MuJoCo's own rules, in the place of those that the survey has applied.
+    """
+    ruled = [
+        name for name in _RULES if getattr(unit.settings, name).split() != getattr(_DEFAULT, name).split()
+    ]
+    bodies = [body for body in _bodies(unit) if (ruled or body in changed) and not found.is_gone(body)]
+    if write_measured(linking, unit, ruled or ["fusestatic"], bodies, found):
+        unit.forget_settings(*ruled)
+
+
+def write_measured(
+    linking: Linking, unit: Unit, settings: Sequence[str], bodies: Iterable[Node], found: Survey
+) -> bool:
+    """Write the surveyed inertia onto these bodies. Report a body for which that is impossible."""
+    flexible = next(unit.root.iter("flexcomp"), None)
+    if flexible is not None and any(name in settings for name in MEASURED):
+        cannot_be_kept(linking, unit, settings, "`<flexcomp>` is expanded by MuJoCo")
+        return False
+    for body in bodies:
+        rows = [found.values(body, array, width) for array, width in zip(BODIES, (1, 3, 4, 3), strict=True)]
+        mass, pos, quat, moments = rows
+        if mass is None or pos is None or quat is None or moments is None:
+            gone = found.is_gone(body)
+            why = "`fusestatic` makes this body one with another" if gone else "the copies of a body differ"
+            cannot_be_kept(linking, unit, settings, why, body)
+            return False
+        written = own(body, "inertial")
+        for inertial in written:
+            holder = inertial.getparent()
+            assert holder is not None
+            holder.remove(inertial)
+        if not written:
+            linking.notes.inertia_written.add(body)
+        # What has no mass and no geoms needs no inertial. Where there are geoms, the inertial takes their place, as it
+        # does under `auto`: `<body><inertial mass="1" …/><geom size="1"/></body>` weighs 1 in MuJoCo 4.0.
+        if any(mass) or any(moments) or written or own(body, "geom"):
+            values = {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}
+            body.insert(
+                0, body.makeelement("inertial", {name: numbers.text(given) for name, given in values.items()})
+            )
+    return True
+
+
+_SETTING = ("fitaabb",)
+_SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
+
+
+def fitting(linking: Linking) -> None:
+    """Measure the fitted primitives of each unit that fits them to the bounding box.
+
+    >>> from mjcompose.link.link import after
+    >>> part = (
+    ...     '<compiler fitaabb="true"/>'
+    ...     '<asset><mesh name="m" vertex="-1 -1 -1 1 1 1 -1 1 1 1 -1 1 1 1 -1 -1 -1 1 -1 1 -1 1 -1 -1"/></asset>'
+    ...     '<worldbody><geom type="sphere" mesh="m"/></worldbody>'
+    ... )
+    >>> after(fitting, part)  # doctest: +ELLIPSIS
+    part: <worldbody><geom type="sphere" size="1"...
+    """
+    for unit in linking.units if linking.composed else ():
+        if unit.settings.fitaabb != "true":
+            continue
+        classes = unit.classes
+        fitted = {
+            geom: kind
+            for geom, childclass in walk_bodies(unit.root)
+            if geom.tag == "geom" and (kind := _fitted_kind(geom, childclass, classes)) is not None
+        }
+        found = survey(linking, unit, _SETTING, GEOMS) if fitted else None
+        if found is not None:
+            for geom, kind in fitted.items():
+                _write(linking, unit, geom, _SIZES[kind], found)
+
+
+def _fitted_kind(geom: Node, childclass: str | None, classes: Classes) -> str | None:
+    """Return the primitive that a geom fits to a mesh, or None if it fits none."""
+    kind = classes.effective(geom, childclass, "type")
+    return kind if kind in _SIZES and classes.effective(geom, childclass, "mesh") else None
+
+
+def _write(linking: Linking, unit: Unit, geom: Node, sizes: int, found: Survey) -> None:
+    rows = [found.values(geom, array, width) for array, width in zip(GEOMS, (3, 3, 4), strict=True)]
+    size, pos, quat = rows
+    if size is None or pos is None or quat is None:
+        cannot_be_kept(linking, unit, _SETTING, "the copies of a geom differ", geom)
+        return
+    x, y, z = pos
+    w, a, b, c = quat
+    frame = _frames_above(geom, unit)
+    pose = Pose((x, y, z), (w, a, b, c))
+    # MuJoCo dissolves frames: `<frame euler="0 0 90"><geom size="1" pos="1 0 0"/></frame>` has `geom_pos` 0 1 0.
+    if not frame.is_identity:
+        pose = frame.inverse() @ pose
+    for name in ("mesh", "fitscale", "fromto", *ORIENTATIONS):
+        if name in geom.attrib:
+            del geom.attrib[name]
+    # An empty text takes back what the class says: with `<default><geom mesh="m" type="mesh"/></default>` MuJoCo 4.0
+    # compiles `<geom mesh="" type="sphere" size="1"/>` to a sphere without a mesh.
+    if unit.classes.effective(geom, childclass_of(geom), "mesh"):
+        geom.set("mesh", "")
+    geom.set("size", numbers.text(size[:sizes]))
+    geom.set("pos", numbers.text(pose.pos))
+    geom.set("quat", numbers.text(pose.quat))
+
+
+def _frames_above(geom: Node, unit: Unit) -> Pose:
+    """Return the pose of the frames between a geom and its body, since MuJoCo reports the geom's pose in the body."""
+    pose = Pose()
+    node = geom.getparent()
+    while node is not None and node.tag in ("frame", "replicate"):
+        if node.tag == "frame":
+            pose = read_pose(node, unit.settings.angle == "degree", unit.settings.eulerseq) @ pose
+        node = node.getparent()
+    return pose
+
+
+_ARRAYS = ("actuator_lengthrange",)
+
+
+def lengthranges(linking: Linking) -> None:
+    """Measure the actuators of each unit that has rules of its own; the model keeps MuJoCo's rules.
+
+    >>> from mjcompose.link.link import after
+    >>> part = (
+    ...     '<compiler><lengthrange mode="all"/></compiler>'
+    ...     '<worldbody><body><joint name="j" type="slide" range="0 1"/><geom size=".1"/></body></worldbody>'
+    ...     '<actuator><motor joint="j"/></actuator>'
+    ... )
+    >>> after(lengthranges, part)  # doctest: +ELLIPSIS
+    part: <compiler/>
+    part: <actuator><motor joint="j" lengthrange="-0.000...
+    """
+    # What hangs on a unit would be moved with it, and may stop it earlier.
+    hanging = any(part.joints or part.place.kind != "world" for part in linking.parts)
+    for unit in linking.units if linking.parts else ():
+        rules = list(unit.root.iter("lengthrange"))
+        if not rules:
+            if hanging and linking.measure is not None and _has_muscles(unit):
+                _write_found(unit, linking.measure(unit, _ARRAYS).get(_ARRAYS[0], []))
+            continue
+        actuators = unit.root.findall("actuator/*")
+        if actuators:
+            found = survey(linking, unit, ("lengthrange",), _ARRAYS)
+            if found is None:
+                continue
+            measured = found.arrays["actuator_lengthrange"]
+            if len(measured) != 2 * len(actuators):
+                cannot_be_kept(linking, unit, ("lengthrange",), "MuJoCo makes copies of actuators")
+                continue
+            for at, actuator in enumerate(actuators):
+                low, high = measured[2 * at : 2 * at + 2]
+                # `0 0` is to MuJoCo a range that is not written: of `<muscle lengthrange="0 0"/>` it computes one.
+                if (low, high) != (0.0, 0.0):
+                    actuator.set("lengthrange", numbers.text([low, high]))
+                elif _is_muscle(actuator):
+                    _no_range(linking, unit, rules[-1], actuator)
+                    break
+        for rule in rules:
+            compiler = rule.getparent()
+            assert compiler is not None
+            compiler.remove(rule)
+
+
+def _has_muscles(unit: Unit) -> bool:
+    sections = unit.root.iterchildren("actuator", "default")
+    return any(_is_muscle(each) for section in sections for each in section.iter("muscle", "general"))
+
+
+def _write_found(unit: Unit, measured: list[float]) -> None:
+    """Write the ranges that MuJoCo computed, unless it made copies of actuators."""
+    actuators = unit.root.findall("actuator/*")
+    if len(measured) != 2 * len(actuators):
+        return
+    for at, actuator in enumerate(actuators):
+        found = measured[2 * at : 2 * at + 2]
+        if any(found):
+            actuator.set("lengthrange", numbers.text(found))
+
+
+def _is_muscle(actuator: Node) -> bool:
+    return actuator.tag == "muscle" or "muscle" in (actuator.get("gaintype"), actuator.get("biastype"))
+
+
+def _no_range(linking: Linking, unit: Unit, rule: Node, actuator: Node) -> None:
+    """Report a range that MuJoCo would read as not written, and would compute by the model's rules."""
+    linking.sink.error(
+        "compiler-setting",
+        f"`lengthrange` of `{unit.label}` cannot be kept in a composition: it leaves a muscle without a range",
+        linking.span(unit, rule),
+        notes=(Note("the muscle", linking.span(unit, actuator)),),
+        help="write the `lengthrange` of the muscle",
+    )

@@ -1,0 +1,485 @@
+"""The layout of a key's numbers, also of actuators that `<replicate>` multiplies.
+
+The order of actuators that `<replicate>` multiplies, together with the tendons and joints that they refer to.
+
+MuJoCo carries out the replicates one after another, inner ones first. Each replicate removes from their lists the
+tendons and actuators that refer to something inside it, and appends a copy of each for its first copy, then for its
+second, and so on. Elements that also refer to something outside the replicate are not copied and are lost.
+
+The layout of the numbers of a keyframe: joints depth first, actuators and mocap bodies in order.
+
+MuJoCo lays out `qpos` body by body, depth first in document order, a body's joints before its children; frames do
+not count. A `<replicate>` is laid out copy by copy. What only MuJoCo expands (`flexcomp`, `attach`) is one block, as
+nothing can stand in it; the joints in which a rod is twisted are a block of their own. `test_layout.py` compares all
+of this with MuJoCo.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import field, replace
+from functools import cache, cached_property
+from itertools import product
+from typing import NamedTuple
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.model.classes import Classes, DefaultClass, childclass_of, through_frames
+from mjcompose.model.names import DECLARES, REFERS, naming_table
+from mjcompose.model.unit import Unit
+from mjcompose.mujoco.arrays import JOINT_TYPES
+
+Name = tuple[str, str]
+"""Namespace and name."""
+
+
+Within = tuple[tuple[Node, int], ...]
+"""The number of a copy in each `<replicate>` that makes it, innermost first."""
+
+
+class Copy(NamedTuple):
+    """One of the joints, actuators or mocap bodies that MuJoCo makes of an element.
+
+    `twists` stands for the joints in which a rod, a `<flexcomp>` of one dimension, is twisted: they are elsewhere
+    than its vertices.
+    """
+
+    element: Node
+    within: Within = ()
+    twists: bool = False
+
+
+def element_of(holder: Node | Copy) -> Node:
+    """Return the element that is written in the tree."""
+    return holder.element if isinstance(holder, Copy) else holder
+
+
+@dataclass(frozen=True, slots=True)
+class _Thing:
+    """A tendon or an actuator after the replicates carried out so far."""
+
+    element: Node
+    within: Within
+    name: str
+    refers: frozenset[Name]
+
+    def copied(self, replicate: Node, number: int, suffix: str, lost: frozenset[Name]) -> _Thing:
+        """Return a copy that refers to the copies of what is `lost`."""
+        refers = frozenset(
+            (kind, name + suffix if (kind, name) in lost else name) for kind, name in self.refers
+        )
+        name = self.name + suffix if self.name else ""
+        return replace(self, within=(*self.within, (replicate, number)), name=name, refers=refers)
+
+
+def actuators_in_order(root: Node) -> list[Node | Copy]:
+    """Return every actuator of a model in the order of its controls. A multiplied one is returned as its copies."""
+    actuators = root.findall("actuator/*")
+    if not actuators or next(root.iter("replicate"), None) is None:
+        return list(actuators)
+    replicates = [each for world in root.iterchildren("worldbody") for each in inner_first(world)]
+    hanging = [_thing(each, "tendon") for each in root.iterfind("tendon/*")]
+    driving = [_thing(each, "actuator") for each in actuators]
+    made: dict[Node, list[Name]] = {}
+    for replicate in replicates:
+        inside = list(_declared(replicate, made))
+        made[replicate] = [(kind, name + end) for end in suffixes(replicate) for kind, name in inside]
+        lost = frozenset(inside)
+        hanging, gone = _multiply(hanging, lost, replicate)
+        driving, _ = _multiply(driving, lost | gone, replicate)
+    return [Copy(each.element, each.within) if each.within else each.element for each in driving]
+
+
+def names_made(root: Node) -> set[Name]:
+    """Return every name in the body tree that a replicate makes."""
+    made: dict[Node, list[Name]] = {}
+    for world in root.iterchildren("worldbody"):
+        for replicate in inner_first(world):
+            inside = list(_declared(replicate, made))
+            made[replicate] = [(kind, name + end) for end in suffixes(replicate) for kind, name in inside]
+    return {name for names in made.values() for name in names}
+
+
+def _multiply(
+    things: list[_Thing], lost: frozenset[Name], replicate: Node
+) -> tuple[list[_Thing], frozenset[Name]]:
+    """Multiply the things that refer to `lost` names, as a replicate does. Return all things, and the old names."""
+    # MuJoCo 4.0 multiplies what refers to something inside, too: `<motor joint="j"/>` on the joint of a body in
+    # `<replicate count="2">` gives two controls. They stand behind the actuators that are not multiplied.
+    # With `<motor name="z" …/>` behind `a` on a joint outside, the order is z, a0, a1.
+    kept = [thing for thing in things if thing.refers.isdisjoint(lost)]
+    taken = [thing for thing in things if not thing.refers.isdisjoint(lost)]
+    whole = [thing for thing in taken if thing.refers <= lost]
+    ends = suffixes(replicate)
+    copies = [
+        thing.copied(replicate, number, end, lost) for number, end in enumerate(ends) for thing in whole
+    ]
+    return kept + copies, frozenset(("tendon", thing.name) for thing in taken if thing.name)
+
+
+def inner_first(top: Node) -> Iterator[Node]:
+    """Return every replicate in `top`, including `top` itself, in the order in which MuJoCo applies them."""
+    # MuJoCo 4.0 appends the number of the inner replicate first: a `<body name="b"/>` in `<replicate count="2"
+    # sep="-">` in `<replicate count="2" sep="_">` becomes b-0_0, b-1_0, b-0_1, b-1_1.
+    for child in top.iterchildren("*"):
+        yield from inner_first(child)
+    if top.tag == "replicate":
+        yield top
+
+
+def _declared(replicate: Node, made: dict[Node, list[Name]]) -> Iterator[Name]:
+    """Yield the names inside a replicate, including those that inner replicates have made."""
+    for child in replicate.iterchildren("*"):
+        if child.tag == "replicate":
+            yield from made[child]
+            continue
+        name, kind = child.get("name"), _kinds().get(str(child.tag))
+        if name and kind:
+            yield kind, name
+        yield from _declared(child, made)
+
+
+@cache
+def _kinds() -> dict[str, str]:
+    """Return, by tag of the body tree, the namespace in which it declares names."""
+    return {
+        tag: namespace
+        for tag, actions in naming_table("worldbody").items()
+        for name, (action, namespace) in actions.items()
+        if action == DECLARES and name == "name"
+    }
+
+
+def ends_of_copies(around: Sequence[Node]) -> dict[str, Within]:
+    """Return the copies that these replicates, innermost first, make of what is in them, by the ends of their names."""
+    if not around:
+        return {}
+    copies = product(*(enumerate(suffixes(replicate)) for replicate in around))
+    return {
+        "".join(end for _, end in each): tuple(zip(around, (number for number, _ in each), strict=True))
+        for each in copies
+    }
+
+
+def names_of_copies(element: Node) -> list[str]:
+    """Return the names that MuJoCo gives to an element: its own, or those of its copies."""
+    name = str(element.get("name") or "")
+    ends = ends_of_copies(list(element.iterancestors("replicate")))
+    return [name + end for end in ends or [""]] if name else []
+
+
+def suffixes(replicate: Node) -> list[str]:
+    """Return the suffixes of the names in each copy. All have as many digits as the count: ten begin at `00`."""
+    count = int(str(replicate.get("count") or 1))
+    # `<replicate count="12"><body name="r"/></replicate>` makes r00 to r11 in MuJoCo 4.0, and `count="9"` r0 to r8.
+    width = len(str(count))
+    return [f"{replicate.get('sep') or ''}{number:0{width}}" for number in range(count)]
+
+
+def _thing(element: Node, section: str) -> _Thing:
+    table = naming_table(section)
+    refers = {
+        (namespace, str(each.get(name)))
+        for each in element.iter("*")
+        for name, (action, namespace) in table.get(str(each.tag), {}).items()
+        if action == REFERS and each.get(name) and namespace != "default"
+    }
+    return _Thing(element, (), str(element.get("name") or ""), frozenset(refers))
+
+
+JOINTS = ("joint", "freejoint")
+_BLOCKS = ("flexcomp", "composite", "attach")
+_INNER = ("body", "replicate", *_BLOCKS)
+# Actuators with one control and, by tag, this many activations; the others only MuJoCo knows.
+_ACTIVATIONS = {
+    "motor": 0,
+    "velocity": 0,
+    "damper": 0,
+    "adhesion": 0,
+    "intvelocity": 1,
+    "cylinder": 1,
+    "muscle": 1,
+}
+
+
+Holder = Node | Copy
+"""What holds numbers of a key: an element, or one of the copies that MuJoCo makes of it."""
+
+
+class Unknown(Exception):
+    """Raised for a width that only MuJoCo knows; `element` is the element that has it."""
+
+    def __init__(self, element: Node) -> None:
+        super().__init__(str(element.tag))
+        self.element = element
+
+
+class Slot(NamedTuple):
+    """The widths of a joint, an actuator or a block: how many numbers it has in each vector of a key.
+
+    `free` has the offsets in `qpos` and `qvel` of each free joint. `twists` is the number of joints in which a rod is
+    twisted; `widths` does not count them. `controls` and the fields after it are for a
+    model that MuJoCo attaches: the total widths of its actuators, and its numbers of actuators, mocap bodies and
+    keys.
+    """
+
+    kind: str
+    widths: tuple[int, int]
+    free: tuple[tuple[int, int], ...] = ()
+    twists: int = 0
+    controls: tuple[int, int] = (0, 0)
+    actuators: int = 0
+    mocaps: int = 0
+    keys: int = 0
+
+
+BLOCK = "block"
+_JOINTS = {
+    each.word: Slot(each.word, (each.positions, each.velocities), ((0, 0),) if each.word == "free" else ())
+    for each in JOINT_TYPES
+}
+
+
+def actuator_slot(activations: int, controls: int = 1) -> Slot:
+    return Slot("actuator", (controls, activations))
+
+
+_ACTUATORS = {tag: actuator_slot(activations) for tag, activations in _ACTIVATIONS.items()}
+_STATELESS = actuator_slot(0)
+
+
+@dataclass(slots=True)
+class Layout:
+    """The elements of a model in the order of their numbers in a key.
+
+    The widths of `joints` are (nq, nv), those of `actuators` (nctrl, nact). `mocaps` has the number of mocap bodies
+    of each element: one for a body, any number for a model that MuJoCo attaches.
+    """
+
+    joints: dict[Holder, Slot] = field(default_factory=dict)
+    actuators: dict[Holder, Slot] = field(default_factory=dict)
+    mocaps: dict[Holder, int] = field(default_factory=dict)
+
+    @property
+    def in_world_coordinates(self) -> bool:
+        """Return whether a key holds poses in the world, those of free joints or mocap bodies."""
+        return bool(self.mocaps) or any(slot.free for slot in self.joints.values())
+
+    def total(self, vector: str) -> int:
+        if vector in ("qpos", "qvel"):
+            return sum(slot.widths[vector == "qvel"] for slot in self.joints.values())
+        if vector in ("ctrl", "act"):
+            return sum(slot.widths[vector == "act"] for slot in self.actuators.values())
+        return sum(self.mocaps.values()) * (3 if vector == "mpos" else 4)
+
+    def free(self) -> Iterator[tuple[int, int]]:
+        """Yield the indices in `qpos` and `qvel` at which the numbers of each free joint begin."""
+        nq = nv = 0
+        for slot in self.joints.values():
+            yield from ((nq + q, nv + v) for q, v in slot.free)
+            nq, nv = nq + slot.widths[0], nv + slot.widths[1]
+
+
+# An actuator may have several controls since MuJoCo 4.0: `<pid joint="j" kp="1"/>` alone has `nactuator` 1 and `nu` 2,
+# and with `ki` and `slewmax` `na` 2.
+_STATE = {"position": {"timeconst"}, "general": {"dyntype", "actdim", "input"}}
+_OF_GENERAL = ("gaintype", "dyntype", "actdim", "input")
+_SEVERAL = ("pid", "so3", "dcmotor")  # kinds of gain and dynamics that say how many inputs there are
+_STATEFUL = ("intvelocity", "cylinder", "muscle", "dcmotor", "pid", "orientation")
+
+
+def lay_out(unit: Unit, known: Mapping[Node, Slot]) -> Layout:
+    """Return the layout of a whole model. Raises `Unknown` for what neither the tree nor `known` gives."""
+    layout = Layout()
+    reader = _Reader(unit, known)
+    for worldbody in unit.root.iterchildren("worldbody"):
+        joints = _plain_joints(worldbody)
+        if joints is None:
+            reader.visit_world(worldbody, layout)
+        else:
+            layout.joints.update([(joint, known.get(joint) or reader.joint(joint)) for joint in joints])
+        # Only a child of the world is a mocap body, and a frame or a replicate may stand between: of a deeper one
+        # MuJoCo 4.0 says "not a fixed child of world".
+        layout.mocaps.update(reader.mocaps(worldbody, ()))
+    layout.actuators = {
+        holder: known.get(each := element_of(holder)) or reader.actuator(each)
+        for holder in actuators_in_order(unit.root)
+    }
+    # MuJoCo attaches models when everything is read.
+    attached = [(block, slot) for block, slot in layout.joints.items() if slot.controls != (0, 0)]
+    for block, _ in attached:
+        if isinstance(block, Copy):  # in which order MuJoCo multiplies its actuators is not known
+            raise Unknown(block.element)
+    layout.actuators |= {block: Slot("actuator", slot.controls) for block, slot in attached}
+    return layout
+
+
+def _plain_joints(worldbody: Node) -> list[Node] | None:
+    """Return the joints if they are in the order of their bodies and no other element matters, else None."""
+    # The joints of a body come before those of its children, wherever they are written: in MuJoCo 4.0
+    # `<body><body><joint name="in"/>…</body><joint name="out"/></body>` has `out` first.
+    joints: list[Node] = []
+    body = worldbody
+    for element in worldbody.iter("body", *JOINTS, "replicate", *_BLOCKS):
+        tag = element.tag
+        if tag == "body":
+            body = element
+        elif tag in JOINTS and element.getparent() is body:
+            joints.append(element)
+        else:  # a replicate, a block, or a joint in a frame or after a child of its body
+            return None
+    return joints
+
+
+class _Reader:
+    """Reads the widths of elements that are not known yet; looks at default classes only if they may matter."""
+
+    def __init__(self, unit: Unit, known: Mapping[Node, Slot]) -> None:
+        self.unit = unit
+        self.known = known
+        self._said: dict[str, tuple[str | None, ...] | None] = {}
+
+    @cached_property
+    def influence(self) -> tuple[bool, bool]:
+        """Whether any class sets a joint type other than hinge, and whether any gives actuators a state or inputs."""
+        typed = stateful = False
+        for section in self.unit.root.iterchildren("default"):
+            for element in section.iter("joint", "position", "general", *_STATEFUL):
+                tag = element.tag
+                if tag == "joint":
+                    typed = typed or element.get("type") not in (None, "hinge")
+                elif not stateful:
+                    stateful = (
+                        tag not in _STATE
+                        or not _STATE[tag].isdisjoint(element.keys())
+                        or element.get("gaintype") in _SEVERAL
+                    )
+        return typed, stateful
+
+    def visit_world(self, worldbody: Node, layout: Layout) -> None:
+        """Lay out the bodies of the world, each followed by the twists of the rods in it."""
+        # MuJoCo 4.0 puts the bodies that a rod is twisted in last into the world, as it reads the rod: `<body
+        # name="a"><flexcomp name="rod" …/><body name="b"/></body><body name="c"/>` becomes a, rod_0, …, b,
+        # rod_twist_0, …, rod_twist, c. What it reads in a `<replicate>` of the world is in the world only when all of
+        # it is read, so that they come first there. Either way there is one set of them, not one for each copy.
+        for child in through_frames(worldbody):
+            inside, twists = Layout(), Layout()
+            self._inner(child, (), inside, twists)
+            first, second = (twists, inside) if child.tag == "replicate" else (inside, twists)
+            layout.joints |= first.joints
+            layout.joints |= second.joints
+
+    def visit(self, body: Node, within: Within, layout: Layout, twists: Layout) -> None:
+        """Lay out a body's joints, then the elements inside it."""
+        inner: list[Node] = []
+        for child in through_frames(body):
+            if child.tag in JOINTS:
+                layout.joints[_copy(child, within)] = self.known.get(child) or self.joint(child)
+            elif child.tag in _INNER:
+                inner.append(child)
+        # A body's own joints come before those of its children, also if they are written later: in MuJoCo 4.0
+        # `<body><body><joint name="inner"/></body><joint name="outer"/></body>` has `outer` at qpos 0.
+        for child in inner:
+            self._inner(child, within, layout, twists)
+
+    def _inner(self, child: Node, within: Within, layout: Layout, twists: Layout) -> None:
+        if child.tag == "body":
+            self.visit(child, within, layout, twists)
+        elif child.tag == "replicate":
+            for number in range(_count(child)):
+                self.visit(child, ((child, number), *within), layout, twists)
+        elif child.tag in _BLOCKS:
+            slot = self.known.get(child)
+            if slot is None:
+                raise Unknown(child)
+            layout.joints[_copy(child, within)] = slot
+            if slot.twists:
+                twists.joints[Copy(child, twists=True)] = Slot(BLOCK, (slot.twists, slot.twists))
+
+    def joint(self, joint: Node) -> Slot:
+        if self.influence[0]:
+            return _JOINTS[joint_type(joint, self.unit.classes)]
+        return _JOINTS["free" if joint.tag == "freejoint" else joint.get("type") or "hinge"]
+
+    def mocaps(self, holder: Node, within: Within) -> Iterator[tuple[Holder, int]]:
+        """Yield the mocap bodies directly in the world, or in a replicate there, and what brings some."""
+        for child in through_frames(holder):
+            if child.tag == "replicate":
+                for number in range(_count(child)):
+                    yield from self.mocaps(child, ((child, number), *within))
+            elif child.tag == "attach" and (count := self.known[child].mocaps):
+                yield _copy(child, within), count
+            elif child.tag == "body" and child.get("mocap") == "true":
+                yield _copy(child, within), 1
+
+    def actuator(self, actuator: Node) -> Slot:
+        tag = actuator.tag
+        known = _ACTUATORS.get(tag)
+        if known is not None:
+            return known
+        if tag == "position":
+            if actuator.get("timeconst") is None and not (
+                self.influence[1] and self._inherits_state(actuator)
+            ):
+                return _STATELESS
+        elif tag == "general":
+            slot = self._general(actuator)
+            if slot is not None:
+                return slot
+        raise Unknown(actuator)
+
+    def _inherits_state(self, position: Node) -> bool:
+        """Return whether its class may set activations or inputs: in MuJoCo, all actuator tags share one struct."""
+        found = self._class(position)
+        return bool(
+            any(found.lookup("general", name) for name in _STATE["general"])
+            or (found.lookup("general", "gaintype") or ("",))[0] in _SEVERAL
+            or found.lookup("position", "timeconst")
+            or any(map(found.sets, _STATEFUL))
+        )
+
+    def _general(self, general: Node) -> Slot | None:
+        """Return the slot of a `<general>` from its own and its class's settings, or None if they are not enough."""
+        gain, dyntype, size, inputs = map(general.get, _OF_GENERAL)
+        if self.influence[1]:
+            said = self._said_of_general(str(general.get("class") or ""))
+            if said is None:
+                return None
+            gain, dyntype, size, inputs = (
+                gain or said[0],
+                dyntype or said[1],
+                size or said[2],
+                inputs or said[3],
+            )
+        if gain in _SEVERAL or dyntype in _SEVERAL or inputs:
+            return None
+        if not size or int(size) < 0:  # the default of MuJoCo
+            return _STATELESS if dyntype in (None, "none") else actuator_slot(1)
+        return actuator_slot(int(size))
+
+    def _said_of_general(self, name: str) -> tuple[str | None, ...] | None:
+        """Return the `_OF_GENERAL` settings of a class for a `<general>`, or None if its other tags affect them too."""
+        if name not in self._said:
+            found = self.unit.classes.get(name or None)
+            given = [found.lookup("general", each) for each in _OF_GENERAL]
+            mixed = any(map(found.sets, (*_STATEFUL, "position")))
+            self._said[name] = None if mixed else tuple(each and each[0] for each in given)
+        return self._said[name]
+
+    def _class(self, actuator: Node) -> DefaultClass:
+        return self.unit.classes.get(str(actuator.get("class") or "") or None)
+
+
+def _copy(element: Node, within: Within) -> Holder:
+    return Copy(element, within) if within else element
+
+
+def _count(replicate: Node) -> int:
+    return int(str(replicate.get("count") or 1))
+
+
+def joint_type(joint: Node, classes: Classes) -> str:
+    if joint.tag == "freejoint":
+        return "free"
+    return classes.effective(joint, childclass_of(joint), "type") or "hinge"

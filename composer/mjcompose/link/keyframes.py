@@ -1,0 +1,497 @@
+"""The keys of all parts, cut by joint and joined for the finished model.
+
+Rewrite the keys of all parts for the layout of the finished model.
+
+Values follow their joints, actuators and bodies. This runs when nothing more will be added to the model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.diagnostic import Cause, Note
+from mjcompose.base.rotation import Pose, normalise, rotate
+from mjcompose.link import numbers
+from mjcompose.link.key_layout import BLOCK, Copy, Holder, Layout, Slot
+from mjcompose.link.linking import Linking, Part
+from mjcompose.link.measure import Reference
+from mjcompose.link.unit_keys import VECTORS, final_layout, holders, keys_of, refer_anew, reshaped_flexes
+from mjcompose.model.classes import ORIENTATIONS
+from mjcompose.model.unit import (
+    Key,
+    KeyRecord,
+    Number,
+    PartKeys,
+    Unit,
+    line_of,
+    moved,
+    numbers_of,
+    set_line,
+    texts,
+)
+
+BASE = "base"
+"""What the base is called among the parts."""
+
+
+def part_keys(linking: Linking) -> Mapping[str, PartKeys]:
+    """Return the keys of the base, of each part, and of the parts of nested recipes. The result is cached.
+
+    Of those that are left out only the ones that the recipe asks for. The poses of the parts must be known.
+    """
+    if linking.keys.by_part is not None:
+        return linking.keys.by_part
+    found: dict[str, PartKeys] = {}
+    asked = linking.request.requested_keys or frozenset()
+    for part in (None, *linking.parts):
+        path = BASE if part is None else part.path(linking.request.separator)
+        policy = linking.request.base_keyframes if part is None else part.keyframes
+        unit, layout = (linking.base, linking.keys.base_layout) if part is None else (part.unit, part.layout)
+        if layout is None:
+            continue
+        if policy != "none" or path in asked:
+            own = linking.keys.own[part] = tuple(_own_keys(linking, unit, layout, part))
+            found[path] = PartKeys(1, own)
+        for inner, (depth, keys) in unit.part_keys.items():
+            below = f"{path}{linking.request.separator}{inner}"
+            if policy != "none" or below in asked:
+                moved = tuple(_moved(linking, part, layout, key) for key in keys)
+                found[below] = PartKeys(depth + 1, moved)
+        if part is not None:
+            _carry_references(linking, part, layout)
+    linking.keys.by_part = found
+    return found
+
+
+def _own_keys(linking: Linking, unit: Unit, layout: Layout, part: Part | None) -> Iterator[Key]:
+    for element in keys_of(unit):
+        record = unit.origins.keys.get(element)
+        time = numbers_of(record, element, "time")
+        key = Key(str(element.get("name") or ""), time[0] if time else None, element, unit.file, unit.origins)
+        for vector in VECTORS:
+            taken = cut_row(linking, unit, layout, element, vector) if element.get(vector) else None
+            if taken is not None:
+                key.values[vector] = taken
+        yield _moved(linking, part, layout, key)
+
+
+def _moved(linking: Linking, part: Part | None, layout: Layout, key: Key) -> Key:
+    """Return the key moved to the place of its part."""
+    if part is None:
+        return key
+    values = {vector: dict(columns) for vector, columns in key.values.items()}
+    for vector, columns in values.items():
+        _check_copies_part_keys(linking, part, layout, key, vector, columns)
+        if vector in ("qpos", "qvel"):
+            _check_flexes(linking, part, layout, key, vector, columns)
+        _carry(part, layout, vector, columns)
+    return replace(key, values=values)
+
+
+def cut_row(
+    linking: Linking, unit: Unit, layout: Layout, element: Node, vector: str
+) -> dict[Holder, list[Number]] | None:
+    """Split one vector of a key by joint, actuator or body. Short rows give fewer numbers; wrong ones are reported."""
+    text = numbers_of(unit.origins.keys.get(element), element, vector)
+    owners = holders(layout, vector)
+    total = sum([width for _, width in owners])
+    # MuJoCo fills a short row up, and refuses a long one: "invalid qpos size, expected 1, got 2" in 4.0.
+    if len(text) > total:
+        linking.sink.error(
+            "keyframe-conflict",
+            f"`{vector}` of {called(element)} has {len(text)} numbers, and `{unit.file}` has room for {total}",
+            linking.span(unit, element, vector),
+        )
+        return None
+    taken: dict[Holder, list[Number]] = {}
+    at = 0
+    for holder, width in owners:
+        if at + width > len(text):
+            if vector in ("mpos", "mquat"):  # MuJoCo ignores half a pose there
+                one = 3 if vector == "mpos" else 4
+                if whole := (len(text) - at) // one * one:
+                    taken[holder] = text[at : at + whole]
+            elif at < len(text) and linking.parts:
+                # MuJoCo has not filled it up. A model alone keeps its keys as they are written.
+                linking.sink.error(
+                    "keyframe-conflict",
+                    f"`{vector}` of {called(element)} ends in the middle of a joint, "
+                    f"after {len(text)} of {total} numbers",
+                    linking.span(unit, element, vector),
+                )
+            break
+        taken[holder] = text[at : at + width]
+        at += width
+    return taken
+
+
+def _check_copies_part_keys(
+    linking: Linking, part: Part, layout: Layout, key: Key, vector: str, taken: Mapping[Holder, object]
+) -> None:
+    """Report poses in the world that a `<replicate>` around the part would take to several places."""
+    holder = part.content
+    replicate = None if holder is None else next(holder.iterancestors("replicate"), None)
+    floats = (
+        any(slot.free and joint in taken for joint, slot in layout.joints.items())
+        if vector in ("qpos", "qvel")
+        else vector in ("mpos", "mquat") and bool(taken)
+    )
+    if replicate is not None and floats:
+        linking.sink.error(
+            "not-supported",
+            f"`{vector}` of {called(key.element)} has poses in the world, and `{part.called}` is attached in a "
+            "`<replicate>`, which makes several of each",
+            key.span(vector),
+            notes=(Note("the `<replicate>`", linking.span(linking.base, replicate)),),
+            help="leave the keys out: `keyframes: none`",
+            subjects=(part.called,),
+        )
+
+
+def _check_flexes(
+    linking: Linking, part: Part, layout: Layout, key: Key, vector: str, taken: Mapping[Holder, object]
+) -> None:
+    """Report key numbers of a flex whose bodies do not turn with the frames above it, so that directions change."""
+    for block, slot in layout.joints.items():
+        if isinstance(block, Copy) or slot.kind != BLOCK or block not in taken:
+            continue  # a `<flexcomp>` in a replicate is in a body
+        if block.tag == "flexcomp" and _is_turned(part, block):
+            linking.sink.error(
+                "not-supported",
+                f"`{vector}` of {called(key.element)} has the vertices of a flex, which `{part.called}` turns",
+                key.span(vector),
+                notes=(Note("the flex", linking.span(part.unit, block)),),
+                help="leave the keys out, `keyframes: none`, or put the `<flexcomp>` into a body",
+                subjects=(part.called,),
+            )
+
+
+def _is_turned(part: Part, flex: Node) -> bool:
+    """Return whether the place of the part turns a flex at its root."""
+    own, node = True, flex.getparent()
+    while node is not None and node.tag == "frame":
+        own = own and node.get("childclass") != part.top_class
+        if not own and any(node.get(name) for name in ORIENTATIONS):
+            return True
+        node = node.getparent()
+    return False
+
+
+def called(key: Node) -> str:
+    """Return the name of a key in messages."""
+    return f"the key `{key.get('name')}`" if key.get("name") else "a key without a name"
+
+
+def _carry(part: Part, layout: Layout, vector: str, taken: dict[Holder, list[Number]]) -> None:
+    """Move the poses of free joints and mocap bodies, which are in world coordinates, with the part."""
+    pose = part.pose_in_world
+    if pose is None or pose.is_identity:
+        return
+    by = (part.called, part.span)
+    if vector in ("qpos", "qvel"):
+        for joint, slot in layout.joints.items():
+            if slot.free and joint in taken:
+                taken[joint] = moved(taken[joint], _carried(pose, slot, vector, texts(taken[joint])), by)
+    elif vector in ("mpos", "mquat"):
+        for body in layout.mocaps:
+            if body in taken:
+                now = _placed(pose, vector, numbers.read(" ".join(texts(taken[body]))))
+                taken[body] = moved(taken[body], numbers.text(now).split(), by)
+
+
+def _placed(pose: Pose, vector: str, values: Sequence[float]) -> list[float]:
+    """Return the moved positions or orientations of mocap bodies."""
+    if vector == "mpos":
+        rows = zip(*[iter(values)] * 3, strict=True)
+        return [each for x, y, z in rows for each in (pose @ Pose((x, y, z))).pos]
+    quats = zip(*[iter(values)] * 4, strict=True)
+    return [each for quat in quats for each in (pose @ Pose(quat=normalise(quat))).quat]
+
+
+def _carried(place: Pose, slot: Slot, vector: str, values: list[str]) -> list[str]:
+    """Return the numbers of a joint or a block, with every free joint in it moved."""
+    values = list(values)
+    for at_qpos, at_qvel in slot.free:
+        if vector == "qvel":  # the linear part is in the world's frame, the angular in the body's own
+            x, y, z = numbers.read(" ".join(values[at_qvel : at_qvel + 3]))
+            values[at_qvel : at_qvel + 3] = numbers.text(rotate(place.quat, (x, y, z))).split()
+        else:
+            x, y, z, w, a, b, c = numbers.read(" ".join(values[at_qpos : at_qpos + 7]))
+            # MuJoCo compiles `qpos="0 0 0 2 0 0 0"` to a unit quaternion, so that a key may have any length here.
+            pose = place @ Pose((x, y, z), normalise((w, a, b, c)))
+            values[at_qpos : at_qpos + 7] = numbers.text([*pose.pos, *pose.quat]).split()
+    return values
+
+
+def _carry_references(linking: Linking, part: Part, layout: Layout) -> None:
+    """Move the measured references of a part with it."""
+    pose = part.pose_in_world
+    if pose is None:
+        return
+    for joint, slot in layout.joints.items():
+        if slot.free and joint in linking.keys.references:
+            linking.keys.references[joint] = _carried(pose, slot, "qpos", linking.keys.references[joint])
+    for body in layout.mocaps:
+        if body in linking.keys.mocap_references:
+            linking.keys.mocap_references[body] = [
+                pose @ each for each in linking.keys.mocap_references[body]
+            ]
+
+
+def keyframes(linking: Linking) -> None:
+    """Write every key once, complete for the finished model. A key of the recipe has the recipe's values.
+
+    The two keys of one name become one, in the order of the joints:
+
+    >>> from mjcompose.link.link import after
+    >>> part = (
+    ...     '<worldbody><body><joint/><geom size=".1"/></body></worldbody>'
+    ...     '<keyframe><key name="home" qpos="2"/></keyframe>'
+    ... )
+    >>> base = (
+    ...     '<worldbody><body><joint/><geom size=".1"/></body></worldbody>'
+    ...     '<keyframe><key name="home" qpos="1"/></keyframe>'
+    ... )
+    >>> after(keyframes, part, base)
+    model: <keyframe><key name="home" qpos="1 2"/></keyframe>
+    """
+    _check_attached(linking)
+    if linking.keys.base_layout is None:
+        return
+    linking.base.part_keys = part_keys(linking)
+    keys = _merged(linking)
+    final = linking.keys.final_layout = final_layout(linking)
+    if final is None:
+        return
+    if (
+        # The keys of a model alone stay as they are written.
+        linking.request.requested_keys is None
+        and not linking.parts
+        and not linking.keys.void_keys
+        and _same(final, linking.keys.base_layout)
+    ):
+        return
+    _check_kept(linking)
+    for key in keys_of(linking.base):
+        section = key.getparent()
+        assert section is not None
+        section.remove(key)
+    if keys:
+        refer_anew(linking, final)
+    reference = Reference(linking)
+    for merged in keys.values():
+        element = _element(linking, merged, final, reference)
+        linking.base.section("keyframe").append(element)
+
+
+def _element(linking: Linking, key: Key, final: Layout, reference: Reference) -> Node:
+    """Return the element of a key in the layout of the finished model."""
+    element = linking.base.root.makeelement("key")
+    if key.name:
+        element.set("name", key.name)
+    # What the recipe writes is newer than its edits. What it takes over with `from` is not: `keyframe.py` sees to that.
+    is_newer = any(key is each for each in linking.keys.written)
+    void = frozenset(reshaped_flexes(linking) | (set() if is_newer else linking.keys.void_keys))
+    record = KeyRecord((key.element, *key.others), void=void)
+    if key.time is not None:
+        element.set("time", key.time.text)
+        record.numbers["time"] = [key.time]
+    # A row is written whole. MuJoCo 4.0 fills up a short one: of joints with `ref="1"` and `ref="2"`, `qpos="7"` means
+    # 7 and the 2 degrees of the second, and a short `ctrl` ends in 0.
+    for vector in VECTORS:
+        if vector in key.values:
+            row = reference.row(vector, final, key.values[vector], void)
+            if row:
+                element.set(vector, " ".join(texts(row)))
+                record.numbers[vector] = row
+    _check_copies(linking, key, reference)
+    _warn_of_lost(linking, key, reference)
+    linking.base.origins.keys[element] = record
+    linking.base.origins.own(element, key.origins.owner(key.element, key.file))
+    set_line(element, line_of(key.element))
+    return element
+
+
+def _check_copies(linking: Linking, key: Key, reference: Reference) -> None:
+    """Report copies whose numbers differ in a key, and that are one element since an edit."""
+    for vector, element in reference.disagreeing[:1]:
+        name = element.get("name")
+        linking.sink.error(
+            "keyframe-conflict",
+            f"`{vector}` of {called(key.element)} has different numbers for the copies of "
+            f"{f'`{name}`' if name else f'a `<{element.tag}>`'}, which an edit takes out of its `<replicate>`",
+            key.span(vector),
+            notes=(Note("it is written here", linking.span(linking.base, element)),),
+            help="leave the keys out, `keyframes: none`, and write the key in the recipe",
+        )
+    reference.disagreeing.clear()
+
+
+def _warn_of_lost(linking: Linking, key: Key, reference: Reference) -> None:
+    """Warn of numbers for an element that has another number of them, or for other vertices, since an edit."""
+    for vector, element in dict.fromkeys(reference.lost):
+        name = element.get("name")
+        what = f"{element.tag} `{name}`" if name else f"`<{element.tag}>` without a name"
+        linking.sink.warning(
+            "keyframe-conflict",
+            f"`{vector}` of {called(key.element)} has numbers that no longer fit the {what}: an edit gives it others",
+            linking.span(linking.base, element, "count" if element.tag == "flexcomp" else "type"),
+            notes=(Note("the key", key.span(vector)),),
+            help="they are those of the reference configuration now, or 0; write them in a key of the recipe",
+            cause=Cause(f"numbers of {what}", f"`{vector}` of {called(key.element)}"),
+        )
+    reference.lost.clear()
+
+
+def _merged(linking: Linking) -> dict[str, Key]:
+    """Return the keys of the base, then of the parts, with equal names joined, and then those of the recipe.
+
+    One of the recipe stands in the place of those of its name.
+    """
+    written = {key.name: key for key in linking.keys.written}
+    came: dict[str, Key] = {}
+    owners: dict[str, Part | None] = {}
+    for part, key in _coming(linking):
+        name = _name(part, key)
+        # Keys without a name stay apart: MuJoCo 4.0 reads `<key/><key/>` as two.
+        slot = name or f"\0{len(came)}"
+        earlier = came.get(slot)
+        if earlier is None:
+            values = {vector: dict(columns) for vector, columns in key.values.items()}
+            came[slot] = replace(key, name=name, values=values)
+            owners[slot] = part
+            continue
+        if name not in written and "prefix" in (_policy(linking, owners[slot]), _policy(linking, part)):
+            _not_apart(linking, earlier, owners[slot], key, part)
+        _join(linking, earlier, key, settled=name in written)
+    linking.keys.replaced = {name: came[name] for name in written if name in came}
+    return came | written
+
+
+def lay_out_replaced(linking: Linking) -> list[Node]:
+    """Return the source keys that the recipe replaces, as they would be without it. They are not in the model."""
+    final = final_layout(linking) if linking.keys.replaced else None
+    if final is None:
+        return []
+    reference = Reference(linking)
+    return [_element(linking, key, final, reference) for key in linking.keys.replaced.values()]
+
+
+def _coming(linking: Linking) -> Iterator[tuple[Part | None, Key]]:
+    """Yield the keys of the sources, each with its part, which is None for the base."""
+    part_keys(linking)
+    for part, keys in linking.keys.own.items():
+        if _policy(linking, part) != "none":
+            yield from ((part, key) for key in keys)
+
+
+def _policy(linking: Linking, part: Part | None) -> str:
+    return linking.request.base_keyframes if part is None else part.keyframes
+
+
+def _name(part: Part | None, key: Key) -> str:
+    """Return the name of a key of the base or of a part in the finished model."""
+    return (
+        part.prefix + key.name if part is not None and part.keyframes == "prefix" and key.name else key.name
+    )
+
+
+def _join(linking: Linking, key: Key, other: Key, *, settled: bool) -> None:
+    """Add to a key the values of another key with the same name. The times of a `settled` key need not agree."""
+    key.others += (other.element, *other.others)
+    if key.time is None:
+        key.time = other.time
+    elif (
+        not settled
+        and other.time is not None
+        and numbers.read(other.time.text) != numbers.read(key.time.text)
+    ):
+        _times_differ(linking, key, other)
+    for vector, columns in other.values.items():
+        key.values.setdefault(vector, {}).update(columns)
+
+
+def _times_differ(linking: Linking, key: Key, other: Key) -> None:
+    assert key.time is not None and other.time is not None
+    report = linking.sink.error if linking.request.conflict == "error" else linking.sink.warning
+    report(
+        "keyframe-conflict",
+        f"the keys `{key.name}` of two parts have different times: {other.time.text} and {key.time.text}",
+        other.span("time"),
+        notes=(Note("the other one is here", key.span("time")),),
+        help="write `keyframes: prefix` in one of the parts to keep its keys apart",
+        cause=Cause(
+            f"times in {key.span('time').file} and {other.span('time').file}", f"the key `{key.name}`"
+        ),
+    )
+
+
+def _not_apart(
+    linking: Linking, first: Key, its_part: Part | None, second: Key, second_part: Part | None
+) -> None:
+    """Report two keys that would have the same name, when at least one of them must not change."""
+    rename = f"rename one of them: `edit: [{{select: {{key: {second.name}}}, rename: NAME}}]`"
+    if _policy(linking, second_part) == "prefix":
+        apart, other = second_part, its_part
+        help = rename if apart is not None and apart.prefix else "give the part a `prefix`, or " + rename
+    else:
+        apart, other = its_part, second_part
+        help = (
+            rename if apart is not None else "write `keyframes: prefix` at the part: the base has no prefix"
+        )
+    linking.sink.error(
+        "keyframe-conflict",
+        f"the key `{first.name}` of {_owner(apart)} is to be kept apart, "
+        f"and {_owner(other)} has a key of that name, too",
+        second.span(),
+        notes=(Note("the first one is here", first.span()),),
+        help=help,
+        subjects=(first.name,),
+    )
+
+
+def _owner(part: Part | None) -> str:
+    return "the base" if part is None else f"`{part.called}`"
+
+
+def _same(final: Layout, before: Layout) -> bool:
+    return (
+        list(final.joints.items()) == list(before.joints.items())
+        and list(final.actuators.items()) == list(before.actuators.items())
+        and list(final.mocaps.items()) == list(before.mocaps.items())
+    )
+
+
+def _check_attached(linking: Linking) -> None:
+    """Report keys with poses in the world in models that MuJoCo attaches, if the part is moved: they would stay."""
+    # They are in no tree: MuJoCo 4.0 makes a key `q/k` of the key `k` of a model that it attaches with the prefix `q/`.
+    for part, attach in linking.keys.attached:
+        moved = part.pose_in_world
+        if moved is None or moved.is_identity:
+            continue
+        linking.sink.error(
+            "not-supported",
+            f"the model attached here has keys that say where its free bodies are, and `{part.called}` moves it",
+            linking.span(part.unit, attach),
+            help=f"write `keyframes: none` for `{part.called}`, or attach that model in the recipe",
+            subjects=(part.called,),
+        )
+
+
+def _check_kept(linking: Linking) -> None:
+    """Report what a key says that cannot be laid out anew."""
+    keeping = [linking.base] if linking.request.base_keyframes != "none" else []
+    keeping += [part.unit for part in linking.parts if part.keyframes != "none"]
+    for unit in keeping:
+        for key in keys_of(unit):
+            if key.get("plastic"):
+                linking.sink.error(
+                    "not-supported",
+                    f"`plastic` of {called(key)} cannot be carried over yet",
+                    linking.span(unit, key, "plastic"),
+                    help="leave the keys out: `keyframes: none`",
+                    cause=Cause(f"plastic in {unit.file}", called(key)),
+                )

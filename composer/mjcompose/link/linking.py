@@ -1,0 +1,358 @@
+"""The data that the linker works on: the request, parts, notes, keys and the result."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import field, replace
+from functools import cached_property, lru_cache
+from pathlib import Path
+from types import MappingProxyType
+from typing import Literal, NamedTuple, Protocol
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.access import Passed
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Span
+from mjcompose.base.rotation import Pose
+from mjcompose.base.sink import Sink
+from mjcompose.link.key_layout import Holder, Layout, Slot
+from mjcompose.model.names import Names, may_be_generated
+from mjcompose.model.unit import Key, PartKeys, Unit, Watch, nobody
+
+Policy = Literal["error", "warning", "merge"]
+KeyPolicy = Literal["merge", "prefix", "none"]
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """How to join the parts, and what the recipe will do to the model afterwards.
+
+    `separator` goes between a prefix and a name. `conflict` is the policy for options on which two units disagree,
+    and `overridden_options` holds the option paths (`option/cone`) that the recipe sets itself: they cannot
+    conflict. `base_keyframes` is the policy for the keys of the base. `requested_keys` holds the paths of the parts
+    whose keys the recipe uses in keys of its own; it is None if the recipe writes no key.
+
+    The other fields describe what the recipe adds once the parts are joined. `isolated_tags` are the tags for which
+    it sets the top default class of the base; these defaults must not reach the parts. `adds_mass` is set if it
+    adds elements that the base's rules for a whole model (`settotalmass`) would reach.
+    """
+
+    separator: str = "/"
+    conflict: Policy = "error"
+    overridden_options: frozenset[str] = frozenset()
+    base_keyframes: KeyPolicy = "merge"
+    requested_keys: frozenset[str] | None = None
+    isolated_tags: frozenset[str] = frozenset()
+    adds_mass: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """The place where a part is attached: an element of the model, by its final name, and an offset in its frame.
+
+    `offset` holds the attributes of a `<frame>`: `pos` in metres, `quat`. `written` has the places of these in the
+    recipe. If `computed` is set, the value was computed for the key `mate` or `replicate`, and the place is that of
+    this key.
+    """
+
+    kind: Literal["world", "body", "site", "frame"] = "world"
+    name: str | None = None
+    offset: Mapping[str, str] = field(default_factory=dict)
+    span: Span | None = None
+    written: Mapping[str, Span] = field(default_factory=dict)
+    computed: Literal["", "mate", "replicate"] = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """A joint between a place and a part: its tag, its attributes, and the places of those that the recipe writes."""
+
+    tag: Literal["joint", "freejoint"]
+    attributes: Mapping[str, str]
+    written: Mapping[str, Span] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Sense:
+    """A body between a place and a part, with a site and sensors of what the body carries.
+
+    `name` is that of the body and of the site, `sensors` has the tag and the name of each, all of them final names.
+    `cutoff` is "" for none, and `span` the place in the recipe.
+    """
+
+    name: str
+    sensors: tuple[tuple[str, str], ...]
+    cutoff: str
+    span: Span
+
+
+@dataclass(eq=False)
+class Part:
+    """A unit, the prefix of its names (including the separator), and how it is attached to the model.
+
+    `content` is the element of the model that holds the part's world once the part is attached. `by_itself` is set
+    if the part brings its own free joint or is a mocap body; it is then attached to the world, wherever its place
+    is. `key` is its key in the recipe. `outward` has the final names of what the part refers to outside of itself, by
+    the text of the reference.
+    """
+
+    unit: Unit
+    prefix: str
+    place: Place = Place()
+    keyframes: KeyPolicy = "merge"
+    joints: tuple[Joint, ...] = ()
+    weld: bool = False
+    mocap: bool = False
+    sense: Sense | None = None
+    by_itself: bool = False
+    span: Span | None = None
+    key: str = ""
+    outward: Mapping[str, str] = MappingProxyType({})
+    mount: Node | None = None
+    top_class: str = ""
+    layout: Layout | None = None
+    pose_in_world: Pose | None = None
+    content: Node | None = None
+
+    @property
+    def called(self) -> str:
+        """The name of the part in messages: its prefix, or its file if it has no prefix."""
+        return self.prefix or self.unit.label
+
+    def path(self, separator: str) -> str:
+        """Return the name of the part in a recipe: its prefix, or its key if it has no prefix."""
+        return self.prefix.removesuffix(separator) or self.key
+
+    @property
+    def has_body(self) -> bool:
+        """Whether a body is added between the place and the part."""
+        return bool(self.joints) or self.mocap or self.sense is not None
+
+    @property
+    def floats(self) -> bool:
+        """Whether the part moves freely, so that it can only be in the world."""
+        return self.by_itself or self.mocap or any(joint.tag == "freejoint" for joint in self.joints)
+
+
+class Floating(NamedTuple):
+    """A body at the root of a part that moves freely: by its free `joint` or, if that is None, as a mocap body.
+
+    `called` is its name in messages. `alone` is set if the part's world contains nothing else.
+    """
+
+    part: Part
+    body: Node
+    joint: Node | None
+    called: str
+    alone: bool
+
+
+class Flex(NamedTuple):
+    """A `<flexcomp>` at the root of a unit, and the joint settings that it takes from the unit's top class."""
+
+    element: Node
+    unit: Unit
+    part: Part | None
+    joint: Mapping[str, str]
+
+
+class MemoryRequest(NamedTuple):
+    """The memory that a source requests by an attribute of `<size>`; `called` is the source's name in messages."""
+
+    name: str
+    value: str
+    called: str
+    span: Span
+
+
+@dataclass(eq=False, slots=True)
+class Notes:
+    """The findings of the passes so far.
+
+    `aligned`: the model has `alignfree`. `floating` and `planes` must not end up below a body that moves. `flexes`
+    are in the world of their units; `main_joint` are the joint settings that the model's top class keeps for them.
+    `replicates` has the unit of each `<replicate>`, `copied` the element that each one of a written-out replicate is a
+    copy of, and the number of the copy. `inertia_written` are the bodies whose inertia is explicit, so
+    that elements added to them add no mass. `drawn` holds the values drawn for an element, by field. `memory` are
+    the requests of the sources, if MuJoCo may need more memory. `attached` are the models that MuJoCo attaches, by
+    their `<model>`. `nameless` are bodies whose name is only for the linker.
+    """
+
+    aligned: bool = False
+    floating: list[Floating] = field(default_factory=list)
+    planes: list[tuple[Part, Node]] = field(default_factory=list)
+    flexes: list[Flex] = field(default_factory=list)
+    main_joint: dict[str, str] = field(default_factory=dict)
+    replicates: list[tuple[Unit, Node]] = field(default_factory=list)
+    copied: dict[Node, tuple[Node, tuple[Node, int]]] = field(default_factory=dict)
+    inertia_written: set[Node] = field(default_factory=set)
+    drawn: dict[Node, dict[str, object]] = field(default_factory=dict)
+    memory: tuple[MemoryRequest, ...] = ()
+    attached: dict[Node, Node] = field(default_factory=dict)
+    nameless: set[Node] = field(default_factory=set)
+
+
+@dataclass(eq=False, slots=True)
+class Written:
+    """A key that a recipe writes: the keys that it takes over, its entries by vector, and what is to hold the pose.
+
+    With `forces`, the controls that hold also balance what acts on the model there. `void` is what edits have made
+    meaningless before.
+    """
+
+    taken: tuple[Node, ...]
+    void: frozenset[Node]
+    forces: bool
+    entries: dict[str, dict[Node, tuple[list[float], Span]]] = field(default_factory=dict)
+    held: dict[Node, Span] = field(default_factory=dict)
+
+
+@dataclass(eq=False, slots=True)
+class KeyTable:
+    """The keys of the units and their layouts.
+
+    Where keys come from: `own` holds those of the base (under None) and of each part. `by_part` holds those of
+    every part by path, including the parts of parts, and those of the base under `base`. Until `part_keys.py`
+    splits the keys, `own` is empty and `by_part` is None. `written` are the keys of the recipe, `replaced` the keys
+    of parts that these replace, by name. `attached` are the models that MuJoCo attaches to parts and whose keys
+    contain poses in the world.
+
+    How they are laid out: `base_layout` is the layout of the base alone, `final_layout` that of the finished model;
+    each part has its own. `measured` has the widths that only MuJoCo knows, `references` and `mocap_references` the
+    reference configuration that only MuJoCo knows.
+
+    How edits of the joined model affect keys: `edited` is set if there may be edits, `reshaped` are the elements
+    whose number of values may have changed, `shapes` has what decided the vertices of each `<flexcomp>`, and
+    `void_keys` are the elements whose values in keys have become meaningless. `edited_keys` are keys whose numbers
+    edits or draws have changed, and `noted` is what the recipe writes into its own keys, by their elements.
+    """
+
+    own: dict[Part | None, tuple[Key, ...]] = field(default_factory=dict)
+    by_part: dict[str, PartKeys] | None = None
+    written: list[Key] = field(default_factory=list)
+    replaced: dict[str, Key] = field(default_factory=dict)
+    attached: list[tuple[Part, Node]] = field(default_factory=list)
+    base_layout: Layout | None = None
+    final_layout: Layout | None = None
+    measured: dict[Node, Slot] = field(default_factory=dict)
+    references: dict[Holder, list[str]] = field(default_factory=dict)
+    mocap_references: dict[Holder, list[Pose]] = field(default_factory=dict)
+    edited: bool = False
+    reshaped: set[Node] = field(default_factory=set)
+    shapes: dict[Node, str] = field(default_factory=dict)
+    void_keys: set[Node] = field(default_factory=set)
+    edited_keys: set[Node] = field(default_factory=set)
+    noted: dict[Node, Written] = field(default_factory=dict)
+
+
+class Measure(Protocol):
+    """Compiles a unit alone with MuJoCo and returns arrays of `mjModel` by name.
+
+    There are none if MuJoCo refuses the unit. A refusal is reported, unless `attempt` is set.
+    """
+
+    def __call__(
+        self, unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False
+    ) -> Mapping[str, list[float]]: ...
+
+
+class LaterPlaces(Protocol):
+    """Places that the recipe adds and that parts may be attached to."""
+
+    def make(self, kind: str, name: str) -> Iterable[tuple[str, str]]:
+        """Add a place now. Return what now exists: nothing if the recipe does not add it, or not yet."""
+        ...
+
+    def waits_for(self, kind: str, name: str) -> tuple[str, str] | None:
+        """Return what has to be in the model before a place can be added, or None if the recipe does not add it."""
+        ...
+
+    def names(self) -> list[tuple[str, str]]:
+        """Return the kind and the name of each place that does not exist yet."""
+        ...
+
+    def stands_on(self, kind: str, name: str) -> tuple[str, Span] | None:
+        """Return what a place is added to and where its name is written, or None if the recipe does not add it."""
+        ...
+
+
+class FileUse(NamedTuple):
+    """An attribute of the model that names a file of the bundle, with the source of the file's bytes.
+
+    A file that is not `shared` must keep its own path, even if another file has the same bytes.
+    """
+
+    element: Node
+    attribute: str
+    path: str
+    source: Passed
+    content: bytes | None
+    shared: bool = True
+
+
+_path = lru_cache(maxsize=4096)(Path)  # a model has the same files in each of its samples
+
+
+@dataclass(eq=False)
+class Linking:
+    """The state that the passes share, from separate units to one flat model.
+
+    `names` and `files` describe the model: every declared name, and every attribute that names a file. `base_class`
+    is the class that the base's top class becomes, None if it stays `main`.
+    """
+
+    base: Unit
+    parts: list[Part]
+    sink: Sink
+    request: Request = field(default_factory=Request)
+    measure: Measure | None = None
+    watch: Watch = nobody
+    names: Names = field(default_factory=Names)
+    base_class: str | None = None
+    files: list[FileUse] = field(default_factory=list)
+    submodels: int = 0
+    notes: Notes = field(default_factory=Notes)
+    keys: KeyTable = field(default_factory=KeyTable)
+    later_places: LaterPlaces | None = None
+
+    @property
+    def composed(self) -> bool:
+        """Whether the model has more than the base, so that the base's rules for a whole model apply only to it."""
+        return bool(self.parts) or self.request.adds_mass
+
+    @property
+    def units(self) -> list[Unit]:
+        return [self.base, *[part.unit for part in self.parts]]
+
+    @cached_property
+    def angle(self) -> str:
+        """The model's unit of angle: `degree` if all units use degrees, else `radian`."""
+        return "degree" if all(unit.settings.angle == "degree" for unit in self.units) else "radian"
+
+    def find_node(self, namespace: str, name: str) -> Node | None:
+        """Return the element of the model with this name, or None."""
+        return self.names.find(namespace, name)
+
+    def known_names(self, namespace: str) -> list[str]:
+        """Return the names in a namespace."""
+        return self.names.of(namespace)
+
+    def kinds_of(self, name: str) -> list[str]:
+        """Return the namespaces in which the name exists."""
+        return self.names.kinds_of(name)
+
+    def may_generate(self, name: str) -> bool:
+        """Return whether MuJoCo may generate the name itself."""
+        return may_be_generated(name, self.base.root)
+
+    def flat(self) -> Unit:
+        """Return the current model with its files, without the parts that are not joined yet."""
+        contents = {
+            use.path: use.content if use.content is not None else _path(use.source) for use in self.files
+        }
+        return replace(self.base, contents=contents or self.base.contents)
+
+    def span(self, unit: Unit, element: Node, attribute: str | None = None) -> Span:
+        """Return where an element of a unit, or the value of its attribute, is written."""
+        return unit.origins.span(element, unit.file, attribute)

@@ -1,0 +1,596 @@
+"""What only MuJoCo can say of a unit, compiled alone, and the reference configuration."""
+
+from __future__ import annotations
+
+import copy
+import os
+import shutil
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import cached_property
+from itertools import islice
+from pathlib import Path
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.rotation import Pose
+from mjcompose.base.scratch import scratch
+from mjcompose.base.sink import Sink
+from mjcompose.link import numbers
+from mjcompose.link.angles import model_angle
+from mjcompose.link.key_layout import (
+    BLOCK,
+    Copy,
+    Holder,
+    Layout,
+    Slot,
+    Unknown,
+    Within,
+    actuator_slot,
+    actuators_in_order,
+    element_of,
+    lay_out,
+)
+from mjcompose.link.linking import Linking, Measure
+from mjcompose.link.numbers import pose_in_world, read_pose
+from mjcompose.model.classes import childclass_of, walk_bodies, written
+from mjcompose.model.cost import first_scaled
+from mjcompose.model.files import file_attributes, is_absolute, written_path
+from mjcompose.model.mesh_cost import check_meshes
+from mjcompose.model.names import declaration
+from mjcompose.model.unit import KeySource, Number, Unit, element_at, texts
+from mjcompose.model.xml_text import write
+from mjcompose.mujoco import engine
+from mjcompose.mujoco.arrays import FREE, HINGE
+from mjcompose.mujoco.messages import CRASHES, crash_help, parse, report, translate
+from mjcompose.sources.context import Context
+
+_SIZES = ("nq", "nv", "narena")
+
+
+def measure_with(
+    context: Context, limits: engine.Limits | None = None, session: engine.Session | None = None
+) -> Measure:
+    """Return a function that compiles a unit alone. If this fails, the error goes to the sink and the result is empty.
+
+    With a `session` its process does that, under its own limits.
+    """
+
+    def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
+        if not check_meshes(unit, 0, Sink() if attempt else context.sink):
+            return {}
+        wanted = tuple(name for name in arrays if name not in _SIZES)
+        text = write(unit.root)
+        with folder_of(unit) as folder:
+            measured = engine.measure(
+                folder, arrays=wanted, text=text.decode(), limits=limits, session=session
+            )
+        compiled = measured.compiled
+        if not compiled.ok:
+            if not attempt:
+                _rejected(compiled, unit, text, context)
+            return {}
+        found = {name: [float(value) for value in array.ravel()] for name, array in measured.arrays.items()}
+        return {**found, **{name: [float(compiled.sizes[name])] for name in _SIZES}}
+
+    return measure
+
+
+@contextmanager
+def folder_of(unit: Unit) -> Iterator[Path]:
+    """Yield the folder with the unit's files: its own, or a temporary one with the files that are in memory."""
+    if not unit.contents:
+        yield unit.directory
+        return
+    contents = {path: content for path, content in _contents(unit) if not is_absolute(path)}
+    outward = max((path.count("../") for path in contents), default=0)
+    with scratch("unit") as name:
+        folder = Path(name, *["model"] * outward)  # deep enough for every `..`
+        folder.mkdir(parents=True, exist_ok=True)
+        for path, content in contents.items():
+            file = Path(os.path.normpath(folder / path))
+            file.parent.mkdir(parents=True, exist_ok=True)
+            if isinstance(content, bytes):
+                file.write_bytes(content)
+            elif os.path.isfile(content):
+                shutil.copyfile(content, file)
+        yield folder
+
+
+def _contents(unit: Unit) -> Iterator[tuple[str, bytes | Path]]:
+    """Yield the files in memory, and the files next to the unit that it also refers to."""
+    yield from unit.contents.items()
+    for element, _, name in file_attributes(unit.root):
+        path = written_path(unit.settings, element, name)
+        if path not in unit.contents and unit.door.sees(unit.directory / path):
+            yield path, unit.directory / path
+
+
+def _rejected(compiled: engine.Compiled, unit: Unit, text: bytes, context: Context) -> None:
+    whole = unit.origins.span(unit.root, unit.file)
+    if compiled.crash is not None:
+        code = CRASHES.get(compiled.crash, "mujoco-crash")
+        message = f"`{unit.file}` by itself: {compiled.error or compiled.crash}"
+        context.sink.error(code, message, whole, help=crash_help(code))
+        return
+    fault = parse(compiled.error or "")
+    element = None if fault.line is None else element_at(unit.root, text, fault.line)
+    report(translate(" ".join(fault.message.split()), element), element, unit, context, at=whole)
+
+
+_ARRAYS = (
+    "nq",
+    "nv",
+    "qpos0",
+    "key_time",
+    "body_mocapid",
+    "body_pos",
+    "body_quat",
+    "jnt_type",
+    "jnt_qposadr",
+    "jnt_dofadr",
+    "actuator_actnum",
+    "actuator_ctrlnum",
+)
+_OF_FLEX = ("nq", "nv", "jnt_type")
+
+
+def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
+    """Measure what the tree does not tell about a unit's keys, by element. Return None if MuJoCo refuses the unit.
+
+    That is all of what MuJoCo attaches, (nctrl, nact) of every actuator, (nq, nv) of every flex and of one more
+    block of unknown size. Raises `Unknown` if the layout is not as wide as MuJoCo's.
+    """
+    arrays = linking.measure(unit, _ARRAYS) if linking.measure else None
+    if not arrays:
+        return None
+    found = attached(linking, unit)
+    brought = sum(slot.actuators for slot in found.values())
+    found.update(_flexes(linking, unit))
+    actuators = list(map(element_of, actuators_in_order(unit.root)))
+    slots = list(map(actuator_slot, _counts(arrays, "actnum"), _counts(arrays, "ctrlnum")))
+    # MuJoCo 4.0 puts the actuators of a model that it attaches behind all others, so that the first rows are the unit's
+    # own.
+    if len(slots) - brought == len(actuators):
+        found.update(zip(actuators, slots, strict=False))
+    elif (replicate := next(unit.root.iter("replicate"), None)) is not None:
+        raise Unknown(
+            replicate
+        )  # it multiplies actuators that refer to nothing in it: see `replicate_capture.py`
+    unknown: Node | None = None
+    try:
+        layout = lay_out(unit, found)
+    except Unknown as reason:
+        unknown = reason.element
+        found[unknown] = Slot(BLOCK, (0, 0))
+        layout = lay_out(unit, found)
+    if unknown is not None:
+        nq = int(arrays["nq"][0]) - layout.total("qpos")
+        nv = int(arrays["nv"][0]) - layout.total("qvel")
+        found[unknown] = Slot(BLOCK, (nq, nv), _free_inside(layout, unknown, (nq, nv), arrays))
+        layout = lay_out(unit, found)
+    is_mocap = [number >= 0 for number in arrays["body_mocapid"]]
+    if (layout.total("qpos"), layout.total("qvel"), sum(layout.mocaps.values())) != (
+        int(arrays["nq"][0]), int(arrays["nv"][0]), sum(is_mocap)
+    ):  # fmt: skip
+        raise Unknown(next(unit.root.iter("replicate", "flexcomp", "attach", "composite", "worldbody")))
+    _note_references(linking, unit, layout, arrays["qpos0"])
+    _note_mocaps(linking, layout, arrays, is_mocap)
+    return found
+
+
+def attached(linking: Linking, unit: Unit) -> dict[Node, Slot]:
+    """Measure what each `<attach>` adds, alone in an empty world. `linking.keys.measured` caches the results."""
+    found: dict[Node, Slot] = {}
+    for attach in unit.root.iter("attach"):
+        slot = linking.keys.measured.get(attach) or _measured(linking, unit, attach)
+        if slot is not None:
+            found[attach] = linking.keys.measured[attach] = slot
+    return found
+
+
+def _flexes(linking: Linking, unit: Unit) -> Iterator[tuple[Node, Slot]]:
+    """Measure what each `<flexcomp>` adds, alone. Those that MuJoCo refuses alone are left out."""
+    for flex in unit.root.iter("flexcomp"):
+        arrays = linking.measure(_alone(unit, flex), _OF_FLEX, attempt=True) if linking.measure else None
+        if arrays:
+            # The vertices and nodes of a flex slide; hinges are the twists of a rod (since MuJoCo 4.0).
+            twists = arrays["jnt_type"].count(HINGE)
+            yield (
+                flex,
+                Slot(BLOCK, (int(arrays["nq"][0]) - twists, int(arrays["nv"][0]) - twists), twists=twists),
+            )
+
+
+def _alone(unit: Unit, flex: Node) -> Unit:
+    """Return a model with only a flex in its world, and only the sections that affect its number of joints."""
+    root = unit.root.makeelement("mujoco")
+    root.extend(copy.copy(compiler) for compiler in unit.root.iterchildren("compiler"))
+    own, name = copy.copy(flex), flex.get("mesh")
+    asset, worldbody = root.makeelement("asset"), root.makeelement("worldbody")
+    meshes = unit.root.iterfind("asset/mesh") if name else ()
+    asset.extend(copy.copy(mesh) for mesh in meshes if declaration(mesh, "asset") == ("mesh", name))
+    worldbody.append(own)
+    root.extend((asset, worldbody))
+    # These change no number of joints, and what they name does not come along.
+    for element in (own, *asset):
+        for attribute in ("material", "class"):
+            element.attrib.pop(attribute, None)
+        for plugin in list(element.iterchildren("plugin")):
+            element.remove(plugin)
+    return replace(unit, root=root)
+
+
+def _measured(linking: Linking, unit: Unit, attach: Node) -> Slot | None:
+    arrays = linking.measure(_by_itself(unit, attach), _ARRAYS, attempt=True) if linking.measure else None
+    if not arrays:
+        return None
+    acts, controls = _counts(arrays, "actnum"), _counts(arrays, "ctrlnum")
+    size = int(arrays["nq"][0]), int(arrays["nv"][0])
+    return Slot(
+        BLOCK,
+        size,
+        tuple(_free_joints(arrays)),
+        0,
+        (sum(controls), sum(acts)),
+        len(acts),
+        sum(number >= 0 for number in arrays["body_mocapid"]),
+        len(arrays["key_time"]),
+    )
+
+
+def _by_itself(unit: Unit, attach: Node) -> Unit:
+    """Return a model that only attaches what `attach` attaches."""
+    root = unit.root.makeelement("mujoco")
+    for compiler in unit.root.iterchildren("compiler"):
+        root.append(copy.copy(compiler))
+    for tag, children in (("asset", unit.root.iterfind("asset/model")), ("worldbody", [attach])):
+        section = root.makeelement(tag)
+        section.extend(copy.copy(child) for child in children)
+        root.append(section)
+    return replace(unit, root=root)
+
+
+def _counts(arrays: Mapping[str, list[float]], name: str) -> list[int]:
+    """Return the number of activations or controls of each actuator. Before MuJoCo 4, each has one control."""
+    return [int(n) for n in arrays.get(f"actuator_{name}") or [1.0] * len(arrays["actuator_actnum"])]
+
+
+def _free_joints(arrays: Mapping[str, list[float]]) -> Iterator[tuple[int, int]]:
+    """Yield the indices at which the numbers of each free joint begin."""
+    joints = zip(arrays["jnt_type"], arrays["jnt_qposadr"], arrays["jnt_dofadr"], strict=True)
+    return ((int(q), int(v)) for kind, q, v in joints if kind == FREE)
+
+
+def _free_inside(
+    layout: Layout, block: Node, widths: tuple[int, int], arrays: Mapping[str, list[float]]
+) -> tuple[tuple[int, int], ...]:
+    """Return where the free joints are in a block that MuJoCo has expanded."""
+    nq = nv = 0
+    for joint, slot in layout.joints.items():
+        if joint is block:
+            break
+        nq, nv = nq + slot.widths[0], nv + slot.widths[1]
+    return tuple((q - nq, v - nv) for q, v in _free_joints(arrays) if nq <= q < nq + widths[0])
+
+
+def is_measured(unit: Unit, joint: Holder, slot: Slot) -> bool:
+    """Return whether only MuJoCo knows the reference.
+
+    It does of what it expands, of bodies aligned with their inertia, and of the copies of floating bodies.
+    """
+    if slot.kind == BLOCK:
+        return slot.widths[0] > 0
+    if slot.kind != "free":
+        return False
+    return isinstance(joint, Copy) or "true" in (joint.get("align"), unit.settings.alignfree)
+
+
+def _note_references(linking: Linking, unit: Unit, layout: Layout, qpos0: list[float]) -> None:
+    at = 0
+    for joint, slot in layout.joints.items():
+        width = slot.widths[0]
+        if is_measured(unit, joint, slot):
+            linking.keys.references[joint] = numbers.text(qpos0[at : at + width]).split()
+        at += width
+
+
+def _note_mocaps(
+    linking: Linking, layout: Layout, arrays: Mapping[str, list[float]], is_mocap: list[bool]
+) -> None:
+    """Record the places of mocap bodies that are not in the tree, or several times."""
+    bodies = iter([body for body, found in enumerate(is_mocap) if found])
+    for holder, count in layout.mocaps.items():
+        own = list(islice(bodies, count))
+        if isinstance(holder, Copy) or holder.tag != "body":
+            linking.keys.mocap_references[holder] = [_pose(arrays, body) for body in own]
+
+
+def _pose(arrays: Mapping[str, list[float]], body: int) -> Pose:
+    x, y, z = arrays["body_pos"][3 * body : 3 * body + 3]
+    w, a, b, c = arrays["body_quat"][4 * body : 4 * body + 4]
+    return Pose((x, y, z), (w, a, b, c))
+
+
+BODIES = ("body_mass", "body_ipos", "body_iquat", "body_inertia")
+GEOMS = ("geom_size", "geom_pos", "geom_quat")
+_NAMES = {"mesh": "name_meshadr", "material": "name_matadr", "texture": "name_texadr"}
+NAMED = ("names", *_NAMES.values())
+_SURVEYED = ("body", "geom")
+_MARKS = ("body_user", "geom_user", "body_mass", "geom_type")
+# What MuJoCo makes bodies or geoms of that are elements of no unit.
+_OPAQUE = ("attach", "composite")
+
+
+@dataclass(frozen=True, slots=True)
+class Survey:
+    """The result of compiling a unit alone.
+
+    `arrays` are MuJoCo's arrays; `rows` has, for each body and geom, the rows of its copies: none if MuJoCo left it
+    out.
+    """
+
+    arrays: Mapping[str, list[float]]
+    rows: Mapping[Node, tuple[int, ...]]
+
+    def is_gone(self, element: Node) -> bool:
+        return not self.rows[element]
+
+    def values(self, element: Node, array: str, width: int) -> list[float] | None:
+        """Return the values of an array for an element, or None if its copies differ."""
+        numbers = self.arrays[array]
+        found = [numbers[width * row : width * (row + 1)] for row in self.rows[element]]
+        return found[0] if found and all(each == found[0] for each in found) else None
+
+    def names(self, tag: str) -> set[str]:
+        """Return the names of the remaining meshes, materials or textures."""
+        text = bytes(int(character) for character in self.arrays["names"])
+        starts = [int(start) for start in self.arrays[_NAMES[tag]]]
+        return {text[start : text.index(b"\0", start)].decode("utf-8", "replace") for start in starts}
+
+
+@dataclass(frozen=True, slots=True)
+class Unmeasurable:
+    """The reason why a unit cannot be measured, and the element that causes it, if there is one."""
+
+    why: str
+    element: Node | None = None
+
+
+def survey(
+    linking: Linking,
+    unit: Unit,
+    settings: Sequence[str],
+    arrays: tuple[str, ...],
+    *,
+    pinned: Collection[Node] = (),
+) -> Survey | None:
+    """Measure the unit to keep the effect of these settings. Report an error if that is not possible."""
+    found = measured(linking, unit, arrays, pinned=pinned)
+    if isinstance(found, Unmeasurable):
+        cannot_be_kept(linking, unit, settings, found.why, found.element)
+        return None
+    return found
+
+
+def measured(
+    linking: Linking, unit: Unit, arrays: tuple[str, ...], *, pinned: Collection[Node] = ()
+) -> Survey | Unmeasurable | None:
+    """Compile the unit alone, without the alignment of free bodies, which is done in the model.
+
+    None where MuJoCo refuses the unit, which has been reported. `pinned` bodies are kept from being fused: something
+    refers to them.
+    """
+    opaque = next(unit.root.iter(*_OPAQUE), None)
+    why = None
+    if opaque is not None:
+        why = f"`<{opaque.tag}>` is expanded by MuJoCo"
+    elif first_scaled(unit.root) is not None:
+        why = "MuJoCo scales what is in a `<frame>`"
+    elif linking.measure is None:
+        why = "MuJoCo is not at hand"
+    if why is not None or linking.measure is None:
+        return Unmeasurable(str(why))
+    # `user` finds an element again in the arrays: MuJoCo carries it over to every copy. Names may be missing, and
+    # numbers change when bodies are fused or geoms discarded.
+    copy = unit.copied()
+    marked: list[Node] = []
+    for (original, _), (element, _) in zip(walk_bodies(unit.root), walk_bodies(copy.root), strict=True):
+        if original.tag in _SURVEYED:
+            marked.append(original)
+            element.set("user", str(len(marked)))
+        if original in pinned:
+            _pin(copy, element, len(marked))
+    _neutral(copy.root)
+    found = linking.measure(copy, tuple(dict.fromkeys((*arrays, *_MARKS))))
+    if not found:
+        return None
+    rows: dict[Node, list[int]] = {element: [] for element in marked}
+    for marks, counted in (("body_user", "body_mass"), ("geom_user", "geom_type")):
+        for row, mark in _first(found[marks], len(found[counted])):
+            rows[marked[mark - 1]].append(row)
+    for element, places in rows.items():
+        if places and len(places) != _copies(element):
+            return Unmeasurable(f"it leaves out some copies of `<{element.tag}>` only", element)
+    return Survey(found, {element: tuple(places) for element, places in rows.items()})
+
+
+def cannot_be_kept(
+    linking: Linking, unit: Unit, settings: Sequence[str], why: str, element: Node | None = None
+) -> None:
+    """Report that settings cannot be kept, at an element or where the first of them is written."""
+    first, named = settings[0], " and ".join(f"`{name}`" for name in settings)
+    compilers = list(unit.root.iterchildren("compiler"))
+    compiler = next((each for each in compilers if each.get(first) is not None), [*compilers, unit.root][0])
+    linking.sink.error(
+        "compiler-setting",
+        f"{named} of `{unit.label}` cannot be kept in a composition: {why}",
+        linking.span(unit, compiler, first) if element is None else linking.span(unit, element),
+        help="remove the setting from the source, or write the values it gives",
+    )
+
+
+def _pin(unit: Unit, body: Node, number: int) -> None:
+    """Add a sensor of a body, which keeps the body from being fused in every version of MuJoCo."""
+    # Under `fusestatic` MuJoCo 4.0 fuses a body without joints, but not one that a `framepos` names.
+    if not body.get("name"):
+        body.set("name", f"pinned body {number} of {len(unit.root)}")
+    sensors = unit.section("sensor")
+    sensors.append(sensors.makeelement("framepos", {"objtype": "body", "objname": str(body.get("name"))}))
+
+
+def _neutral(root: Node) -> None:
+    """Prevent the alignment of free bodies, so that the inertia is in the frame in which it will be written."""
+    for joint in root.iter("freejoint"):
+        joint.set("align", "false")
+    for tag, names in (("compiler", ("alignfree",)), ("size", ("nuser_body", "nuser_geom"))):
+        for element in root.iterchildren(tag):
+            for name in names:
+                if name in element.attrib:
+                    del element.attrib[name]
+
+
+def _first(marks: list[float], count: int) -> Iterator[tuple[int, int]]:
+    """Yield the mark of each row that has one."""
+    width = len(marks) // count if count else 0
+    for row in range(count if width else 0):
+        if mark := int(marks[row * width]):
+            yield row, mark
+
+
+def _copies(element: Node) -> int:
+    count = 1
+    for replicate in element.iterancestors("replicate"):
+        count *= int(str(replicate.get("count") or 1))
+    return count
+
+
+_IDENTITY = "1 0 0 0".split()
+
+
+class Reference:
+    """Makes rows of keys and fills the missing values from the reference configuration."""
+
+    def __init__(self, linking: Linking) -> None:
+        self.linking = linking
+        self.disagreeing: list[tuple[str, Node]] = []
+        self.lost: list[tuple[str, Node]] = []
+        self.sequence = linking.base.settings.eulerseq
+
+    @cached_property
+    def degrees(self) -> bool:
+        return model_angle(self.linking) == "degree"
+
+    @cached_property
+    def class_refs(self) -> bool:
+        return self.linking.base.classes.give("joint", "ref")
+
+    def row(
+        self, vector: str, layout: Layout, values: Mapping[Holder, list[Number]], void: Collection[Node]
+    ) -> list[Number]:
+        """Return all numbers of a vector. `values` are those that a key sets; those of `void` mean nothing now."""
+        row: list[Number] = []
+        found = self._found(vector, values)
+        if vector in ("mpos", "mquat"):
+            for body in layout.mocaps:
+                poses = self.linking.keys.mocap_references.get(body) or [self._pose(element_of(body))]
+                text = [number for pose in poses for number in (pose.pos if vector == "mpos" else pose.quat)]
+                said = found(body) or []
+                row += [*said, *_by_nobody(vector, numbers.text(text).split())[len(said) :]]
+            return row
+        # Numbers still mean something if neither their holder's meaning nor its width has been edited.
+        second = vector in ("qvel", "act")
+        for holder, slot in (layout.joints if vector in ("qpos", "qvel") else layout.actuators).items():
+            width, given = slot.widths[second], found(holder)
+            element = element_of(holder)
+            if given is None or len(given) != width or element in void:
+                # Of actuators `convert` says what is lost.
+                if vector in ("qpos", "qvel") and given and any(numbers.read(" ".join(texts(given)))):
+                    self.lost.append((vector, element))
+                default = self._qpos(holder, slot) if vector == "qpos" else ["0"] * width
+                given = _by_nobody(vector, default, given)
+            row += given
+        return row
+
+    def _found(
+        self, vector: str, values: Mapping[Holder, list[Number]]
+    ) -> Callable[[Holder], list[Number] | None]:
+        """Return a function for the numbers that a key has for a holder, also if it has another number of copies now.
+
+        Every copy that a replicate makes of a part has the numbers of the part. Copies that are one element now must
+        agree: those that do not are noted in `disagreeing`.
+        """
+        others: dict[tuple[Node, bool], list[tuple[Within, list[Number]]]] = {}
+
+        def found(holder: Holder) -> list[Number] | None:
+            if holder in values:
+                return values[holder]
+            if not others:
+                for each, row in values.items():
+                    own = each if isinstance(each, Copy) else Copy(each)
+                    others.setdefault((own.element, own.twists), []).append((own.within, row))
+            now = holder if isinstance(holder, Copy) else Copy(holder)
+            inside = dict(now.within)
+            rows = [
+                row
+                for within, row in others.get((now.element, now.twists), ())
+                if all(inside.get(replicate, number) == number for replicate, number in within)
+            ]
+            if any(texts(row) != texts(rows[0]) for row in rows[1:]):
+                self.disagreeing.append((vector, now.element))
+            return rows[0] if rows else None
+
+        return found
+
+    def _qpos(self, holder: Holder, slot: Slot) -> list[str]:
+        measured = self.linking.keys.references.get(holder)
+        if measured is not None:
+            return measured
+        joint = element_of(holder)
+        # A free joint starts where its body stands in the world: in `<frame pos="1 0 0">` at 1 0 0 1 0 0 0.
+        if slot.kind == "free":
+            body = joint.getparent()
+            while body is not None and body.tag != "body":
+                body = body.getparent()
+            if body is not None:
+                pose = self._pose(body)
+                return numbers.text([*pose.pos, *pose.quat]).split()
+        if slot.kind == BLOCK:
+            return ["0"] * slot.widths[0]
+        if slot.kind == "ball":
+            return _IDENTITY
+        ref = written(joint, "ref")
+        if ref is None and self.class_refs:
+            ref = self.linking.base.classes.effective(joint, childclass_of(joint), "ref")
+        if ref is None:
+            return ["0"]
+        value = numbers.read(ref)[0]
+        if slot.kind == "hinge" and self.degrees:
+            value = numbers.joint_radians(value)
+        return numbers.text([value]).split()
+
+    def _pose(self, body: Node) -> Pose:
+        outer = body.getparent()
+        inner = read_pose(body, self.degrees, self.sequence)
+        return inner if outer is None else pose_in_world(outer, self.degrees, self.sequence) @ inner
+
+
+def emptied(values: Mapping[str, dict[Holder, list[Number]]], void: Collection[Node]) -> None:
+    """Empty the numbers of a key that an edit has made meaningless, and note what they were."""
+    for vector, columns in values.items():
+        for holder, row in columns.items():
+            if element_of(holder) in void:
+                columns[holder] = _by_nobody(vector, ["0"] * len(row), row)
+
+
+def _by_nobody(vector: str, default: list[str], lost: list[Number] | None = None) -> list[Number]:
+    """Return the numbers that no key sets, or that have `lost` their meaning by an edit."""
+    first = lost[0] if lost else None
+    source = KeySource(
+        "reference" if vector in ("qpos", "mpos", "mquat") else "zero",
+        vector,
+        lost=first and (first.source.lost or first),
+    )
+    return [Number(text, source, at) for at, text in enumerate(default)]

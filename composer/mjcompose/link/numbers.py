@@ -1,0 +1,120 @@
+"""Numbers and poses of MJCF attributes, to the same bits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.rotation import (
+    ORIGIN,
+    Pose,
+    normalise,
+    quat_from_axisangle,
+    quat_from_euler,
+    quat_from_xyaxes,
+    quat_from_zaxis,
+)
+from mjcompose.model.values import items, parse_real
+
+RADIANS_PER_DEGREE = math.pi / 180
+
+
+def read(text: str) -> list[float]:
+    """Parse numbers. Raises ValueError for `1_0`, digits of other scripts and `1e400`, which MuJoCo refuses."""
+    if not _RARE.isdisjoint(text) or not text.isascii():
+        return [_rare(item) for item in items(text)]
+    values = [float(token) for token in text.split()]
+    if math.inf in values or -math.inf in values:
+        return [_rare(item) for item in items(text)]
+    return values
+
+
+# MuJoCo 4.0 reads `timestep="0x1p-8"` as 0.00390625, and refuses `size="1,2"` and `group="1.0"`.
+_RARE = frozenset("xX_(")
+"""Hexadecimals and `nan(…)`; and what only Python takes for part of a number."""
+
+
+def _rare(item: str) -> float:
+    value = parse_real(item)
+    if value is None:
+        raise ValueError(f"not a number: {item}")
+    return value
+
+
+def text(values: Iterable[float]) -> str:
+    """Return the shortest decimals that read back exactly, whole numbers without a point."""
+    return " ".join(_one(value) for value in values)
+
+
+def _one(value: float) -> str:
+    if value == 0 or not math.isfinite(value):
+        return "-0" if value == 0 and math.copysign(1, value) < 0 else f"{value:g}"
+    whole = repr(value)
+    return whole[:-2] if whole.endswith(".0") else whole
+
+
+# MuJoCo 4.0 rounds the two in different ways: `<joint ref="0.30000000000000004"/>` compiles to v * (pi / 180), which is
+# not v / 180 * pi to the last bit; `euler` is the other way round.
+def orientation_radians(degrees: float) -> float:
+    """Convert degrees to radians as MuJoCo does for orientations."""
+    return degrees / 180.0 * math.pi
+
+
+def joint_radians(degrees: float) -> float:
+    """Convert degrees to radians as MuJoCo does for the range and reference of a joint."""
+    return degrees * RADIANS_PER_DEGREE
+
+
+_PLACED = ("body", "frame", "replicate")
+
+
+def read_pose(attributes: Node | Mapping[str, str], degrees: bool, sequence: str) -> Pose:
+    """Return the pose from `pos` and one orientation attribute, with angles in the model's own unit and sequence."""
+    get = attributes.get
+    pos = read(str(get("pos") or "")) or list(ORIGIN)
+    # One of these is written at most: MuJoCo 4.0 says of two "multiple orientation specifiers are not allowed". A
+    # `quat` of any length is a rotation: it compiles `quat="2 0 0 0"` to 1 0 0 0.
+    quat = (1.0, 0.0, 0.0, 0.0)
+    if get("quat"):
+        w, x, y, z = read(str(get("quat")))
+        quat = normalise((w, x, y, z))
+    if get("axisangle"):
+        *axis, angle = read(str(get("axisangle")))
+        quat = quat_from_axisangle(axis, orientation_radians(angle) if degrees else angle)
+    if get("xyaxes"):
+        quat = quat_from_xyaxes(read(str(get("xyaxes"))))
+    if get("zaxis"):
+        quat = quat_from_zaxis(read(str(get("zaxis"))))
+    if get("euler"):
+        angles = read(str(get("euler")))
+        quat = quat_from_euler(map(orientation_radians, angles) if degrees else angles, sequence)  # type: ignore[arg-type]
+    return Pose((pos[0], pos[1], pos[2]), quat)
+
+
+def pose_in_world(element: Node, degrees: bool, sequence: str) -> Pose:
+    """Return the pose of a body, frame or the world in the world, with all joints at their reference."""
+    pose = Pose()
+    node: Node | None = element
+    while node is not None and node.tag in _PLACED:
+        below, node, _ = pose_below(node, degrees, sequence)
+        pose = below @ pose
+        if node.tag == "body":
+            pose = read_pose(node, degrees, sequence) @ pose
+            node = node.getparent()
+    return pose
+
+
+def pose_below(element: Node, degrees: bool, sequence: str) -> tuple[Pose, Node, Node | None]:
+    """Return the pose of a frame in the body or the world that holds it, this one, and a `<replicate>` between them."""
+    pose, node, copied = Pose(), element, None
+    while node.tag in ("frame", "replicate"):
+        if node.tag == "frame":
+            pose = read_pose(node, degrees, sequence) @ pose
+        else:
+            copied = node
+        above = node.getparent()
+        assert above is not None
+        node = above
+    return pose, node, copied

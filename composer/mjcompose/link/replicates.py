@@ -1,0 +1,367 @@
+"""Pass: `<replicate>` and the poses of its copies.
+
+Pass: find elements of one unit that the `<replicate>` of another would multiply, because of a bug in MuJoCo.
+
+MuJoCo (3.12 to 4.0) treats an element as replicated if all names in it still resolve with the copy's number
+appended. That includes a sensor without an object, a tuple of assets, and an element that refers to `j1` if there
+is a `j10` before the replicate, either written or made by another replicate.
+
+Pass: note the unit of each replicate while the units are separate, and write out those that cannot stay.
+
+A replicate cannot stay beside another unit if MuJoCo would also multiply elements of that unit (see
+`replicate_capture.py`). It cannot stay either if the model has another Euler sequence, or if the model is in
+radians and the multiples of its angles round differently. A replicate is written out only if nothing outside refers
+to its contents: MuJoCo multiplies such references, so those are left to it.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence, Set
+from functools import cache, lru_cache
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.diagnostic import Cause, Note
+from mjcompose.base.rotation import ORIGIN, Pose, Vec3, quat_from_euler, rotate
+from mjcompose.link import numbers
+from mjcompose.link.key_layout import Name, inner_first, names_made, suffixes
+from mjcompose.link.linking import Linking
+from mjcompose.link.numbers import orientation_radians
+from mjcompose.model.cost import scaled_above
+from mjcompose.model.files import read_settings
+from mjcompose.model.names import (
+    DECLARES,
+    REFERS,
+    REFERS_BY,
+    WORLD,
+    NameIndex,
+    naming_table,
+    object_namespace,
+)
+from mjcompose.model.unit import Unit
+
+
+@lru_cache(maxsize=16)  # every copy of a part asks for the same rows
+def row(
+    count: int, offset: Vec3, angles: tuple[float, ...], sequence: str, *, degrees: bool = False
+) -> tuple[Pose, ...]:
+    """Return the poses of all copies. Copy N is turned by N times each angle; the next is at `offset` in its frame."""
+    made: list[Pose] = []
+    pos = ORIGIN
+    for number in range(count):
+        turns = [number * angle for angle in angles]
+        if degrees:
+            turns = [orientation_radians(turn) for turn in turns]
+        made.append(Pose(pos, quat_from_euler(turns, sequence)))
+        x, y, z = rotate(made[-1].quat, offset)
+        pos = (pos[0] + x, pos[1] + y, pos[2] + z)
+    return tuple(made)
+
+
+_SECTIONS = ("contact", "tendon", "equality", "actuator", "sensor", "custom")
+_OF_NOTHING = ("numeric", "text")
+# What a replicate copies; assets, numbers and texts keep their names, so that they always resolve.
+_COPIED = frozenset(
+    "body joint geom site camera light tendon equality actuator sensor pair exclude flex skin".split()
+)
+
+
+def check_replicates(linking: Linking) -> None:
+    """Refuse a replicate that would change another unit.
+
+    MuJoCo would copy the clock of the base, too, and the replicate must stay as the `<exclude>` refers to it:
+
+    >>> from mjcompose.link.link import after
+    >>> part = (
+    ...     '<worldbody><replicate count="2"><body name="b"/></replicate></worldbody>'
+    ...     '<contact><exclude body1="b" body2="b"/></contact>'
+    ... )
+    >>> base = '<sensor><clock/></sensor>'
+    >>> after(check_replicates, part, base)
+    error: the `<replicate>` of `part.xml` would multiply the `<clock>` without a name of `base.xml`, too
+    """
+    waiting = {unit: list(things(unit)) for unit in linking.units if linking.notes.replicates}
+    if not any(
+        found for other, found in waiting.items() for unit, _ in linking.notes.replicates if other is not unit
+    ):
+        return
+    places = {element: at for at, element in enumerate(linking.base.root.iter("*"))}
+    made = names_made(linking.base.root)
+    reported: set[tuple[Unit, Unit]] = set()
+    for unit, replicate in linking.notes.replicates:
+        for other in linking.units:
+            if other is unit or (unit, other) in reported:
+                continue
+            thing = next(
+                (each for each in waiting[other] if resolves(linking, each, replicate, places, made)), None
+            )
+            if thing is not None:
+                reported.add((unit, other))
+                _refuse(linking, unit, replicate, other, thing)
+
+
+def things(unit: Unit) -> Iterator[Node]:
+    """Yield the elements that a replicate may multiply."""
+    for section in unit.root.iterchildren(*_SECTIONS):
+        yield from (each for each in section.iterchildren("*") if each.tag not in _OF_NOTHING)
+
+
+def resolves(
+    linking: Linking, thing: Node, replicate: Node, places: Mapping[Node, int], made: Set[Name]
+) -> bool:
+    """Return whether MuJoCo also finds the thing's reference with a number appended when it reads the replicate."""
+    names = list(referred(thing))
+    found = (linking.names.find(kind, name + end) for kind, name in names for end in suffixes(replicate))
+    here = places.get(replicate, 0)
+    if made_from(names, suffixes(replicate), linking.names.find, made):
+        return True
+    return not names or any(
+        element is not None and (_is_listed(element) or places.get(element, here) < here) for element in found
+    )
+
+
+def made_from(
+    names: Iterable[Name], ends: Collection[str], find: Callable[[str, str], Node | None], made: Set[Name]
+) -> bool:
+    """Return whether a replicate makes one of the names with a number appended, but for another element."""
+    return any(
+        (kind, name + end) in made
+        and (element := find(kind, name)) is not None
+        and next(element.iterancestors("replicate"), None) is None
+        for kind, name in names
+        for end in ends
+    )
+
+
+def _is_listed(element: Node) -> bool:
+    """Return whether an element is in a section that MuJoCo reads before the bodies."""
+    section = element.getparent()
+    return section is not None and section.tag in _SECTIONS
+
+
+def referred(thing: Node) -> Iterator[tuple[str, str]]:
+    """Yield the namespace and name of each reference of a thing to something that a replicate copies."""
+    section = thing.getparent()
+    assert section is not None
+    table = naming_table(str(section.tag))
+    for element in thing.iter("*"):
+        for attribute, (action, namespace) in table.get(str(element.tag), {}).items():
+            name = str(element.get(attribute) or "")
+            kind = object_namespace(element, namespace) if action == REFERS_BY else namespace
+            if name == WORLD and thing.tag == "tuple":
+                continue
+            if name and action in (REFERS, REFERS_BY) and kind in _COPIED:
+                yield str(kind), name
+
+
+def _refuse(linking: Linking, unit: Unit, replicate: Node, other: Unit, thing: Node) -> None:
+    called = f"`{thing.get('name')}`" if thing.get("name") else "without a name"
+    linking.sink.error(
+        "not-supported",
+        f"the `<replicate>` of `{unit.file}` would multiply the `<{thing.tag}>` {called} of `{other.file}`, too",
+        linking.span(unit, replicate),
+        notes=(Note("MuJoCo would take this for one of what it replicates", linking.span(other, thing)),),
+        help="write the copies out instead of `<replicate>`",
+    )
+
+
+def replicates(linking: Linking) -> None:
+    """Record every replicate, and write out those whose meaning would change in the model.
+
+    Beside this replicate, MuJoCo would multiply the clock of the base:
+
+    >>> from mjcompose.link.link import after
+    >>> part = '<worldbody><replicate count="2"><geom name="g" size=".1"/></replicate></worldbody>'
+    >>> base = '<sensor><clock/></sensor>'
+    >>> after(replicates, part, base)
+    part: <worldbody><frame><geom name="g0" size=".1"/></frame><frame><geom name="g1" size=".1"/></frame></worldbody>
+    """
+    if not linking.parts:
+        return
+    holding = [unit for unit in linking.units if next(unit.root.iter("replicate"), None) is not None]
+    if not holding:
+        return
+    _unroll(linking, holding)
+    for unit in holding:
+        linking.notes.replicates.extend((unit, replicate) for replicate in unit.root.iter("replicate"))
+
+
+def spare_added(linking: Linking) -> None:
+    """Write out the replicates of the finished model that would multiply what the recipe adds; report the others."""
+    base = linking.base
+    nests = list(_outermost(base))
+    added = (
+        {each for each in things(base) if not isinstance(base.origins.owner(each, base.file), str)}
+        if nests
+        else ()
+    )
+    if not added:
+        return
+    index_of = cache(lambda unit: NameIndex.of(unit.root))
+    places = {element: at for at, element in enumerate(base.root.iter("*"))}
+    made = names_made(base.root)
+    linking.names.declared = index_of(base).declared
+    for nest in nests:
+        inside = list(inner_first(nest))
+        multiplied = [
+            each
+            for each in added
+            if any(resolves(linking, each, replicate, places, made) for replicate in inside)
+        ]
+        if multiplied and _stands_alone(base, index_of, nest, inside, multiplied):
+            for each in inside:
+                _write_out(linking, base, each)
+            linking.names.declared = NameIndex.of(base.root).declared
+        elif multiplied:
+            _refuse_added(linking, nest, sorted(multiplied, key=places.__getitem__))
+
+
+def _refuse_added(linking: Linking, replicate: Node, multiplied: Sequence[Node]) -> None:
+    for thing in multiplied:
+        called = f"`{thing.get('name')}`" if thing.get("name") else "without a name"
+        linking.sink.error(
+            "not-supported",
+            f"MuJoCo would multiply the `<{thing.tag}>` {called} with what is in a `<replicate>`",
+            linking.span(linking.base, thing),
+            notes=(Note("the `<replicate>`", linking.span(linking.base, replicate)),),
+            help="write the copies out instead of `<replicate>`",
+            cause=Cause(f"multiplied by line {linking.span(linking.base, replicate)}", called),
+            subjects=(str(thing.get("name") or ""),),
+        )
+
+
+_EXPANDED = ("flexcomp", "composite", "attach")
+_IN_TREE = "worldbody"
+_IndexOf = Callable[[Unit], NameIndex]
+
+
+def _unroll(linking: Linking, holding: list[Unit]) -> None:
+    """Write out the replicates that would change another unit, or turn in another sequence."""
+    units = linking.units
+    index_of = cache(lambda unit: NameIndex.of(unit.root))
+    for unit in holding:
+        for nest in list(_outermost(unit)):
+            inside = list(inner_first(nest))
+            turns = any(
+                _reads_otherwise(linking, unit, each) or _rounds_otherwise(linking, unit, each)
+                for each in inside
+            )
+            if (
+                turns or any(_multiplies(other, index_of, inside) for other in units if other is not unit)
+            ) and _stands_alone(unit, index_of, nest, inside):
+                for other in units:  # as they are before anything is written out
+                    index_of(other)
+                for each in inside:
+                    _write_out(linking, unit, each)
+
+
+def _outermost(unit: Unit) -> Iterator[Node]:
+    for worldbody in unit.root.iterchildren("worldbody"):
+        for replicate in worldbody.iter("replicate"):
+            if next(replicate.iterancestors("replicate"), None) is None:
+                yield replicate
+
+
+def _reads_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
+    """Return whether a replicate turns about several axes in another sequence than the model's."""
+    turning = [each for each in numbers.read(str(replicate.get("euler") or "")) if each]
+    return len(turning) > 1 and unit.settings.eulerseq != linking.base.settings.eulerseq
+
+
+def _rounds_otherwise(linking: Linking, unit: Unit, replicate: Node) -> bool:
+    """Return whether a multiple of its angles in radians differs in any bit from that of its angles in degrees."""
+    if unit.settings.angle != "degree" or linking.angle != "radian":
+        return False
+    # MuJoCo multiplies first and converts then: the fourth copy of `euler="1 0 0"` is turned by 3 degrees, which are
+    # 0.05235987755982988 radians. Three times one degree in radians ends in 9.
+    radians = numbers.orientation_radians
+    return any(
+        radians(number * angle) != number * radians(angle)
+        for angle in numbers.read(str(replicate.get("euler") or ""))
+        for number in range(len(suffixes(replicate)) if angle else 0)
+    )
+
+
+def _multiplies(
+    unit: Unit, index_of: _IndexOf, replicates: list[Node], spared: Collection[Node] = ()
+) -> bool:
+    """Return whether one of the replicates may multiply any element of the unit, except for those that are spared."""
+    found = [each for each in things(unit) if each not in spared]
+    if not found:
+        return False
+    index = index_of(unit)
+    ends = {end for replicate in replicates for end in suffixes(replicate)}
+    made = names_made(unit.root)
+    for thing in found:
+        names = list(referred(thing))
+        # What refers to nothing is multiplied, too, and so is what refers to something that a replicate makes. MuJoCo
+        # 3.12 and 4.0 make four clocks of this one:
+        #   <worldbody><replicate count="2"><geom name="g" size=".1"/></replicate></worldbody><sensor><clock/></sensor>
+        if not names or made_from(names, ends, index.find, made):
+            return True
+        if any(index.find(kind, name + end) is not None for kind, name in names for end in ends):
+            return True
+    return False
+
+
+def _stands_alone(
+    unit: Unit, index_of: _IndexOf, nest: Node, inside: list[Node], spared: Collection[Node] = ()
+) -> bool:
+    """Return whether only its own content is multiplied, so that the copies can be written in the tree."""
+    if next(nest.iter(*_EXPANDED), None) is not None or scaled_above(nest) is not None:
+        return False
+    index = index_of(unit)
+    for node in nest.iterdescendants("*"):
+        for namespace, name in _names(node):
+            if any(nest not in user.iterancestors() for user, _ in index.users(namespace, name)):
+                return False
+    return not _multiplies(unit, index_of, inside, spared)
+
+
+def _names(node: Node) -> Iterator[tuple[str, str]]:
+    """Yield the namespace and name that a node of the body tree declares."""
+    for attribute, (kind, namespace) in naming_table(_IN_TREE).get(str(node.tag), {}).items():
+        name = node.get(attribute)
+        if kind == DECLARES and name:
+            yield namespace, str(name)
+
+
+def _write_out(linking: Linking, unit: Unit, replicate: Node) -> None:
+    """Replace the replicate by a frame for each copy. The names in it get the number of the copy."""
+    holder = replicate.getparent()
+    assert holder is not None
+    settings = read_settings(unit.root)
+    x, y, z = [*numbers.read(str(replicate.get("offset") or "")), 0.0, 0.0, 0.0][:3]
+    angles = tuple(numbers.read(str(replicate.get("euler") or "0 0 0")))
+    ends = suffixes(replicate)
+    poses = row(len(ends), (x, y, z), angles, settings.eulerseq, degrees=settings.angle == "degree")
+    declared = {each for node in replicate.iterdescendants("*") for each in _names(node)}
+    at = holder.index(replicate)
+    for number, (pose, end) in enumerate(zip(poses, ends, strict=True)):
+        made = copy.deepcopy(replicate)
+        for old, new in zip(replicate.iter("*"), made.iter("*"), strict=True):
+            if (owner := unit.origins.owners.get(old)) is not None:
+                unit.origins.owners[new] = owner
+            linking.notes.copied[new] = (old, (replicate, number))
+        made.tag = "frame"
+        made.attrib.clear()
+        if not pose.is_identity:
+            # As a quaternion, since the model may read `euler` in another sequence, or in radians.
+            made.set("pos", numbers.text(pose.pos))
+            made.set("quat", numbers.text(pose.quat))
+        # In MuJoCo 4.0 the `childclass` of a `<replicate>` counts for what stands in it, as that of a `<frame>` does.
+        if replicate.get("childclass"):
+            made.set("childclass", str(replicate.get("childclass")))
+        _number(made, declared, end)
+        holder.insert(at + number, made)
+    holder.remove(replicate)
+
+
+def _number(frame: Node, declared: set[tuple[str, str]], end: str) -> None:
+    table = naming_table(_IN_TREE)
+    for node in frame.iterdescendants("*"):
+        for attribute, (_, namespace) in table.get(str(node.tag), {}).items():
+            name = node.get(attribute)
+            if name and (namespace, str(name)) in declared:
+                node.set(attribute, f"{name}{end}")

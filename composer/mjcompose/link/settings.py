@@ -1,0 +1,372 @@
+"""Passes: the compiler's settings, sizes and memory of the whole model.
+
+Pass: `alignfree`, which aligns free bodies' frames with their inertia, becomes explicit on each free joint.
+
+Only `<freejoint>` has the attribute `align`. If a `<joint type="free">` has other attributes that a `<freejoint>`
+cannot take, the model keeps `alignfree` and all other free joints opt out.
+
+Pass: memory for the simulation. A source's request is for that source alone, not for the whole model.
+
+Without a request, MuJoCo chooses the memory by the size of the model. A source's request would apply to the whole
+model: with `memory="1M"` from a lamp beside 300 boxes, MuJoCo 4.0 drops contacts, and boxes fall through the floor.
+`njmax`, `nconmax` and `nstack` are older ways to set the same amount.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.diagnostic import Note
+from mjcompose.link.angles import model_angle
+from mjcompose.link.inertia import MEASURED
+from mjcompose.link.linking import Linking, MemoryRequest
+from mjcompose.model.classes import through_frames, walk_bodies
+from mjcompose.model.unit import Unit, line_of, set_line
+from mjcompose.model.values import parse_int
+
+_OF_FREEJOINTS = frozenset({"name", "type", "group", "class"})
+_INSIDE_BODIES = ("body", "flexcomp", "composite", "attach")
+
+
+def alignment(linking: Linking) -> None:
+    """Settle what the model says, and make what differs from it explicit; a base alone keeps what it says.
+
+    >>> from mjcompose.link.link import after
+    >>> part = (
+    ...     '<compiler alignfree="true"/>'
+    ...     '<worldbody><body><freejoint/><geom size=".1"/></body></worldbody>'
+    ... )
+    >>> after(alignment, part)
+    part: <worldbody><body><freejoint align="true"/><geom size=".1"/></body></worldbody>
+    """
+    if not linking.composed:
+        return
+    stubborn = [
+        (unit, joint)
+        for unit in linking.units
+        if unit.settings.alignfree == "true"
+        for joint, plain in _free_joints(unit)
+        if not plain
+    ]
+    linking.notes.aligned = bool(stubborn)
+    for unit in linking.units:
+        wanted = unit.settings.alignfree == "true"
+        if wanted == linking.notes.aligned:
+            continue
+        for joint in unit.root.iter("freejoint"):
+            if joint.get("align") in (None, "", "auto"):
+                joint.set("align", str(wanted).lower())
+        for joint, plain in list(_free_joints(unit)):
+            # MuJoCo 4.0 knows `align` on `<freejoint>` only: `<joint type="free" align="true"/>` violates the schema.
+            # But a `<freejoint/>` takes no joint defaults: its armature is 0 whatever they say.
+            if plain:
+                _make_freejoint(joint, wanted)
+            else:
+                _cannot_differ(linking, unit, joint, *stubborn[0])
+    # The joints of attachments hang in no tree yet, so that the walk above has not met them.
+    for part in linking.parts if linking.notes.aligned else ():
+        part.joints = tuple(
+            replace(joint, attributes={"align": "false", **joint.attributes})
+            if joint.tag == "freejoint"
+            else joint
+            for joint in part.joints
+        )
+
+
+def _free_joints(unit: Unit) -> Iterator[tuple[Node, bool]]:
+    """Yield each `<joint type="free">` that MuJoCo may align, and whether a `<freejoint>` can replace it."""
+    classes = unit.classes
+    for joint, childclass in walk_bodies(unit.root):
+        if (
+            joint.tag == "joint"
+            and classes.effective(joint, childclass, "type") == "free"
+            and is_leaf(next(joint.iterancestors("body")))
+        ):
+            given = classes.get(str(joint.get("class") or childclass or "") or None).sets("joint")
+            yield joint, not given and _OF_FREEJOINTS.issuperset(joint.keys())
+
+
+def is_leaf(body: Node) -> bool:
+    """Return whether a body has no child bodies. MuJoCo aligns only such bodies."""
+    # MuJoCo 4.0 puts `<body pos="1 0 0"><freejoint align="true"/><geom pos=".1 0 0" size=".1"/></body>` at 1.1 0 0, and
+    # leaves it at 1 0 0 with another `<body>` inside.
+    return not any(
+        child.tag in _INSIDE_BODIES or (child.tag == "replicate" and not is_leaf(child))
+        for child in through_frames(body)
+    )
+
+
+def _make_freejoint(joint: Node, aligned: bool) -> None:
+    joint.tag = "freejoint"
+    for name in list(joint.attrib):
+        if name not in ("name", "group"):
+            del joint.attrib[name]
+    joint.set("align", str(aligned).lower())
+
+
+def _cannot_differ(linking: Linking, unit: Unit, joint: Node, other: Unit, of_other: Node) -> None:
+    linking.sink.error(
+        "compiler-setting",
+        f"`alignfree` of `{other.label}` cannot be kept in a composition with `{unit.label}`: "
+        "each has a free joint with settings of its own",
+        linking.span(other, of_other),
+        notes=(Note("it does not hold for this one", linking.span(unit, joint)),),
+        help='make one of them a `<freejoint align="…"/>`',
+    )
+
+
+FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
+_MADE_EXPLICIT = ("inertiafromgeom", "inertiagrouprange", *MEASURED)
+_WHOLE_MODEL = ("fusestatic", "discardvisual")
+_NO_EFFECT = ("coordinate", "usethread", "conflict")
+
+
+def compiler(linking: Linking) -> None:
+    """Write the base's settings once, as they now hold for every part.
+
+    >>> from mjcompose.link.link import after
+    >>> base = '<compiler angle="radian" meshdir="m" inertiafromgeom="true"/>'
+    >>> after(compiler, base=base)
+    model: <compiler angle="radian"/>
+    """
+    root = linking.base.root
+    written: dict[str, str] = {}
+    settings: list[Node] = []
+    children = []
+    first = next(root.iterchildren("*"), None)
+    at = root.index(first) if first is not None and first.tag == "compiler" else None
+    # Of several `<compiler>` the last one counts, for elements above it, too: in MuJoCo 4.0 `<joint ref="90"/>` between
+    # `<compiler angle="radian"/>` and `<compiler angle="degree"/>` has a reference of 1.5708.
+    for element in list(root.iterchildren("compiler")):
+        written.update({str(name): str(value) for name, value in element.items()})
+        children.extend(list(element))
+        settings.append(element)
+    line = next(map(line_of, settings), None)
+    owner = linking.base.origins.owner(settings[0], linking.base.file) if settings else None
+    for element in settings:
+        root.remove(element)
+    # All files stand below `assets/` with their whole path. MuJoCo 4.0 would put `meshdir` before that of
+    # every mesh; where it is missing, `assetdir`, in whatever order the two stand.
+    for name in FOLDERS:
+        written.pop(name, None)
+    if linking.composed:
+        for name in (*_MADE_EXPLICIT, *_NO_EFFECT, *_WHOLE_MODEL, "alignfree", "fitaabb"):
+            written.pop(name, None)
+        if linking.notes.aligned:
+            written["alignfree"] = "true"
+    if linking.parts:
+        written["angle"] = model_angle(linking)
+        if model_autolimits(linking) == "true":
+            written.pop("autolimits", None)
+    if not written and not children:
+        return
+    element = root.makeelement("compiler", written)
+    for child in children:
+        same = element.find(str(child.tag)) if isinstance(child.tag, str) else None
+        if same is None:
+            element.append(child)
+        else:  # in one `<compiler>` MuJoCo takes one `<lengthrange>`
+            same.attrib.update(child.attrib)
+    if owner is not None:
+        linking.base.origins.own(element, owner)
+        set_line(element, line)
+    if at is None:
+        linking.base.insert(element)
+    else:
+        root.insert(at, element)
+
+
+def model_autolimits(linking: Linking) -> str:
+    """Return the model's value of `autolimits`.
+
+    MuJoCo refuses a range without an explicit `limited` under `false`, so that a unit which compiles with `false`
+    means the same under `true`.
+    """
+    return "false" if all(unit.settings.autolimits == "false" for unit in linking.units) else "true"
+
+
+_LARGEST = ("njmax", "nconmax", "nstack", "nuserdata")
+# Older ways to say how much memory there is. MuJoCo 4.0 refuses `<size memory="1M" njmax="5"/>`: "at most one of".
+INSTEAD_OF_MEMORY = ("njmax", "nstack")
+
+
+def merge_sizes(linking: Linking) -> None:
+    """Write the larger of each size into the base, wide enough for the user data of every part."""
+    linking.notes.memory = asked(linking)
+    for part in linking.parts:
+        for section in part.unit.root.iterchildren("size"):
+            for name, value in section.items():
+                _enlarge(linking, str(name), str(value))
+    _user_widths(linking)
+    _one_memory(linking)
+
+
+def _one_memory(linking: Linking) -> None:
+    sizes = list(linking.base.root.iterchildren("size"))
+    memory = any(size.get("memory") for size in sizes)
+    for size in sizes if memory else ():
+        for name in INSTEAD_OF_MEMORY:
+            span = linking.span(linking.base, size, name)
+            value = size.get(name)
+            if value is None:
+                continue
+            del size.attrib[name]
+            for part in linking.parts:
+                for section in part.unit.root.iterchildren("size"):
+                    if section.get(name) == value:
+                        span = linking.span(part.unit, section, name)
+            linking.sink.warning(
+                "option-conflict",
+                f"`size.{name}` = {value} gives way to `size.memory` of another part: only one may be written",
+                span,
+            )
+
+
+def _enlarge(linking: Linking, name: str, value: str) -> None:
+    have = [str(size.get(name)) for size in linking.base.root.iterchildren("size") if size.get(name)]
+    if name == "memory":
+        if not have or bytes_of(value) > bytes_of(have[-1]):
+            linking.base.section("size").set(name, value)
+    elif name in _LARGEST or name.startswith("nuser_"):
+        largest = max(map(_count, (value, *have)))
+        if largest >= 0:
+            linking.base.section("size").set(name, str(largest))
+
+
+def _count(value: str) -> int:
+    """What MuJoCo reads; what it refuses is reported with the source, or by MuJoCo."""
+    number = parse_int(value.strip())
+    return -1 if number is None else number
+
+
+_USERS = {
+    "nuser_body": ("body",),
+    "nuser_jnt": ("joint", "freejoint"),
+    "nuser_geom": ("geom",),
+    "nuser_site": ("site",),
+    "nuser_cam": ("camera",),
+}
+_USER_SECTIONS = {"nuser_tendon": "tendon", "nuser_actuator": "actuator", "nuser_sensor": "sensor"}
+
+
+def _user_widths(linking: Linking) -> None:
+    """Make every written `nuser_*` wide enough for the user data of all units."""
+    # MuJoCo 4.0 refuses `<size nuser_geom="1"/>` beside `<geom user="1 2"/>` ("more values than nuser_geom"); without
+    # a written width it takes the widest.
+    for size in linking.base.root.iterchildren("size"):
+        for name, value in size.items():
+            if not str(name).startswith("nuser_") or _count(str(value)) < 0:
+                continue
+            widest = _count(str(value))
+            for unit in linking.units:
+                for element in _with_user(unit.root, str(name)):
+                    widest = max(widest, len(str(element.get("user") or "").split()))
+            size.set(name, str(widest))
+
+
+def _with_user(root: Node, name: str) -> Iterator[Node]:
+    if name in _USER_SECTIONS:
+        for section in root.iterchildren(_USER_SECTIONS[name], "default"):
+            yield from section.iter()
+    else:
+        for section in root.iterchildren("worldbody", "default"):
+            yield from section.iter(*_USERS.get(name, ()))
+
+
+ROOM = ("memory", "njmax", "nconmax", "nstack")
+_MOVING = ("joint", "freejoint", "flexcomp", "attach", "composite")
+_SCALE = {"k": 2**10, "m": 2**20, "g": 2**30, "t": 2**40, "p": 2**50, "e": 2**60}
+
+
+def asked(linking: Linking) -> tuple[MemoryRequest, ...]:
+    """Return the memory that the units ask for if several of them move, when MuJoCo must check whether it is enough."""
+    calls = ["the base", *(part.called for part in linking.parts)]
+    moving = [next(unit.root.iter(*_MOVING), None) is not None for unit in linking.units]
+    for number, part in enumerate(linking.parts, 1):
+        moving[number] |= bool(part.joints)
+    if sum(moving) < 2 or any(f"size/{name}" in linking.request.overridden_options for name in ROOM):
+        return ()
+    return tuple(each for unit, called in zip(linking.units, calls, strict=True)
+                 for each in _written(linking, unit, called))  # fmt: skip
+
+
+def _written(linking: Linking, unit: Unit, called: str) -> Iterator[MemoryRequest]:
+    for size in unit.root.iterchildren("size"):
+        for name in ROOM:
+            value = str(size.get(name) or "").strip()
+            # `memory="-1"` leaves it to MuJoCo, as if it were not written.
+            if value and value != "-1":
+                yield MemoryRequest(name, value, called, linking.span(unit, size, name))
+
+
+def room(linking: Linking) -> None:
+    """Remove the memory size if MuJoCo's own for the whole model is larger than any source asks for.
+
+    >>> from mjcompose.link.link import after
+    >>> base = '<worldbody>' + '<body><freejoint/><geom size=".1"/></body>' * 30 + '</worldbody>'
+    >>> part = '<size memory="1K"/><worldbody><body><joint/><geom size=".1"/></body></worldbody>'
+    >>> after(room, part, base)  # doctest: +ELLIPSIS
+    warning: `size.memory` of `p/` is 1K, ...
+    """
+    if not linking.notes.memory or linking.measure is None:
+        return
+    unit = linking.flat()
+    sizes = [size for size in unit.root.iterchildren("size") if any(size.get(name) for name in ROOM)]
+    memory = [str(size.get("memory")) for size in sizes if size.get("memory")]
+    written = bytes_of(memory[-1]) if memory else _measured(linking, unit)
+    kept = [(size, dict(size.attrib)) for size in sizes]
+    for size in sizes:
+        for name in ROOM:
+            size.attrib.pop(name, "")
+    own = _measured(linking, unit)
+    if written is None or own is None or own <= written:
+        for size, attributes in kept:
+            size.attrib.update(attributes)
+        return
+    for size in sizes:
+        _leave_out_empty(size)
+    first, *others = linking.notes.memory
+    linking.sink.warning(
+        "option-conflict",
+        f"`size.{first.name}` of {_quoted(first.called)} is {first.value}, which is too little for the whole model:"
+        f" MuJoCo's own choice, {_megabytes(own)}, is used",
+        first.span,
+        notes=[
+            Note(f"{_quoted(each.called)} asks for `{each.name}` {each.value}", each.span) for each in others
+        ],
+        help=f"to set it yourself, write in the recipe `size: {{memory: {_megabytes(own)}}}`, or another amount",
+    )
+
+
+def _measured(linking: Linking, unit: Unit) -> float | None:
+    """Return MuJoCo's memory size for the current model, or None if it refuses the model, which is reported later."""
+    assert linking.measure is not None
+    found = linking.measure(unit, ("narena",), attempt=True)
+    return found["narena"][0] if found else None
+
+
+def _leave_out_empty(size: Node) -> None:
+    parent = size.getparent()
+    if parent is not None and not size.attrib and not len(size):
+        parent.remove(size)
+
+
+def bytes_of(text: str) -> float:
+    """Return an amount of memory written in MJCF as a number of bytes.
+
+    >>> bytes_of("2M")
+    2097152.0
+    """
+    text = text.strip().lower()
+    return float(text[:-1]) * _SCALE[text[-1]] if text and text[-1] in _SCALE else float(text or 0)
+
+
+def _megabytes(count: float) -> str:
+    return f"{round(count / 2**20)}M"
+
+
+def _quoted(called: str) -> str:
+    return called if called == "the base" else f"`{called}`"

@@ -1,0 +1,372 @@
+"""Passes: models that MuJoCo attaches itself, and their options.
+
+Pass: under `conflict="merge"`, the options that a unit takes from the models it attaches become its own.
+
+The model itself has no `conflict` setting, so the sub-models of one unit cannot change another unit.
+
+Pass: `<model>` assets, which MuJoCo attaches itself: each goes into the bundle with the files it needs.
+
+A sub-model keeps its own compiler settings, because MuJoCo reads it as a separate model; only its folders change.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import posixpath
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.access import Door, Passed, held
+from mjcompose.base.diagnostic import Span
+from mjcompose.base.files import Refused, read_regular
+from mjcompose.base.limits import advice, in_force
+from mjcompose.base.sink import Sink
+from mjcompose.link.agreement import default_of, merged, set_value, written
+from mjcompose.link.files import ASSETS, add_file, inside
+from mjcompose.link.linking import FileUse, Linking
+from mjcompose.link.settings import FOLDERS
+from mjcompose.model.cost import NOTHING, Weight, expanded
+from mjcompose.model.files import FromFolder, file_attributes, join, written_path
+from mjcompose.model.mesh_cost import file_points, mesh_points
+from mjcompose.model.parse import parse_file, parse_text
+from mjcompose.model.unit import Unit, line_of, set_line
+from mjcompose.model.xml_text import write
+
+
+def attached_size(unit: Unit) -> Callable[[Node], Weight]:
+    """A function that says what an `<attach>` of the unit brings; nothing for what cannot be read."""
+    return _sizes_in(unit, {}, 0)
+
+
+def _sizes_in(unit: Unit, known: dict[str, Weight], depth: int) -> Callable[[Node], Weight]:
+    files = {
+        str(each.get("name") or Path(str(each.get("file"))).stem): str(each.get("file") or "")
+        for each in unit.root.iterfind("asset/model")
+    }
+
+    def size(attach: Node) -> Weight:
+        file = files.get(str(attach.get("model")), "")
+        return _size_of(unit, file, known, depth + 1) if file else NOTHING
+
+    return size
+
+
+def _size_of(unit: Unit, file: str, known: dict[str, Weight], depth: int) -> Weight:
+    if depth > in_force().nesting:  # reported where it is bundled
+        return NOTHING
+    held = unit.contents.get(file)
+    key = str(held) if isinstance(held, Path) else join(str(unit.directory), file)
+    if isinstance(held, bytes):
+        key = f"{key}#{id(held)}"
+    if key not in known:
+        known[key] = NOTHING  # a model that is made of itself, which is reported where it is bundled
+        sub = (
+            parse_held(unit, file, held, Sink())
+            if isinstance(held, bytes)
+            else parse_file(Path(key), Sink(), door=door_of_submodel(unit, Path(key), held))
+        )
+        known[key] = NOTHING if sub is None else _whole(sub, known, depth)
+    return known[key]
+
+
+def _whole(sub: Unit, known: dict[str, Weight], depth: int) -> Weight:
+    weight = expanded(sub.root, _sizes_in(sub, known, depth), lambda flexcomp: file_points(flexcomp, sub))
+    return weight._replace(points=weight.points + mesh_points(sub))
+
+
+# Of `visual` and `size` MuJoCo merges these, of `option` everything.
+_BESIDES = frozenset({"visual/global/realtime", "visual/map/znear", "visual/map/zfar"})
+_ROOM = ("memory", "njmax")
+_FLAG = "option/flag/"
+
+
+def submodel_options(linking: Linking) -> None:
+    """Write into every such unit what it has alone. A model of one unit is left to MuJoCo.
+
+    >>> from mjcompose.link.link import after
+    >>> part = (
+    ...     '<compiler conflict="merge"/><asset><model name="m" file="m.xml"/></asset>'
+    ...     '<worldbody><attach model="m" body="b" prefix="q/"/></worldbody>'
+    ... )
+    >>> model = '<mujoco><option timestep="0.004"/><worldbody><body name="b"/></worldbody></mujoco>'
+    >>> after(submodel_options, part, files={"m.xml": model})
+    part: <option timestep="0.004"/>
+    """
+    for unit in linking.units if linking.parts else ():
+        _adopt(unit)
+
+
+def _adopt(unit: Unit) -> None:
+    said = [each for each in unit.root.iterchildren("compiler") if each.get("conflict")]
+    # Without it MuJoCo 4.0 only warns: "parent has 0.002 (default), child has 0.004, keeping parent value".
+    if not said or said[-1].get("conflict") != "merge":
+        return
+    models: dict[str, Unit] = {}
+    for element in unit.root.iterfind("asset/model"):
+        sub = _read(unit, str(element.get("file") or ""))
+        if sub is not None:
+            _adopt(sub)
+            models[str(element.get("name") or sub.model)] = sub
+    for attach in unit.root.iter("attach"):
+        found = models.get(str(attach.get("model")))
+        if found is not None:
+            _merge(unit, found, said[-1])
+
+
+def _read(unit: Unit, file: str) -> Unit | None:
+    """Return a sub-model, or None if it has errors, which are reported when it is bundled."""
+    known = unit.contents.get(file) if file else None
+    if isinstance(known, bytes):
+        return parse_held(unit, file, known, Sink())
+    path = known or Path(join(str(unit.directory), file))
+    return parse_file(path, Sink(), door=door_of_submodel(unit, path, known)) if file else None
+
+
+def _merge(unit: Unit, sub: Unit, compiler: Node) -> None:
+    have = written(unit)
+    for path, wanted in written(sub).items():
+        own = have.get(path)
+        if path.startswith(_FLAG):
+            value = None if wanted.value == default_of(path) else wanted.value
+        elif path.startswith("option/") or (path in _BESIDES and own is None):
+            value = merged(path, own, wanted)
+        else:
+            value = None
+        if value is not None:
+            _write(unit, path, value, compiler)
+    for size in sub.root.iterchildren("size"):
+        for name in _ROOM:
+            if size.get(name) and not any(each.get(name) for each in unit.root.iterchildren("size")):
+                _write(unit, f"size/{name}", str(size.get(name)), compiler)
+
+
+def _write(unit: Unit, path: str, value: str, compiler: Node) -> None:
+    """Write a setting. For messages, a new section has the place of the unit's own setting."""
+    tag = path.split("/")[0]
+    new = next(unit.root.iterchildren(tag), None) is None
+    set_value(unit, path, value)
+    if new:
+        set_line(next(unit.root.iterchildren(tag)), line_of(compiler))
+
+
+def submodels(linking: Linking) -> None:
+    """Bundle the sub-models of every unit below `assets/LABEL/models/`.
+
+    >>> from mjcompose.link.link import after
+    >>> part = '<asset><model file="m.xml"/></asset>'
+    >>> after(submodels, part, files={"m.xml": '<mujoco model="hand"/>'})
+    part: <asset><model file="assets/part/models/m.xml" name="hand"/></asset>
+    """
+    policies = [linking.request.base_keyframes, *(part.keyframes for part in linking.parts)]
+    for unit, policy in zip(linking.units, policies, strict=True):
+        for element in unit.root.iter("model"):
+            file = element.get("file")
+            if file:
+                with suppress(_TooManyError):
+                    _bundle(
+                        linking, unit, element, str(file), f"{ASSETS}/{unit.label}/models", policy != "none"
+                    )
+
+
+def add_named_file(
+    linking: Linking, folder: Path, element: Node, attribute: str, name: str, door: Door, span: Span
+) -> None:
+    """Add a file that a recipe names, and for a `<model>` also the files it needs. See `add_file`."""
+    if element.tag != "model":
+        add_file(linking, folder, element, attribute, name, door, span)
+        return
+    base = linking.base
+    recipe = Unit(base.root, span.file, folder, "", origins=base.origins, door=door)
+    with suppress(_TooManyError):
+        _bundle(linking, recipe, element, name, f"{ASSETS}/models", linking.request.base_keyframes != "none")
+
+
+def _bundle(
+    linking: Linking,
+    unit: Unit,
+    element: Node,
+    file: str,
+    folder: str,
+    keyed: bool,
+    above: tuple[str, ...] = (),
+) -> None:
+    """Bundle a model that another one refers to. `above` are the models that lead to it."""
+    known = unit.contents.get(file)
+    source = held(known if isinstance(known, Path) else join(str(unit.directory), file))
+    if isinstance(known, bytes):
+        if _is_bundled(file):
+            _bundled_before(linking, unit, element, file, known)
+            return
+        source = held(f"{source}#{hashlib.sha256(known).hexdigest()}")  # two may have one path
+    if source in above:
+        linking.sink.error(
+            "source-cycle",
+            f"the model `{file}` is made of itself",
+            linking.span(unit, element, "file"),
+            help="MuJoCo attaches a copy of what is named here: take this `<model>` out, or name another file",
+        )
+        return
+    _count(linking, unit, element, len(above))
+    before = linking.sink.error_count
+    if isinstance(known, bytes):
+        shown, sub = file, parse_held(unit, file, known, linking.sink)
+    else:
+        shown = _shown(unit, source) if known is None else source
+        at = linking.span(unit, element, "file")
+        door = door_of_submodel(unit, Path(source), known)
+        sub = parse_file(Path(source), linking.sink, file=shown, span=at, door=door)
+    if sub is None or linking.sink.error_count > before:
+        return
+    # MuJoCo calls a `<model>` without a name after the `model` attribute in its file. Written here, the name stays
+    # where the file is read as another one of the bundle.
+    if not element.get("name"):
+        element.set("name", sub.model)
+    path = _free(linking, f"{folder}/{sub.label}" + ("" if keyed else "-without-keys"), source)
+    for section in list(sub.root.iterchildren("keyframe")) if not keyed else ():
+        sub.root.remove(section)
+    _own_files(linking, sub, path, keyed, (*above, source))
+    linking.notes.attached[element] = sub.root
+    sub.origins.own(sub.root, shown)
+    unit.origins.adopt(sub.origins)  # a file that it lacks is reported where it names it
+    element.set("file", f"{path}.xml")
+    linking.files.append(FileUse(element, "file", f"{path}.xml", source, write(sub.root), shared=False))
+
+
+class _TooManyError(Exception):
+    """Too many sub-models, or too deeply nested ones. It has been reported; the rest of the model is skipped."""
+
+
+def _count(linking: Linking, unit: Unit, element: Node, depth: int) -> None:
+    """Count one more sub-model, because models that each refer to two others would grow without end."""
+    limits = in_force()
+    linking.submodels += 1
+    if depth >= limits.nesting:
+        message = f"models name one another too deep; {limits.nesting} in one another are allowed"
+        limit = "nesting"
+    elif linking.submodels > limits.submodels:
+        message = f"there are more than {limits.submodels} models that models attach"
+        limit = "submodels"
+    else:
+        return
+    linking.sink.error("limit-exceeded", message, linking.span(unit, element, "file"), help=advice(limit))
+    raise _TooManyError
+
+
+def parse_held(unit: Unit, file: str, data: bytes, sink: Sink) -> Unit | None:
+    """Parse a sub-model in memory. Its files are in memory too, relative to its own folder."""
+    folder, _, name = join("", file).rpartition("/")
+    return parse_text(
+        data,
+        sink,
+        file=file,
+        directory=Path(join(str(unit.directory), folder)) if folder else unit.directory,
+        label=posixpath.splitext(name)[0],
+        contents=FromFolder(unit.contents, folder),
+        door=unit.door,
+    )
+
+
+def door_of_submodel(unit: Unit, path: Path, known: bytes | Path | None) -> Door:
+    """Return what a sub-model may read: the same as the model, and for one that a recipe names also its own folder."""
+    return unit.door if known is None else unit.door.wider((path.parent,))
+
+
+def _is_bundled(file: str) -> bool:
+    """Return whether a sub-model is in the place where this pass puts sub-models."""
+    steps = file.split("/")
+    return len(steps) == 4 and steps[0] == ASSETS and steps[2] == "models"
+
+
+def _shown(unit: Unit, source: str) -> str:
+    """Return the path of the sub-model for messages, next to the file of the unit."""
+    inside = os.path.relpath(source, unit.directory)
+    return os.path.normpath(os.path.join(os.path.dirname(unit.file), inside))
+
+
+def _bundled_before(linking: Linking, unit: Unit, element: Node, file: str, model: bytes) -> None:
+    """Bundle the sub-model of a composition, whose files are next to it in a folder with its name."""
+    taken = {use.path: use.content if use.content is not None else Path(use.source) for use in linking.files}
+    folder = file.rsplit("/", 1)[0]
+    start = file.removesuffix(".xml") + "/"
+    files = {path: content for path, content in unit.contents.items() if path.startswith(start)}
+    files = {path.removeprefix(folder): content for path, content in {file: model, **files}.items()}
+    number, free = 1, folder
+    while any(not _alike(taken.get(free + path, content), content) for path, content in files.items()):
+        number += 1
+        free = f"{folder}-{number}"
+    element.set("file", free + file.removeprefix(folder))
+    if (again := parse_held(unit, file, model, Sink())) is not None:
+        linking.notes.attached[element] = again.root
+    for path, content in files.items():
+        data = content if isinstance(content, bytes) else None
+        source = held(folder + path if isinstance(content, bytes) else content)
+        linking.files.append(FileUse(element, "file", free + path, source, data, shared=False))
+
+
+def _alike(one: bytes | Path, other: bytes | Path) -> bool:
+    """Return whether two files, in memory or on disk, have the same bytes."""
+    if one == other:
+        return True
+    try:
+        return _data(one) == _data(other)
+    except OSError:  # reported where all files are read
+        return False
+
+
+def _data(file: bytes | Path) -> bytes:
+    return file if isinstance(file, bytes) else read_regular(file)
+
+
+def _free(linking: Linking, path: str, source: str) -> str:
+    taken = {use.path: use.source for use in linking.files}
+    number, free = 1, path
+    while taken.get(f"{free}.xml", source) != source:
+        number += 1
+        free = f"{path}-{number}"
+    return free
+
+
+def _admitted(linking: Linking, sub: Unit, element: Node, attribute: str, written: str) -> Passed | None:
+    try:
+        return sub.door.admit(join(str(sub.directory), written))
+    except Refused as refused:
+        refused.report(linking.sink, linking.span(sub, element, attribute))
+        return None
+
+
+def _own_files(linking: Linking, sub: Unit, path: str, keyed: bool, above: tuple[str, ...]) -> None:
+    """Bundle the files of a sub-model in a folder next to it. Its paths to them are relative to its own folder."""
+    beside = path.rsplit("/", 1)[1]
+    taken: dict[str, str] = {}
+    for element, attribute, file in file_attributes(sub.root):
+        written = written_path(sub.settings, element, file)
+        known = sub.contents.get(written)
+        if known is None:
+            source = _admitted(linking, sub, element, attribute, written)
+        else:
+            source = held(known if isinstance(known, Path) else join(str(sub.directory), written))
+        if source is None:
+            continue
+        below = name = inside(sub.settings, written)
+        number = 1
+        while taken.setdefault(name.lower(), source) != source:
+            number += 1
+            name = f"{number}/{below}"
+        element.set(attribute, f"{beside}/{name}")
+        content = known if isinstance(known, bytes) else None
+        linking.files.append(FileUse(element, attribute, f"{path}/{name}", source, content, shared=False))
+    for nested in sub.root.findall("asset/model"):
+        model_file = nested.get("file")
+        if model_file:
+            inner = f"{path}/models"
+            _bundle(linking, sub, nested, model_file, inner, keyed, above)
+            nested.set("file", f"{beside}/models/" + str(nested.get("file")).rsplit("/", 1)[-1])
+    # Its files are named from where it stands now: MuJoCo would put the folders in front of that once more.
+    for compiler in sub.root.iterchildren("compiler"):
+        for name in FOLDERS:
+            if name in compiler.attrib:
+                del compiler.attrib[name]

@@ -1,0 +1,578 @@
+"""A unit is reduced to one body and what that needs.
+
+Reduce a unit to one body and exactly what that needs; everything else is left behind and listed.
+
+This is done to a unit by itself, before it is linked to anything.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from enum import Enum
+from typing import NamedTuple
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.sink import Sink
+from mjcompose.base.suggest import unknown_name
+from mjcompose.link.inertia import MEASURED, write_inertias
+from mjcompose.link.key_layout import Holder, element_of
+from mjcompose.link.keyframes import cut_row
+from mjcompose.link.linking import KeyPolicy, Linking, Measure
+from mjcompose.link.unit_keys import VECTORS, keys_of, layout_of, remove_keys
+from mjcompose.model.classes import childclass_of
+from mjcompose.model.edit import attached_notes, bones, is_rod, twisted_by
+from mjcompose.model.files import written_path
+from mjcompose.model.names import GENERATORS, WORLD, declaration, references, word
+from mjcompose.model.unit import KeyRecord, Number, Unit, texts
+
+_SUPPORT = ("default", "asset", "extension")
+Name = tuple[str, str]
+
+
+def drop_unneeded(unit: Unit) -> list[Name]:
+    """Remove assets, default classes and plugins that the model does not need. Return namespace and name of each.
+
+    What a class that is needed refers to is needed as well, whether or not an element takes it from there.
+    """
+    supporting = list(_supporting(unit))
+    needed = _needed(unit, dict(reversed(supporting)))
+    dropped: list[Name] = []
+    for (namespace, name), node in supporting:
+        if node in needed:
+            continue
+        dropped.append((namespace, name))
+        parent = node.getparent()
+        if parent is not None:  # it may have gone with the class that it stands in
+            parent.remove(node)
+    for plugin in list(unit.root.iterfind("extension/plugin")):
+        if plugin not in needed:
+            dropped.append(("plugin", str(plugin.get("plugin") or "")))
+            section = plugin.getparent()
+            assert section is not None
+            section.remove(plugin)
+    for section in list(unit.root.iterchildren(*_SUPPORT)):
+        if next(section.iterchildren("*"), None) is None:
+            unit.root.remove(section)
+    return dropped
+
+
+def _supporting(unit: Unit) -> Iterator[tuple[Name, Node]]:
+    for section in unit.root.iterchildren("asset"):
+        for element in section.iterchildren("*"):
+            declared = declaration(element, "asset")
+            if declared is not None and declared[0] in SUPPORTING:
+                yield declared, element
+            # Nothing refers to a skin: it is drawn because it stands there.
+            elif declared is None and element.tag != "skin":
+                yield (str(element.tag), ""), element
+    for section in unit.root.iterchildren("default"):
+        for element in section.iter("default"):
+            if element is not section:
+                yield ("default", str(element.get("class") or "")), element
+    for instance in unit.root.iterfind("extension/plugin/instance"):
+        yield ("instance", str(instance.get("name") or "")), instance
+
+
+def _needed(unit: Unit, supporting: dict[Name, Node]) -> set[Node]:
+    """Return every supporting element that is referred to, directly or through other supporting elements."""
+    needed: set[Node] = set()
+    waiting: list[tuple[Node, str]] = []
+    plugins: set[str] = set()
+
+    def need(node: Node, section: str) -> None:
+        if node not in needed:
+            needed.add(node)
+            waiting.append((node, section))
+
+    for section in unit.root.iterchildren("*"):
+        if section.tag not in _SUPPORT:
+            waiting.append((section, str(section.tag)))
+        elif section.tag == "default":
+            need(section, "default")
+        elif section.tag == "asset":
+            waiting.extend((skin, "asset") for skin in section.iterchildren("skin"))
+    while waiting:
+        node, inside = waiting.pop()
+        tops = [node]
+        if node.tag == "default":
+            tops = [child for child in node.iterchildren("*") if child.tag != "default"]
+            parent = node.getparent()
+            # A class begins with what its parent sets, so that it needs the parent even where no element names that.
+            if parent is not None and parent.tag == "default":
+                need(parent, "default")
+        for top in tops:
+            for name in references(top, inside):
+                found = supporting.get(name)
+                if found is not None:
+                    need(found, _section_of(found))
+            plugins.update(str(plugin.get("plugin")) for plugin in top.iter("plugin"))
+    for plugin in unit.root.iterfind("extension/plugin"):
+        if plugin.get("plugin") in plugins or any(instance in needed for instance in plugin):
+            needed.add(plugin)
+    return needed
+
+
+def _section_of(node: Node) -> str:
+    while (parent := node.getparent()) is not None and parent.getparent() is not None:
+        node = parent
+    return str(node.tag)
+
+
+# Whoever needs one of these takes it along: they concern no side.
+SUPPORTING = frozenset({"default", "mesh", "material", "texture", "hfield", "model", "instance", "key"})
+_SECTIONS = ("contact", "deformable", "tendon", "equality", "actuator", "sensor", "custom", "asset")
+
+
+class Side(Enum):
+    """The side to which an element refers: the inside of the subtree, the outside, both, or neither."""
+
+    INSIDE = "inside"
+    OUTSIDE = "outside"
+    BOTH = "both"
+    NEITHER = "neither"
+
+
+class Verdict(NamedTuple):
+    """The side of an element, and the first thing outside that it refers to, as messages name it."""
+
+    side: Side
+    lacks: str = ""
+
+
+def side_of_world(element: Node) -> str | None:
+    """Return which body of a `connect` or a `weld` is the world: the second also if it is not named."""
+    if element.tag not in ("connect", "weld") or not (first := element.get("body1")):
+        return None  # it is about sites
+    second = element.get("body2") or WORLD
+    if first == second:
+        return None
+    return "body1" if first == WORLD else "body2" if second == WORLD else None
+
+
+class Concern:
+    """Finds the side of elements from the names they refer to, directly or through others.
+
+    A sensor may, for example, refer to an actuator that refers to a joint.
+    """
+
+    def __init__(
+        self, unit: Unit, inside: Iterable[Node], outside: Iterable[Node], *, in_world: bool = True
+    ) -> None:
+        self._unit, self._in_world = unit, in_world
+        self._inside = _Names(inside)
+        self._outside = _Names(outside)
+        self._verdicts: dict[Node, Verdict] = {}
+        self._others: dict[tuple[str, str], tuple[Node, str]] = {}
+        for section in unit.root.iterchildren(*_SECTIONS):
+            tag = str(section.tag)
+            for element in section.iterchildren("*"):
+                declared = declaration(element, tag)
+                if declared is not None and declared[0] not in SUPPORTING:
+                    self._others.setdefault(declared, (element, tag))
+
+    def of(self, element: Node, section: str) -> Verdict:
+        """Return the side that an element of that section belongs to."""
+        known = self._verdicts.get(element)
+        if known is not None:
+            return known
+        self._verdicts[element] = Verdict(Side.NEITHER)  # for elements that refer to one another in a ring
+        within, without, lacks = False, False, ""
+        bones: list[str] | None = []
+        if element.tag == "skin" and element.get("file"):
+            bones = self._bones(element)
+            within = bones is None  # it is reported when its file is read
+        others = [("body", bone) for bone in bones or ()]
+        if is_rod(element):
+            twists = self._inside.names | self._outside.names
+            rod = str(element.get("name") or "")
+            others += sorted(
+                each for each in twists if each[0] == "joint" and rod and twisted_by(each[1]) == rod
+            )
+        for namespace, name in (*references(element, section), *others):
+            verdict = self._of_name(namespace, name)
+            within = within or verdict.side in (Side.INSIDE, Side.BOTH)
+            without = without or verdict.side in (Side.OUTSIDE, Side.BOTH)
+            lacks = lacks or verdict.lacks
+        # Another body becomes the world of what is taken, which an equality with the world does not follow.
+        if not self._in_world and section == "equality" and side_of_world(element) is not None:
+            without, lacks = True, lacks or "the world"
+        side = (
+            (Side.BOTH if without else Side.INSIDE) if within else (Side.OUTSIDE if without else Side.NEITHER)
+        )
+        verdict = self._verdicts[element] = Verdict(side, lacks)
+        return verdict
+
+    def needed_by(self, elements: Iterable[tuple[Node, str]]) -> set[Node]:
+        """Return elements of no side that the given elements refer to, such as the numbers in a tuple."""
+        needed: set[Node] = set()
+        waiting = list(elements)
+        while waiting:
+            for name in references(*waiting.pop()):
+                other = self._others.get(name)
+                if other is not None and other[0] not in needed and self.of(*other).side is Side.NEITHER:
+                    needed.add(other[0])
+                    waiting.append(other)
+        return needed
+
+    def leave(self, element: Node) -> None:
+        """Mark an element of the tree as not taken."""
+        declared = declaration(element, "worldbody")
+        if declared is not None:
+            self._inside.names.discard(declared)
+            self._outside.names.add(declared)
+
+    def _of_name(self, namespace: str, name: str) -> Verdict:
+        if namespace in SUPPORTING or (namespace == "body" and name == WORLD):
+            return Verdict(Side.NEITHER)
+        key = namespace, name
+        if key in self._inside.names:
+            return Verdict(Side.INSIDE)
+        if key in self._outside.names:
+            return Verdict(Side.OUTSIDE, f"the {word(namespace)} `{name}`")
+        other = self._others.get(key)
+        if other is not None:
+            verdict = self.of(*other)
+            if verdict.side in (Side.OUTSIDE, Side.BOTH):
+                return verdict._replace(lacks=f"the {word(namespace)} `{name}`")
+            return verdict
+        inside, outside = self._inside.makes(name), self._outside.makes(name)
+        if outside > inside:
+            return Verdict(Side.OUTSIDE, f"the {word(namespace)} `{name}`")
+        return Verdict(Side.INSIDE if inside else Side.NEITHER)
+
+    def _bones(self, skin: Node) -> list[str] | None:
+        """Return the bodies that a skin file names, or None if it cannot be read."""
+        unit = self._unit
+        path = written_path(unit.settings, skin, str(skin.get("file")))
+        return bones(unit.source_of(path))
+
+
+class _Names:
+    """The names on one side of the body tree, and the prefixes of the names that MuJoCo generates there."""
+
+    def __init__(self, elements: Iterable[Node]) -> None:
+        self.names: set[tuple[str, str]] = set()
+        self._numbered: set[str] = set()
+        self._begun: set[str] = set()
+        for element in elements:
+            declared = declaration(element, "worldbody")
+            if declared is not None:
+                self.names.add(declared)
+                if next(element.iterancestors("replicate"), None) is not None:
+                    self._numbered.add(declared[1])
+            if element.tag in GENERATORS and element.tag != "replicate":
+                self._begun.add(str(element.get("name") or element.get("prefix") or ""))
+
+    def makes(self, name: str) -> int:
+        """Return the length of the name's beginning that is the name of something that MuJoCo multiplies, or 0."""
+        starts = [start for start in self._begun if name.startswith(start)]
+        starts += [
+            start for start in self._numbered if name.startswith(start) and name[len(start) :][-1:].isdigit()
+        ]
+        return max((len(start) + 1 for start in starts), default=0)
+
+
+# What holds for a model as a whole and not for a body of it. `option` and `size` say how the body is to be read.
+_OF_THE_WHOLE = ("statistic", "visual")
+_CONCERNING = ("contact", "deformable", "tendon", "equality", "actuator", "sensor", "custom", "asset")
+_ALSO_SETTLED = ("inertiafromgeom", "inertiagrouprange")
+
+
+@dataclass(frozen=True, slots=True)
+class Left:
+    """One thing that is left behind: its kind, its name and, if it reaches into the subtree, what it lacks."""
+
+    what: str
+    name: str
+    lacks: str | None = None
+    span: Span | None = None
+
+    @property
+    def called(self) -> str:
+        return f"{self.what} `{self.name}`" if self.name else f"{self.what} without a name"
+
+
+@dataclass(frozen=True, slots=True)
+class Subtree:
+    """One body is taken from the model, with exactly what it needs.
+
+    `body` is its name, None if all of the unit is taken; `left` lists what is left behind.
+    """
+
+    body: str | None
+    left: tuple[Left, ...]
+
+    @property
+    def cut(self) -> tuple[Left, ...]:
+        """The elements that belong to both the subtree and the rest, and would have been cut in two."""
+        return tuple(each for each in self.left if each.lacks is not None)
+
+
+def take_subtree(
+    unit: Unit,
+    name: str,
+    sink: Sink,
+    *,
+    span: Span | None = None,
+    keyframes: KeyPolicy = "merge",
+    measure: Measure | None = None,
+) -> Subtree | None:
+    """Keep only the body `name` of `unit` and what it needs. Return None if that is impossible, with errors in `sink`.
+
+    The body keeps its pose relative to its parent, which becomes the world. What concerns also something outside of
+    it is left behind as a whole. `measure` is asked for what only MuJoCo knows of the whole unit.
+    """
+    before = sink.error_count
+    body = _find(unit, name, sink, span)
+    if body is None:
+        return None
+    linking = Linking(unit, [], sink, measure=measure)
+    _settle_mass(linking)
+    rows = _rows(linking, keyframes)
+    if sink.error_count > before:
+        return None
+    inside = list(body.iter("*"))
+    kept = set(inside)
+    outside = [
+        each for top in unit.root.iterchildren("worldbody") for each in top.iter("*") if each not in kept
+    ]
+    in_world = next(body.iterancestors("body"), None) is None
+    concern = Concern(unit, inside, outside, in_world=in_world)
+    left = [*_named(outside), *_cut_in_the_tree(concern, unit, inside)]
+    _make_root(unit, body)
+    left += _leave_sections(unit, concern)
+    left += _leave_keys(unit, rows)
+    left += (Left(word(namespace), each) for namespace, each in drop_unneeded(unit))
+    unit.forget_classes()
+    return Subtree(name, tuple(left))
+
+
+def _find(unit: Unit, name: str, sink: Sink, span: Span | None) -> Node | None:
+    """Return the body with this name, or None with an error if it does not exist or MuJoCo makes several of it."""
+    bodies = [each for top in unit.root.iterchildren("worldbody") for each in top.iter("body")]
+    body = next((each for each in bodies if each.get("name") == name), None)
+    if body is None:
+        names = [str(each.get("name")) for each in bodies if each.get("name")]
+        message, notes = f"`{unit.label}` has no body `{name}` to take", attached_notes(unit, name)
+        sink.add(unknown_name("body", name, names, span, message=message, written="subtree: {}", notes=notes))
+        return None
+    copies = next(body.iterancestors("replicate"), None)
+    if copies is not None:
+        sink.error(
+            "not-supported",
+            f"the body `{name}` cannot be taken alone: it stands in a `<replicate>`, which makes several of it",
+            span,
+            notes=(Note("the `<replicate>`", unit.origins.span(copies, unit.file)),),
+            help="take a body around the `<replicate>`",
+            subjects=(name,),
+        )
+        return None
+    return body
+
+
+def _settle_mass(linking: Linking) -> None:
+    """Write out the masses that `settotalmass` gives the bodies of the whole unit, before bodies are left out."""
+    unit = linking.base
+    if float(unit.settings.settotalmass) <= 0:
+        return
+    # MuJoCo 4.0 makes 1 and 1 of two equal bodies under `settotalmass="2"`; one of them alone would become 2.
+    write_inertias(linking, unit)
+    for compiler in unit.root.iterchildren("compiler"):
+        for setting in (*MEASURED, *_ALSO_SETTLED):
+            compiler.attrib.pop(setting, "")
+    unit.forget_settings()
+
+
+# -- the body tree ----------------------------------------------------------------------------------------------
+
+
+def _named(elements: Iterable[Node]) -> Iterator[Left]:
+    """Yield the elements of the body tree that are left out, without frames and elements that only shape others."""
+    for element in elements:
+        if element.tag in ("worldbody", "frame", "replicate"):
+            continue
+        declared = declaration(element, "worldbody")
+        if declared is not None or element.tag in (
+            "body",
+            "geom",
+            "joint",
+            "freejoint",
+            "site",
+            "light",
+            "camera",
+        ):
+            tag = str(element.tag)
+            yield Left("joint" if tag == "freejoint" else tag, declared[1] if declared else "")
+
+
+def _cut_in_the_tree(concern: Concern, unit: Unit, inside: list[Node]) -> Iterator[Left]:
+    """Yield the cameras and lights of the subtree that look at a body outside of it."""
+    for element in inside:
+        if element.tag not in ("camera", "light"):
+            continue
+        side, lacks = concern.of(element, "worldbody")
+        if side is Side.OUTSIDE:
+            yield _cut(element, "worldbody", lacks, unit)
+            concern.leave(element)
+            parent = element.getparent()
+            assert parent is not None
+            parent.remove(element)
+
+
+def _cut(element: Node, section: str, lacks: str, unit: Unit) -> Left:
+    declared = declaration(element, section)
+    return Left(
+        _what(element, section), declared[1] if declared else "", lacks, unit.origins.span(element, unit.file)
+    )
+
+
+def _what(element: Node, section: str) -> str:
+    """Return the word for an element: its namespace if its tag is ambiguous (`joint` of an equality), else its tag."""
+    declared = declaration(element, section)
+    if section in ("contact", "worldbody"):
+        return str(element.tag)
+    if section in ("tendon", "equality", "actuator", "sensor"):
+        return section
+    return word(declared[0]) if declared else str(element.tag)
+
+
+def _make_root(unit: Unit, body: Node) -> None:
+    """Make the body the only one in the world, inside the frames between it and its parent."""
+    # The bodies and frames around it go, and with them the class in force.
+    inherited = childclass_of(body)
+    if inherited and not body.get("childclass"):
+        body.set("childclass", inherited)
+    owner = unit.origins.owner(body, unit.file)
+    top = body
+    while (frame := top.getparent()) is not None and frame.tag == "frame":
+        for other in list(frame):
+            if other is not top:
+                frame.remove(other)
+        top = frame
+    worldbodies = list(unit.root.iterchildren("worldbody"))
+    world = next(each for each in top.iterancestors("worldbody"))
+    for other in worldbodies:
+        if other is not world:
+            unit.root.remove(other)
+    parent = top.getparent()
+    assert parent is not None
+    parent.remove(top)
+    for other in list(world):
+        world.remove(other)
+    world.append(top)
+    unit.origins.own(top, owner)
+
+
+# -- what stands outside of it ----------------------------------------------------------------------------------
+
+
+def _leave_sections(unit: Unit, concern: Concern) -> Iterator[Left]:
+    """Remove and yield every element of the other sections that does not belong to the subtree alone."""
+    going: list[tuple[Node, Left]] = []
+    staying: list[tuple[Node, str]] = []
+    for section in list(unit.root.iterchildren("*")):
+        tag = str(section.tag)
+        if tag in _OF_THE_WHOLE:
+            yield from _strip(section, looks=next(unit.root.iter("camera"), None) is not None)
+            continue
+        for element in section.iterchildren("*") if tag in _CONCERNING else ():
+            if tag == "asset" and element.tag != "skin":
+                continue
+            side, lacks = concern.of(element, tag)
+            if side is Side.BOTH:
+                going.append((element, _cut(element, tag, lacks, unit)))
+            elif side is Side.INSIDE:
+                staying.append((element, tag))
+            else:
+                declared = declaration(element, tag)
+                going.append((element, Left(_what(element, tag), declared[1] if declared else "")))
+    needed = concern.needed_by(staying)
+    for element, left in going:  # only now: what an element concerns is found by way of others
+        if element in needed:
+            continue
+        parent = element.getparent()
+        assert parent is not None
+        parent.remove(element)
+        yield left
+    for section in list(unit.root.iterchildren(*_CONCERNING)):
+        if next(section.iterchildren("*"), None) is None:
+            unit.root.remove(section)
+
+
+def _strip(section: Node, looks: bool) -> Iterator[Left]:
+    """Remove from a section of the whole model what no body needs. A camera needs `znear` for its intrinsics."""
+    root, tag = section.getparent(), str(section.tag)
+    assert root is not None
+    if section.attrib:
+        section.attrib.clear()
+        yield Left("setting", tag)
+    for child in list(section):
+        near = child.get("znear") if looks and child.tag == "map" else None
+        if near is not None:  # the element itself, which knows its line
+            child.attrib.clear()
+            child.set("znear", near)
+            continue
+        section.remove(child)
+        if isinstance(child.tag, str):
+            yield Left("setting", f"{tag}/{child.tag}")
+    if not len(section):
+        root.remove(section)
+
+
+# -- keyframes --------------------------------------------------------------------------------------------------
+
+_Rows = Mapping[Node, Mapping[str, Mapping[Holder, list[Number]]]]
+
+
+def _rows(linking: Linking, policy: KeyPolicy) -> _Rows:
+    """Return the numbers of every key, by vector and by owner, before the unit is cut."""
+    unit = linking.base
+    for size in list(unit.root.iterchildren("size")):
+        size.attrib.pop("nkey", "")  # keys that say nothing
+        if not size.attrib:
+            unit.root.remove(size)
+    if policy == "none":
+        remove_keys(unit)
+    keys = keys_of(unit)
+    layout = layout_of(linking, unit) if keys else None
+    if layout is None:
+        return {}
+    return {
+        key: {
+            vector: cut_row(linking, unit, layout, key, vector) or {} for vector in VECTORS if key.get(vector)
+        }
+        for key in keys
+    }
+
+
+def _leave_keys(unit: Unit, rows: _Rows) -> Iterator[Left]:
+    """Keep the numbers of each key that belong to the subtree. Remove and yield the keys without such numbers."""
+    staying = set(unit.root.iter("*"))
+    for key, vectors in rows.items():
+        said = False
+        record = KeyRecord()
+        for vector, columns in vectors.items():
+            row = [
+                number
+                for holder, numbers in columns.items()
+                if element_of(holder) in staying
+                for number in numbers
+            ]
+            said = said or bool(row)
+            if row:
+                key.set(vector, " ".join(texts(row)))
+                record.numbers[vector] = row
+            else:
+                del key.attrib[vector]
+        unit.origins.keys[key] = record
+        if not said:
+            section = key.getparent()
+            assert section is not None
+            section.remove(key)
+            yield Left("key", str(key.get("name") or ""))
+    for section in list(unit.root.iterchildren("keyframe")):
+        if next(section.iterchildren("*"), None) is None:
+            unit.root.remove(section)

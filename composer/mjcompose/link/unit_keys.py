@@ -1,0 +1,521 @@
+"""The meaning of a unit's keys, and their layouts with MuJoCo's help.
+
+The meaning of keys, noted where they are read and written, without any layout.
+
+`Bare` is a model with little more than its joints, actuators and mocap bodies. MuJoCo compiles it in a moment, with
+the same names and addresses as the whole model, so that it says what each number of a key is of. `KeyNotes` has the
+bare source of every key, and what the recipes write and edit: `verify/kept_keys.py` compares the finished keys with it.
+
+The layout of the keys of the units and of the finished model, partly with MuJoCo's help.
+
+`layouts` is a pass; it runs while the units are still separate.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from dataclasses import field, replace
+from itertools import accumulate
+
+from lxml.etree import _Element as Node
+from lxml.etree import tostring
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.rotation import Pose
+from mjcompose.link import numbers
+from mjcompose.link.key_layout import BLOCK, Copy, Layout, Slot, Unknown, element_of, ends_of_copies, lay_out
+from mjcompose.link.key_layout import Holder as LayoutHolder
+from mjcompose.link.linking import Linking, Written
+from mjcompose.link.measure import attached, is_measured, widths
+from mjcompose.model.files import read_settings
+from mjcompose.model.unit import KeyRecord, KeySource, Number, Unit, numbers_of, texts
+
+Within = frozenset[tuple[Node, int]]
+"""The number of a copy in each `<replicate>` around it."""
+Holder = tuple[Node, Within, str]
+"""A joint, actuator or mocap body as MuJoCo makes it: its element, which copy, and what a `<flexcomp>` calls it."""
+
+MARK = "\u00b7"
+"""The first letter of the names that bare models give to what has none."""
+# Models that MuJoCo attaches itself, and shapes that it reads from files, are more than a tree.
+_BEYOND = ("attach", "composite")
+_POSES = ("pos", "quat", "euler", "axisangle", "xyaxes", "zaxis")
+_KEPT: Mapping[str, tuple[str, ...] | None] = {
+    "body": ("name", "mocap", "childclass", *_POSES),
+    "frame": ("childclass", *_POSES),
+    "replicate": None,
+    "joint": ("name", "class", "type", "pos", "axis", "ref", "range", "limited"),
+    "freejoint": ("name",),
+    "site": ("name",),
+}
+# They limit or tune, and may name what is not there.
+_LEFT_OUT = ("user", "group", "inheritrange", "ctrllimited", "dampratio", "material", "class")
+_INERTIA = {"pos": "0 0 0", "mass": "1", "diaginertia": "1 1 1"}
+
+
+@dataclass(eq=False, slots=True)
+class Bare:
+    """A model as text, with the element of each name in it. `rows` has the length of each row of each key.
+
+    `moves` are the poses of the parts that it has become part of, innermost first; `file` is its name in messages.
+    """
+
+    file: str
+    text: str
+    named: dict[tuple[str, str], tuple[Node, Within]]
+    flexes: dict[str, tuple[Node, dict[str, Within]]]
+    rows: dict[Node, dict[str, int]]
+    moves: list[Pose] = field(default_factory=list)
+
+    def holder(self, kind: str, name: str, body: str) -> Holder | None:
+        """Return whose a joint or another element of the compiled model is; `body` is the name of its body."""
+        found = self.named.get((kind, name))
+        if found is not None:
+            return *found, ""
+        # `rod_3` and `rod_twist_0` are of `<flexcomp name="rod">`. The first is `rod_30` and `rod_31` in a replicate.
+        for flex in (body[:at] for at, letter in enumerate(body) if letter == "_"):
+            if flex in self.flexes:
+                node, ends = self.flexes[flex]
+                for end, within in ends.items() if not name and ends else ():
+                    if body.endswith(end):
+                        return node, within, body[len(flex) : len(body) - len(end)]
+                return node, frozenset(), body[len(flex) :]
+        return None
+
+
+@dataclass(eq=False, slots=True)
+class KeyNotes:
+    """Notes about the keys of a composition.
+
+    `sources` has the bare models by the root of the tree that they are in; `written` the keys of recipes; `edited`
+    those with numbers that edits or draws change; `copied` the elements that a replicate which is written out
+    becomes, each with its origin.
+    """
+
+    sources: dict[Node, list[Bare]] = field(default_factory=dict)
+    written: dict[Node, Written] = field(default_factory=dict)
+    edited: set[Node] = field(default_factory=set)
+    copied: dict[Node, tuple[Node, tuple[Node, int]]] = field(default_factory=dict)
+
+    def read(self, unit: Unit) -> None:
+        """Note what the keys of a source mean, as it is in its file."""
+        if keys_of(unit) and (found := bare(unit)) is not None:
+            self.sources[unit.root] = [found]
+
+    def join(self, linking: Linking) -> None:
+        """Note that the parts have become part of the base, where their places move what is in the world."""
+        joined = self.sources.setdefault(linking.base.root, [])
+        for part in linking.parts:
+            found = self.sources.pop(part.unit.root, [])
+            if part.pose_in_world is not None:
+                for each in found:
+                    each.moves.append(part.pose_in_world)
+            joined += found
+        self.copied |= linking.notes.copied
+
+    def add(self, linking: Linking) -> None:
+        """Note what a recipe has written into keys, and has edited in them."""
+        self.written |= linking.keys.noted
+        self.edited |= linking.keys.edited_keys
+        self.copied |= linking.notes.copied
+
+    def origin(self, node: Node, within: Within) -> tuple[Node, Within]:
+        """Return the element that a node is a copy of, and which copy."""
+        while node in self.copied:
+            node, number = self.copied[node]
+            within |= {number}
+        return node, within
+
+
+def bare(unit: Unit) -> Bare | None:
+    """Return the bare model of a unit, or None if MuJoCo needs more than the tree."""
+    root = unit.root
+    if next(root.iter(*_BEYOND), None) is not None:
+        return None
+    flexes = list(root.iter("flexcomp"))
+    if any(flex.get("file") or flex.get("mesh") for flex in flexes):
+        return None
+    found = Bare(
+        unit.file, "", {}, {str(flex.get("name") or ""): (flex, _copies(flex)) for flex in flexes}, {}
+    )
+    made = root.makeelement("mujoco")
+    # The last one counts.
+    settings = read_settings(root)
+    compiler = made.makeelement("compiler", {"angle": settings.angle, "eulerseq": settings.eulerseq})
+    compiler.append(compiler.makeelement("lengthrange", {"mode": "none"}))
+    made.append(compiler)
+    for section in root.iterchildren("extension", "default", "worldbody", "tendon", "actuator"):
+        _SECTIONS[str(section.tag)](section, made, found)
+    keyframe = made.makeelement("keyframe")
+    for key in keys_of(unit):
+        rows = {vector: str(key.get(vector)) for vector in VECTORS if key.get(vector)}
+        keyframe.append(keyframe.makeelement("key", rows))
+        found.rows[key] = {vector: len(row.split()) for vector, row in rows.items()}
+    made.append(keyframe)
+    found.text = tostring(made, encoding="unicode")
+    return found
+
+
+def _extension(section: Node, made: Node, found: Bare) -> None:
+    made.append(copy.copy(section))
+
+
+def _default(section: Node, made: Node, found: Bare) -> None:
+    own = _only(section, made, ("class",))
+    for child in section.iterchildren("*"):
+        if child.tag == "default":
+            _default(child, own, found)
+        elif child.tag == "joint":
+            own.append(_only(child, own, _KEPT["joint"]))
+        elif child.tag in _ACTUATORS:
+            own.append(_actuator(child, own))
+    made.append(own)
+
+
+def _worldbody(section: Node, made: Node, found: Bare) -> None:
+    # Spatial tendons wrap around them.
+    tree = section.getroottree().getroot()
+    wrapped = {str(each.get("geom")) for each in tree.iterfind("tendon/spatial/geom")}
+    own = made.makeelement("worldbody")
+    _tree(section, own, found, wrapped, ())
+    made.append(own)
+
+
+def _tree(source: Node, made: Node, found: Bare, wrapped: set[str], around: tuple[Node, ...]) -> None:
+    """Copy what is in a body. `around` are the replicates around it, innermost first."""
+    if made.tag == "body":
+        made.append(made.makeelement("inertial", _INERTIA))
+    for child in source.iterchildren("*"):
+        tag = str(child.tag)
+        if tag in _KEPT:
+            own = _only(child, made, _KEPT[tag])
+            if tag in ("body", "joint", "freejoint"):
+                _name(child, own, "joint" if tag == "freejoint" else tag, found, around)
+            made.append(own)
+            if tag in ("body", "frame", "replicate"):
+                _tree(child, own, found, wrapped, (child, *around) if tag == "replicate" else around)
+        elif tag == "flexcomp":
+            own = copy.copy(child)
+            own.tail = None
+            for attribute in ("material", "class"):
+                own.attrib.pop(attribute, "")
+            for plugin in list(own.iterchildren("plugin")):
+                own.remove(plugin)
+            made.append(own)
+        elif tag == "geom" and child.get("name") in wrapped:
+            made.append(
+                made.makeelement(
+                    "geom", {"name": str(child.get("name")), "type": "sphere", "size": ".01", "mass": "0"}
+                )
+            )
+
+
+def _tendon(section: Node, made: Node, found: Bare) -> None:
+    own = made.makeelement("tendon")
+    for tendon in section.iterchildren("*"):
+        each = _only(tendon, own, ("name",))
+        each.extend(copy.copy(child) for child in tendon.iterchildren("*"))
+        own.append(each)
+    made.append(own)
+
+
+def _actuators(section: Node, made: Node, found: Bare) -> None:
+    # Those that act on something in a replicate are multiplied with it, also by a tendon.
+    tree = section.getroottree().getroot()
+    multiplied: dict[str, list[Node]] = {}
+    for each in tree.iterfind("worldbody//replicate//*[@name]"):
+        multiplied.setdefault(str(each.get("name")), list(each.iterancestors("replicate")))
+    for tendon in tree.iterfind("tendon/*[@name]") if multiplied else ():
+        ends = (str(value) for each in tendon.iter("*") for value in each.attrib.values())
+        if around := next((multiplied[end] for end in ends if end in multiplied), None):
+            multiplied.setdefault(str(tendon.get("name")), around)
+    own = made.makeelement("actuator")
+    for actuator in section.iterchildren("*"):
+        each = _actuator(actuator, own)
+        if actuator.get("class"):
+            each.set("class", str(actuator.get("class")))
+        _name(actuator, each, "actuator", found, ())
+        acted = (str(value) for name, value in actuator.attrib.items() if name not in ("name", "class"))
+        if around := next((multiplied[end] for end in acted if end in multiplied), None):
+            _note_copies(actuator, str(each.get("name")), "actuator", found, tuple(around))
+        own.append(each)
+    made.append(own)
+
+
+def _actuator(actuator: Node, made: Node) -> Node:
+    own = copy.copy(actuator)
+    own.tail = None
+    for attribute in _LEFT_OUT:
+        own.attrib.pop(attribute, "")
+    return own
+
+
+_SECTIONS = {
+    "extension": _extension,
+    "default": _default,
+    "worldbody": _worldbody,
+    "tendon": _tendon,
+    "actuator": _actuators,
+}
+_ACTUATORS = frozenset(
+    "general motor position velocity intvelocity damper cylinder muscle adhesion dcmotor pid orientation plugin".split()
+)
+
+
+def _only(source: Node, made: Node, names: tuple[str, ...] | None) -> Node:
+    """Return an element with only these attributes of another one, or with all of them."""
+    attributes = {
+        str(name): str(value) for name, value in source.attrib.items() if names is None or str(name) in names
+    }
+    return made.makeelement(str(source.tag), attributes)
+
+
+def _name(source: Node, made: Node, kind: str, found: Bare, around: tuple[Node, ...]) -> None:
+    """Note the names that MuJoCo gives to the copies of an element, after giving it one if it has none."""
+    name = str(source.get("name") or f"{MARK}{len(found.named)}{MARK}")
+    made.set("name", name)
+    found.named.setdefault((kind, name), (source, frozenset()))
+    _note_copies(source, name, kind, found, around)
+
+
+def _note_copies(source: Node, name: str, kind: str, found: Bare, around: tuple[Node, ...]) -> None:
+    for end, within in ends_of_copies(around).items():
+        found.named.setdefault((kind, name + end), (source, frozenset(within)))
+
+
+def _copies(element: Node) -> dict[str, Within]:
+    ends = ends_of_copies(list(element.iterancestors("replicate")))
+    return {end: frozenset(within) for end, within in ends.items()}
+
+
+VECTORS = ("qpos", "qvel", "act", "ctrl", "mpos", "mquat")
+
+
+def layouts(linking: Linking) -> None:
+    """Record the key layout of each unit before the units are joined.
+
+    Keys that `nkey` asks for stay with their part when they are written:
+
+    >>> from mjcompose.link.link import after
+    >>> part = '<size nkey="1"/>'
+    >>> after(layouts, part)
+    part: <size/>
+    part: <keyframe><key/></keyframe>
+    """
+    for unit in linking.units if linking.parts else ():
+        _write_padding(unit)
+    for part in linking.parts:
+        if part.keyframes != "none":
+            linking.keys.attached += [
+                (part, each)
+                for each, slot in attached(linking, part.unit).items()
+                if slot.keys and (slot.free or slot.mocaps)
+            ]
+    keeping = [part for part in linking.parts if part.keyframes != "none" and keys_of(part.unit)]
+    if linking.request.requested_keys is None and not keeping and not keys_of(linking.base):
+        return
+    linking.keys.base_layout = layout_of(linking, linking.base)
+    for part in linking.parts:
+        part.layout = layout_of(linking, part.unit)
+
+
+def keys_of(unit: Unit) -> list[Node]:
+    """Return the `<key>` elements of a unit."""
+    return unit.root.findall("keyframe/key")
+
+
+def remove_keys(unit: Unit) -> None:
+    """Remove all keyframes of a unit."""
+    for section in list(unit.root.iterchildren("keyframe")):
+        unit.root.remove(section)
+
+
+def _write_padding(unit: Unit) -> None:
+    """Write out the default keys that `<size nkey>` adds, so that they stay with the part that asks for them."""
+    # MuJoCo 4.0 counts up to `nkey` in the whole model: `<size nkey="3"/>` and one key of a part would give three keys,
+    # of which the padding would be nobody's.
+    for size in unit.root.iterchildren("size"):
+        count = int(str(size.attrib.pop("nkey", "-1")))
+        for _ in range(len(keys_of(unit)), count):
+            unit.section("keyframe").append(unit.root.makeelement("key"))
+
+
+def layout_of(linking: Linking, unit: Unit) -> Layout | None:
+    """Return the key layout of a unit alone, measured with MuJoCo if needed, or None after a reported error.
+
+    Rows that end in the middle of a joint then end behind it.
+    """
+    layout = _layout_of(linking, unit)
+    linking.keys.shapes |= {flex: _shape(flex) for flex in unit.root.iter("flexcomp")}
+    if layout is not None:
+        _complete_rows(linking, unit, layout)
+    return layout
+
+
+_SHAPING = ("type", "count", "dim", "dof", "rigid", "file", "mesh", "point", "element", "cellcount")
+
+
+def reshaped_flexes(linking: Linking) -> set[Node]:
+    """Return the flexes that edits give other vertices, so that their numbers in keys mean nothing any more."""
+    shapes = linking.keys.shapes
+    return {
+        flex for flex in linking.base.root.iter("flexcomp") if _shape(flex) != shapes.get(flex, _shape(flex))
+    }
+
+
+def _shape(flex: Node) -> str:
+    """Return as text what decides which vertices a flex has, and which of them move."""
+    own = [f"{name}={flex.get(name)}" for name in _SHAPING if flex.get(name)]
+    return " ".join([*own, *(str(sorted(pin.items())) for pin in flex.iterchildren("pin"))])
+
+
+def _complete_rows(linking: Linking, unit: Unit, layout: Layout) -> None:
+    """Complete short rows with the numbers that MuJoCo would use, which are measured."""
+    # MuJoCo 4.0 fills `qpos` up from the reference configuration: `<key qpos="1"/>` with `<joint/><joint ref="30"/>`
+    # becomes 1 0.5236.
+    keys = keys_of(unit)
+    for vector in ("qpos", "qvel", "act", "ctrl") if keys else ():
+        rows = [str(key.get(vector) or "").split() for key in keys]
+        if not any(rows) or all(len(row) in (0, layout.total(vector)) for row in rows):
+            continue
+        ends = list(accumulate(width for _, width in holders(layout, vector)))
+        short = [
+            at for at, row in enumerate(rows) if ends and 0 < len(row) < ends[-1] and len(row) not in ends
+        ]
+        array = f"key_{vector}"
+        if not short or linking.measure is None or not (found := linking.measure(unit, (array,))):
+            continue
+        for at in short:
+            start = max((end for end in ends if end < len(rows[at])), default=0)
+            end = next(end for end in ends if end > len(rows[at]))
+            whole = found[array][at * ends[-1] + start : at * ends[-1] + end]
+            _complete(unit, keys[at], vector, start, numbers.text(whole).split())
+
+
+def _complete(unit: Unit, key: Node, vector: str, start: int, whole: list[str]) -> None:
+    """Complete the numbers of the joint within which a row ends, and record which numbers come from MuJoCo."""
+    record = unit.origins.keys.get(key)
+    written = numbers_of(record, key, vector)
+    source = KeySource("mujoco", vector, key)
+    row = written[:start]
+    for at, text in enumerate(whole, start):
+        is_own = at < len(written) and numbers.read(written[at].text) == numbers.read(text)
+        row.append(written[at] if is_own else Number(text, source, at))
+    key.set(vector, " ".join(texts(row)))
+    record = record or KeyRecord()
+    unit.origins.keys[key] = replace(record, numbers={**record.numbers, vector: row})
+
+
+def _layout_of(linking: Linking, unit: Unit) -> Layout | None:
+    try:
+        layout = lay_out(unit, {})
+    except Unknown:
+        return _measured_layout(linking, unit)
+    # A body that MuJoCo aligns starts elsewhere than its `pos` says: see `is_leaf` in `alignment.py`.
+    if any(slot.free or slot.kind == BLOCK for slot in layout.joints.values()) and any(
+        is_measured(unit, joint, slot) for joint, slot in layout.joints.items()
+    ):
+        return _measured_layout(linking, unit)
+    if layout.actuators and next(unit.root.iter("replicate"), None) is not None:
+        return _measured_layout(linking, unit)  # which actuators are multiplied is for MuJoCo to say
+    if any(isinstance(holder, Copy) or holder.tag != "body" for holder in layout.mocaps):
+        return _measured_layout(linking, unit)
+    return layout
+
+
+def _measured_layout(linking: Linking, unit: Unit) -> Layout | None:
+    """Return a layout with the widths and references that only MuJoCo knows, or None after a reported error."""
+    try:
+        known = widths(linking, unit)
+        if known is None:
+            return None
+        linking.keys.measured.update(known)
+        return lay_out(unit, known)
+    except Unknown as unknown:
+        not_laid_out(linking, unit, unknown)
+        return None
+
+
+def final_layout(linking: Linking) -> Layout | None:
+    """Return the key layout of the finished model, or None after a reported error."""
+    known = {**linking.keys.measured, **_slots(linking)}
+    for node in linking.keys.reshaped:
+        known.pop(node, None)
+        linking.keys.measured.pop(node, None)
+    try:
+        return lay_out(linking.base, known)
+    except Unknown as unknown:
+        return _measured_anew(linking, known, unknown)
+
+
+def refer_anew(linking: Linking, layout: Layout) -> None:
+    """Measure the references that only MuJoCo knows again if the recipe added some or may have changed them."""
+    joints = (
+        linking.keys.edited or joint not in linking.keys.references
+        for joint, slot in layout.joints.items()
+        if is_measured(linking.base, joint, slot)
+    )
+    mocaps = (
+        linking.keys.edited or holder not in linking.keys.mocap_references
+        for holder in layout.mocaps
+        if isinstance(holder, Copy) or holder.tag != "body"
+    )
+    if any(joints) or any(mocaps):
+        _measured_anew(linking, {}, None)
+
+
+def _measured_anew(linking: Linking, known: Mapping[Node, Slot], unknown: Unknown | None) -> Layout | None:
+    """Measure what the recipe has added or changed, on the finished model without its keys."""
+    unit = linking.flat()
+    # MuJoCo refuses keys whose rows do not fit the model any more.
+    sections = list(unit.root.iterchildren("keyframe"))
+    for section in sections:
+        unit.root.remove(section)
+    try:
+        found = widths(linking, unit)
+        return None if found is None else lay_out(linking.base, {**found, **known})
+    except Unknown as still:
+        not_laid_out(linking, linking.base, unknown or still)
+        return None
+    finally:
+        for section in sections:
+            unit.root.append(section)
+
+
+def _slots(linking: Linking) -> dict[Node, Slot]:
+    """Return what is already known about the joints and actuators of the units."""
+    found = [linking.keys.base_layout, *(part.layout for part in linking.parts)]
+    known: dict[Node, Slot] = {}
+    for layout in found:
+        if layout is not None:
+            known |= {element_of(holder): slot for holder, slot in layout.actuators.items()}
+            known |= {
+                element_of(holder): slot
+                for holder, slot in layout.joints.items()
+                if not (isinstance(holder, Copy) and holder.twists)
+            }
+    return known
+
+
+def not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
+    """Report that the keys of a unit cannot be laid out."""
+    tag = unknown.element.tag
+    leave_out = "leave the keys out: `keyframes: none`"
+    if linking.request.requested_keys is not None:
+        leave_out += ", and no `keyframe` in the recipe"
+    linking.sink.error(
+        "not-supported",
+        f"keyframes of a model with this `<{tag}>` cannot be laid out: only MuJoCo knows its size",
+        linking.span(unit, unknown.element),
+        help=leave_out,
+    )
+
+
+def holders(layout: Layout, vector: str) -> list[tuple[LayoutHolder, int]]:
+    """Return the owners of the numbers in a vector, in order, each with its count of numbers."""
+    if vector in ("qpos", "qvel"):
+        return [(joint, slot.widths[vector == "qvel"]) for joint, slot in layout.joints.items()]
+    if vector in ("ctrl", "act"):
+        return [(actuator, slot.widths[vector == "act"]) for actuator, slot in layout.actuators.items()]
+    return [(body, count * (3 if vector == "mpos" else 4)) for body, count in layout.mocaps.items()]

@@ -1,0 +1,451 @@
+"""Passes: what a part has in the world, and the sections outside of the body tree."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.diagnostic import Note
+from mjcompose.base.rotation import Pose, Quat, multiply, normalise, rotate
+from mjcompose.link import numbers
+from mjcompose.link.angles import model_angle
+from mjcompose.link.key_layout import joint_type
+from mjcompose.link.linking import Floating, Linking, Part
+from mjcompose.link.numbers import pose_below, pose_in_world
+from mjcompose.link.subtree import side_of_world
+from mjcompose.model.classes import childclass_of, text_in_effect, through_frames
+from mjcompose.model.edit import whole
+from mjcompose.model.grammar import GRAMMAR
+from mjcompose.model.names import WORLD, users
+from mjcompose.model.parse import above
+from mjcompose.model.unit import Unit
+
+
+def roots(linking: Linking) -> None:
+    """Weld the parts as requested, and record elements that MuJoCo does not allow below a body.
+
+    `weld` takes away the free joint of a part:
+
+    >>> from mjcompose.link.link import after
+    >>> part = '<worldbody><body><freejoint/><geom size=".1"/></body></worldbody>'
+    >>> base = '<worldbody><body><site name="tool"/></body></worldbody>'
+    >>> after(roots, part, base, on="tool", weld=True)
+    part: <worldbody><body><geom size=".1"/></body></worldbody>
+    """
+    for part in linking.parts:
+        if part.by_itself:
+            continue
+        bodies = list(_bodies_at_the_root(part.unit.root))
+        for body in bodies:
+            for joint in list(_own_joints(body)):
+                if joint.tag != "freejoint" and joint_type(joint, part.unit.classes) != "free":
+                    continue
+                if part.weld:
+                    holder = joint.getparent()
+                    assert holder is not None
+                    holder.remove(joint)
+                else:
+                    alone = len(bodies) == 1 and floats_by_itself(part.unit)
+                    linking.notes.floating.append(Floating(part, body, joint, _called(body), alone))
+            if body.get("mocap") == "true":
+                alone = len(bodies) == 1 and floats_by_itself(part.unit, mocap=True)
+                linking.notes.floating.append(Floating(part, body, None, _called(body), alone))
+        if part.place.kind != "world" or part.has_body:
+            _planes(linking, part)
+
+
+def check_roots(linking: Linking) -> None:
+    """Refuse free joints, mocap bodies and planes below a body. Frames of the world are not bodies.
+
+    >>> from mjcompose.link.link import after
+    >>> part = '<worldbody><body><freejoint/><geom size=".1"/></body></worldbody>'
+    >>> base = '<worldbody><body><site name="tool"/></body></worldbody>'
+    >>> after(check_roots, part, base, on="tool")  # doctest: +ELLIPSIS
+    error: `p/` has a free joint at its root...
+    """
+    # MuJoCo 4.0: "free joint can only be used on top level". A frame of the world is no body:
+    # `<frame><body><freejoint/>…` is right, and so is a mocap body there.
+    for part, body, joint, called, alone in linking.notes.floating:
+        if next(body.iterancestors("body"), None) is not None:
+            if joint is not None:
+                _free_joint(linking, part, joint, called, alone)
+            else:
+                _mocap(linking, part, body, called, alone)
+    for part, geom in linking.notes.planes:
+        if _moves(geom):
+            linking.sink.error(
+                "plane-on-body",
+                f"`{part.called}` brings a plane and is attached {_where(part)}, which moves: "
+                "MuJoCo allows planes only on what is static",
+                part.place.span or part.span or linking.span(part.unit, geom),
+                notes=(Note("the plane", linking.span(linking.base, geom)),),
+                help="attach the part to the world or to what does not move, or take the plane out of its file",
+                subjects=(part.called,),
+            )
+
+
+def floats_by_itself(unit: Unit, *, mocap: bool = False) -> bool:
+    """Return whether a unit is a single body with a free joint, or with `mocap` a single mocap body.
+
+    Such a part needs no other body around it to stand freely in the world.
+    """
+    top = [child for worldbody in unit.root.iterchildren("worldbody") for child in through_frames(worldbody)]
+    if len(top) != 1 or top[0].tag != "body":
+        return False
+    if mocap:
+        return top[0].get("mocap") == "true"
+    return any(joint_type(joint, unit.classes) == "free" for joint in _own_joints(top[0]))
+
+
+def _bodies_at_the_root(root: Node) -> Iterator[Node]:
+    for worldbody in root.iterchildren("worldbody"):
+        yield from (child for child in through_frames(worldbody) if child.tag == "body")
+
+
+def _own_joints(body: Node) -> Iterator[Node]:
+    yield from (child for child in through_frames(body) if child.tag in ("freejoint", "joint"))
+
+
+def _where(part: Part) -> str:
+    if part.place.kind == "world":
+        return f"to the body that `{_added_by(part)}` gives it"
+    return f"to the {part.place.kind} `{part.place.name}`"
+
+
+def _added_by(part: Part) -> str:
+    return "joint" if part.joints or part.mocap else "sense"
+
+
+def _called(body: Node) -> str:
+    return f"body `{body.get('name')}`" if body.get("name") else "body, which has no name"
+
+
+def _free_joint(linking: Linking, part: Part, joint: Node, called: str, alone: bool) -> None:
+    if part.place.kind == "world":
+        help = f"leave `{_added_by(part)}` out: the part floats in the world by its own free joint"
+    else:
+        away = (
+            "`joint: free` to let it float in the world from there"
+            if alone
+            else f"leave `{part.place.kind}` out to let it float in the world"
+        )
+        help = f"write `joint: weld` to fix it there, or {away}"
+    if part.joints or part.mocap:
+        drop = "drop: [freejoint]" if joint.tag == "freejoint" else "drop: [{joint: NAME}]"
+        help = f"write `{drop}` so that it moves by the `joint` that is added alone, or {help.removeprefix('write ')}"
+    linking.sink.error(
+        "freejoint-on-body",
+        f"`{part.called}` has a free joint at its root and cannot be attached {_where(part)}: "
+        "MuJoCo allows free joints only in the world",
+        part.place.span or part.span or linking.span(part.unit, joint),
+        notes=(Note(f"the free joint of {called}", linking.span(part.unit, joint)),),
+        help=help,
+        subjects=(part.called,),
+    )
+
+
+def _mocap(linking: Linking, part: Part, body: Node, called: str, alone: bool) -> None:
+    linking.sink.error(
+        "mocap-on-body",
+        f"`{part.called}` has a mocap body at its root and cannot be attached {_where(part)}: "
+        "MuJoCo allows mocap bodies only in the world",
+        part.place.span or part.span or linking.span(part.unit, body),
+        notes=(Note(f"the mocap {called}", linking.span(part.unit, body)),),
+        help=(
+            f"leave `{_added_by(part)}` out: then it is attached to the world"
+            if part.place.kind == "world"
+            else "write `joint: mocap` to put it into the world at the pose of that place"
+            if alone
+            else f"leave `{part.place.kind}` out: then it is attached to the world"
+        ),
+        subjects=(part.called,),
+    )
+
+
+def _planes(linking: Linking, part: Part) -> None:
+    """Record every plane of the part that does not move in the part alone."""
+    # MuJoCo 4.0 refuses `<body><joint/><geom type="plane" size="1 1 1"/></body>`: planes are "only allowed in static
+    # bodies".
+    root, classes = part.unit.root, part.unit.classes
+    by_class = any(
+        geom.get("type") == "plane"
+        for section in root.iterchildren("default")
+        for geom in section.iter("geom")
+    )
+    for worldbody in root.iterchildren("worldbody"):
+        for geom in worldbody.iter("geom"):
+            kind = classes.effective(geom, childclass_of(geom), "type") if by_class else geom.get("type")
+            if kind == "plane" and not _moves(geom):
+                linking.notes.planes.append((part, geom))
+
+
+def _moves(geom: Node) -> bool:
+    node = geom.getparent()
+    while node is not None:
+        if node.tag == "body" and (node.get("mocap") == "true" or next(_own_joints(node), None) is not None):
+            return True
+        node = node.getparent()
+    return False
+
+
+_SAME = 1e-9
+_APPENDED = ("asset", "deformable", "contact", "tendon", "equality", "actuator", "sensor", "custom")
+# Read by passes of their own.
+_SETTLED = ("compiler", "option", "size", "statistic", "visual", "default", "worldbody", "keyframe")
+
+
+def worlds(linking: Linking) -> None:
+    """Let each part name what its world became: the body that it hangs on, and carry what is measured in its world.
+
+    MuJoCo's own attach leaves all of this as it is: in 4.0 a `<weld body1="b"/>` pulls an attached part back to where
+    it is in its file, and on a moving body it nails the part to the world.
+
+    >>> from mjcompose.link.link import after
+    >>> part = (
+    ...     '<worldbody><body name="b"><freejoint/><geom size=".1"/></body></worldbody>'
+    ...     '<equality><connect body1="world" body2="b" anchor="0 0 1"/></equality>'
+    ... )
+    >>> after(worlds, part, '<worldbody><site name="s" pos="3 0 0"/></worldbody>', on="s")
+    part: <equality><connect body1="world" body2="p/b" anchor="3 0 1"/></equality>
+    """
+    degrees, sequence = model_angle(linking) == "degree", linking.base.settings.eulerseq
+    for part in linking.parts:
+        if part.content is not None:
+            pose, holder, copied = pose_below(part.content, degrees, sequence)
+            named = holder.get("name") if holder not in linking.notes.nameless else ""
+            name = WORLD if holder.tag == "worldbody" else str(named or "")
+            hung = _Hung(part, pose, holder, name, copied)
+            if copied is not None or holder.tag == "body" or not pose.is_identity:
+                _rename_world(linking, hung)
+                _check_targets(linking, hung)
+                _check_attached(linking, hung)
+            _check_free_motors(linking, hung, degrees, sequence)
+            _check_flexes(linking, hung)
+
+
+class _Hung(NamedTuple):
+    """A part, the pose of its world in the body or the world that holds it, and a `<replicate>` between the two.
+
+    `name` is that of the body, "" if it has none.
+    """
+
+    part: Part
+    pose: Pose
+    holder: Node
+    name: str
+    copied: Node | None
+
+
+def _rename_world(linking: Linking, hung: _Hung) -> None:
+    """Change every reference to the world outside the body tree, and what equalities measure in it."""
+    refused: list[Node] = []
+    for section in hung.part.unit.root.iterchildren(*_APPENDED):
+        naming: dict[Node, list[tuple[Node, str]]] = {}
+        for node, attribute in users(section, "body", WORLD):
+            naming.setdefault(whole(node), []).append((node, attribute))
+        is_equality = section.tag == "equality"
+        for element in section.iterchildren("*") if is_equality else naming:
+            side = side_of_world(element) if is_equality else None
+            named = naming.get(element, [])
+            if (side is not None and hung.copied is not None) or ((named or side) and not hung.name):
+                refused.append(element)
+                continue
+            if side is not None:
+                _carry(element, side, hung)
+            for node, attribute in named if hung.name != WORLD else ():
+                node.set(attribute, hung.name)
+    if refused:
+        _refuse(linking, hung, refused)
+
+
+def _refuse(linking: Linking, hung: _Hung, found: list[Node]) -> None:
+    part, first = hung.part, found[0]
+    named = f" `{first.get('name')}`" if first.get("name") else ""
+    more = f" ({len(found) - 1} more such elements)" if len(found) > 1 else ""
+    if hung.copied is not None and hung.name:
+        why, note = (
+            "a `<replicate>` makes several of it",
+            Note("here", linking.span(linking.base, hung.copied)),
+        )
+        help = "leave it out (`drop`), or attach the part in the model with the `<replicate>`"
+    else:
+        why, note = "that body has no name", Note("the body", linking.span(linking.base, hung.holder))
+        help = 'give it one, in its part: `edit: [{select: {body: "**", where: {name: ""}}, rename: "b${index}"}]`'
+    linking.sink.error(
+        "attach-place",
+        f"{first.tag}{named} of `{part.called}` is about the world, which is what the part hangs on: {why}{more}",
+        linking.span(part.unit, first),
+        notes=(note,),
+        help=help,
+        subjects=(part.called,),
+    )
+
+
+def _carry(element: Node, side: str, hung: _Hung) -> None:
+    """Move what a `connect` or a `weld` measures in the part's world into the frame of the body that holds the part."""
+    pose = hung.pose
+    element.set(side, hung.name)
+    if element.tag == "connect":
+        if side == "body1":  # the anchor is in the frame of the first body
+            element.set("anchor", _moved(element, pose))
+        return
+    relative = numbers.read(str(element.get("relpose") or "")) or [0.0] * 7
+    point, turn = (relative[0], relative[1], relative[2]), relative[3:]
+    # MuJoCo 4.0 takes the pose at the reference where the quaternion of `relpose` is 0. Otherwise it holds the point of
+    # the second body that `anchor` gives at the point of the first that `relpose` gives.
+    if any(turn):
+        quat: Quat = normalise(turn)
+        point, quat = (
+            ((pose @ Pose(point)).pos, multiply(pose.quat, quat))
+            if side == "body1"
+            else (point, multiply(quat, pose.inverse().quat))
+        )
+        element.set("relpose", numbers.text([*point, *quat]))
+    if side == "body2":
+        element.set("anchor", _moved(element, pose))
+
+
+def _moved(element: Node, pose: Pose) -> str:
+    x, y, z = numbers.read(str(element.get("anchor") or "")) or (0.0, 0.0, 0.0)
+    return numbers.text((pose @ Pose((x, y, z))).pos)
+
+
+def _check_attached(linking: Linking, hung: _Hung) -> None:
+    """Report equalities with the world in a model that the part attaches itself: MuJoCo leaves them where they are."""
+    models = {str(each.get("name")): each for each in hung.part.unit.root.iterfind("asset/model")}
+    assert hung.part.content is not None
+    for attach in hung.part.content.iter("attach"):
+        element = models.get(str(attach.get("model")))
+        root = None if element is None else linking.notes.attached.get(element)
+        if root is None or element is None:
+            continue
+        taken = [each for each in root.iterfind("worldbody//body") if each.get("name") == attach.get("body")]
+        names = {each.get("name") for top in taken or [root] for each in top.iter("body")}
+        for equality in root.iterfind("equality/*"):
+            side = side_of_world(equality)
+            if side is None or equality.get("body2" if side == "body1" else "body1") not in names:
+                continue
+            linking.sink.error(
+                "not-supported",
+                f"the {equality.tag} `{equality.get('name') or ''}` of a model that `{hung.part.called}` attaches"
+                " itself is about the world, and MuJoCo does not carry it along",
+                linking.span(hung.part.unit, attach),
+                help="attach that model in a recipe, or leave the equality out of it",
+                subjects=(hung.part.called,),
+            )
+            break
+
+
+def _check_targets(linking: Linking, hung: _Hung) -> None:
+    """Warn of cameras and lights that look at the world's origin, which no longer is that of the part."""
+    assert hung.part.content is not None
+    for element in hung.part.content.iter("camera", "light"):
+        if element.get("target") != WORLD:
+            continue
+        if hung.name:
+            element.set("target", hung.name)
+        if hung.pose.pos != (0.0, 0.0, 0.0) or not hung.name:
+            at = "the origin of the world" if hung.name in ("", WORLD) else f"the body `{hung.name}`"
+            _warn(linking, hung.part, element, f"looks at {at}, and not at the origin of `{hung.part.called}`",
+                  "add a body there in the part, and let it look at that")  # fmt: skip
+
+
+def _check_free_motors(linking: Linking, hung: _Hung, degrees: bool, sequence: str) -> None:
+    """Warn of actuators that push a free body of a turned part along the axes of the world."""
+    assert hung.part.content is not None
+    found = hung.part.unit.root.findall("actuator/*")
+    joints = [each for each in found if each.get("joint") or each.get("jointinparent")]
+    turn = pose_in_world(hung.part.content, degrees, sequence).quat if joints else (1.0, 0.0, 0.0, 0.0)
+    if abs(turn[0]) == 1.0:
+        return
+    unit, kind = linking.base, GRAMMAR.element("actuator/general")
+    for actuator in joints:
+        joint = linking.names.find("joint", str(actuator.get("joint") or actuator.get("jointinparent")))
+        if joint is None or not _is_free(joint, linking):
+            continue
+        gear = numbers.read(str(text_in_effect(actuator, kind, "gear", unit.classes) or "1"))
+        push, twist = ([*gear, *[0.0] * 6][at : at + 3] for at in (0, 3))
+        # MuJoCo 4.0 turns a free body about its own axes, or about those of the world with `jointinparent`.
+        along = [push, twist] if actuator.get("jointinparent") else [push]
+        if any(
+            math.dist(rotate(turn, each), each) > _SAME * max(map(abs, each)) for each in along if any(each)
+        ):
+            _warn(linking, hung.part, actuator,
+                  f"pushes along the axes of the world, which is another way for `{hung.part.called}`: it is turned",
+                  "let it act on a site of the body: its `gear` is in the axes of the site")  # fmt: skip
+
+
+def _check_flexes(linking: Linking, hung: _Hung) -> None:
+    """Warn of flexes in the world of a moved part that MuJoCo lays out by axes or the origin of what holds the part.
+
+    MuJoCo 4.0 moves the vertices with the frame around the flex, and makes slides and nodes of them afterwards. Three
+    slides for each vertex (`full`) are the same flex on every axes.
+    """
+    if hung.pose.is_identity:
+        return
+    turned = abs(hung.pose.quat[0]) != 1.0
+    around = f"the body `{hung.name}`" if hung.holder.tag == "body" else "the world"
+    for flex in linking.notes.flexes:
+        dof = str(flex.element.get("dof") or "full")
+        if flex.part is not hung.part or dof == "full" or not (turned or dof == "radial"):
+            continue
+        where = (
+            f"slides away from the origin of {around}, and not of"
+            if dof == "radial"
+            else f"is laid out along the axes of {around}, and not of"
+        )
+        _warn(linking, hung.part, flex.element, f"has `dof=\"{dof}\"`: it {where} `{hung.part.called}`",
+              "put it into a body of its own in the part: it is laid out by that")  # fmt: skip
+
+
+def _is_free(joint: Node, linking: Linking) -> bool:
+    return joint_type(joint, linking.base.classes) == "free"
+
+
+def _warn(linking: Linking, part: Part, element: Node, what: str, help: str) -> None:
+    named = f" `{element.get('name')}`" if element.get("name") else ""
+    linking.sink.warning(
+        "world-frame", f"{element.tag}{named} {what}", linking.span(part.unit, element), help=help
+    )
+
+
+def sections(linking: Linking) -> None:
+    """Move the remaining sections of every part into the base's.
+
+    >>> from mjcompose.link.link import after
+    >>> part = '<worldbody><site name="s"/></worldbody><sensor><gyro site="s"/></sensor>'
+    >>> base = '<sensor><clock/></sensor>'
+    >>> after(sections, part, base)
+    model: <sensor><clock/><gyro site="p/s"/></sensor>
+    """
+    for part in linking.parts:
+        for section in list(part.unit.root):
+            tag = section.tag
+            if tag == "extension":
+                _extension(linking, part, section)
+            elif tag in _APPENDED and next(section.iterchildren("*"), None) is not None:
+                # MuJoCo reads several sections of one tag as one, so that it does not matter into which it goes.
+                target = linking.base.section(tag)
+                elements = [*above(section, part.unit.header), *section]
+                owner = part.unit.origins.owner(section, part.unit.file)
+                linking.base.origins.own_all(elements, owner)
+                target.extend(elements)
+
+
+def _extension(linking: Linking, part: Part, section: Node) -> None:
+    """Merge plugins: one that both declare is declared once, with the instances of both."""
+    target = linking.base.section("extension")
+    known = {element.get("plugin"): element for element in linking.base.root.iterfind("extension/plugin")}
+    for plugin in list(section.iterchildren("*")):
+        existing = known.get(plugin.get("plugin"))
+        if existing is None:
+            target.append(plugin)
+            linking.base.origins.own(plugin, part.unit.file)
+            known[plugin.get("plugin")] = plugin
+            continue
+        for instance in list(plugin):
+            existing.append(instance)
+            linking.base.origins.own(instance, part.unit.file)

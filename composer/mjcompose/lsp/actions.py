@@ -1,0 +1,299 @@
+"""All kinds of code actions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from collections.abc import Sequence as Lines
+from functools import cached_property
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Diagnostic, Severity, Span
+from mjcompose.base.suggest import closest
+from mjcompose.language.used_model import ALLOW
+from mjcompose.lsp.analysis import Action, Analysis, Change, Question
+from mjcompose.lsp.completion import complete
+from mjcompose.lsp.cursor import Path
+from mjcompose.lsp.hover import SECTIONS
+from mjcompose.sources.fetching import model_files
+from mjcompose.text.decode import position
+from mjcompose.text.expression_values import Angle
+from mjcompose.text.faults import quoted, word
+from mjcompose.text.node import Mapping, Node, Sequence, find, spans
+from mjcompose.tools.fix import edit_of, place_of
+
+
+def with_key(tree: Mapping, lines: Lines[str], file: str, path: Path, value: str) -> Change | None:
+    """Return the change that writes `path: value` and the missing keys on the way.
+
+    A value on one line is replaced. The result is None if the path leads through something that is no mapping.
+
+    >>> from mjcompose.base.sink import Sink
+    >>> from mjcompose.text.load import load
+    >>> text = "option: {cone: elliptic}"
+    >>> with_key(load(text, "a", Sink()), [text], "a", ("option", "impratio"), "10").text
+    ', impratio: 10'
+    """
+    holder: Node = tree
+    for depth, step in enumerate(path):
+        if not isinstance(holder, Mapping):
+            return None
+        below = find(holder, (step,))
+        if below is None:
+            return _added(holder, lines, file, _nested(path[depth:], value), top=depth == 0)
+        holder = below
+    if holder.span.end_column is None or isinstance(holder, Mapping | Sequence):
+        return None
+    return Change(holder.span, value)
+
+
+def with_item(tree: Mapping, lines: Lines[str], file: str, key: str, value: str) -> Change | None:
+    """Return the change that appends a value to the list below a key of the recipe, or None.
+
+    The list is created if needed.
+    """
+    found = tree.entries.get(key)
+    if found is None:
+        return _added(tree, lines, file, f"{key}: [{value}]", top=True)
+    node = found[1]
+    if not isinstance(node, Sequence) or not node.items:
+        return None
+    last = node.items[-1].span
+    if _is_flow(node, lines):
+        return _insert(file, last.end_line or last.line, last.end_column or last.column, f", {value}")
+    line, indent = last.line, lines[last.line - 1].index("-")
+    return _insert(file, line, len(lines[line - 1]) + 1, f"\n{' ' * indent}- {value}")
+
+
+def _nested(path: Path, value: str) -> str:
+    *outer, last = map(str, path)
+    text = f"{last}: {value}"
+    for step in reversed(outer):
+        text = f"{step}: {{{text}}}"
+    return text
+
+
+def _added(holder: Mapping, lines: Lines[str], file: str, text: str, top: bool) -> Change:
+    """Return the change that adds an entry at the end of a mapping."""
+    if not top and _is_flow(holder, lines):
+        line, column = _end(holder, file)
+        row = lines[line - 1]
+        closing = row.find("}", column - 1)
+        at = closing + 1 if closing >= 0 else column
+        empty = not holder.entries
+        return _insert(file, line, at, text if empty else f", {text}")
+    line, _ = _end(holder, file)
+    while line < len(lines) and lines[line].strip() and lines[line].startswith(" ") and top:
+        line += 1  # a block of text, of which the tree knows the first line alone
+    first = next(iter(holder.entries.values()), None)
+    indent = 0 if top or first is None else first[0].span.column - 1
+    return _insert(file, line, len(lines[line - 1]) + 1, f"\n{' ' * indent}{text}")
+
+
+def _is_flow(node: Node, lines: Lines[str]) -> bool:
+    row = lines[node.span.line - 1] if node.span.line <= len(lines) else ""
+    return row[node.span.column - 1 : node.span.column] in ("{", "[")
+
+
+def _end(node: Node, file: str) -> tuple[int, int]:
+    """Return where the last item of a value ends."""
+    own = [span for span in spans(node) if span.file == file]
+    return max((each.end_line or each.line, each.end_column or each.column) for each in own[1:] or own)
+
+
+def _insert(file: str, line: int, column: int, text: str) -> Change:
+    return Change(Span(file, line, column, line, column), text)
+
+
+@dataclass(frozen=True)
+class Offer:
+    """A place in a recipe, with the diagnostics that the editor shows there."""
+
+    question: Question
+    diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def analysis(self) -> Analysis:
+        return self.question.analysis
+
+    @cached_property
+    def tree(self) -> Mapping | None:
+        """Return the tree of the recipe, or None if the current text has none."""
+        return self.analysis.mapping if self.analysis.is_current else None
+
+
+def offer(offered: Offer) -> Iterator[Action]:
+    """Yield, for each warning at the place, a change that adds its code to `allow`."""
+    tree, analysis = offered.tree, offered.analysis
+    for diagnostic in offered.diagnostics if tree is not None else ():
+        if (
+            diagnostic.severity is not Severity.ERROR
+            and diagnostic.code != "unused-allow"
+            and tree is not None
+        ):
+            change = with_item(tree, analysis.lines, analysis.file, ALLOW, diagnostic.code)
+            if change is not None:
+                yield Action(f"acknowledge this: `{ALLOW}: [{diagnostic.code}]`", (change,), diagnostic)
+
+
+_CODES = ("unknown-name", "attach-place", "selector")
+_MOST = 3
+
+
+def offer_attach(offered: Offer) -> Iterator[Action]:
+    """Yield an `attach` entry for the prefix of an unknown name. Models with a similar name come first."""
+    tree, analysis = offered.tree, offered.analysis
+    for diagnostic in offered.diagnostics if tree is not None else ():
+        if diagnostic.code not in _CODES or tree is None:
+            continue
+        for subject in sorted(diagnostic.subjects):
+            key, separator, _ = subject.partition(analysis.separator)
+            if not separator or not key.isidentifier() or key in _parts(tree):
+                continue
+            for model in _models(key, offered):
+                value = f"{{model: {word(model)}}}"
+                change = with_key(tree, analysis.lines, analysis.file, ("attach", key), value)
+                if change is not None:
+                    yield Action(f"attach `{key}`: `{model}`", (change,), diagnostic)
+
+
+def _parts(tree: Mapping) -> set[str]:
+    attach = find(tree, ("attach",))
+    return set(attach.entries) if isinstance(attach, Mapping) else set()
+
+
+def _models(key: str, offered: Offer) -> list[str]:
+    """Return the model files beside the recipe whose names resemble a key, or a placeholder if there are none."""
+    files = [f"./{each}" for each in model_files(offered.analysis.path.parent)]
+    near = [each for each in files if key.lower() in each.rpartition("/")[2].lower()]
+    return near[:_MOST] or ["./MODEL.xml"]
+
+
+def offer_fixes(offered: Offer) -> Iterator[Action]:
+    """Yield the fix of each diagnostic in the recipe."""
+    for diagnostic in offered.diagnostics:
+        change = change_of(diagnostic, offered.analysis.text, offered.analysis.file)
+        if change is not None:
+            title = (diagnostic.help or f"write `{change.text}`").partition("\n")[0]
+            yield Action(title, (change,), diagnostic, is_preferred=True)
+
+
+def change_of(diagnostic: Diagnostic, text: str, file: str) -> Change | None:
+    """Return the fix of a diagnostic as a change of this file, or None if it has no fix for it."""
+    place = place_of(diagnostic)
+    edit = edit_of(diagnostic, text) if place is not None and place.file == file else None
+    if edit is None:
+        return None
+    (line, column), (end_line, end_column) = position(text, edit.start), position(text, edit.end)
+    return Change(Span(file, line, column, end_line, end_column), edit.text)
+
+
+def offer_near(offered: Offer) -> Iterator[Action]:
+    """Yield a change for each word that fits at the place and resembles the unknown one."""
+    question = offered.question
+    cursor = question.cursor
+    written = cursor.whole.strip()
+    about = next(
+        (each for each in offered.diagnostics if each.fix is None and written in _about(each.subjects)), None
+    )
+    if about is None or not written:
+        return
+    labels = [item.label for item in complete(question).items if item.kind != "pattern"]
+    for near in closest(written, [each for each in labels if each != written], _MOST):
+        text = quoted(near)[1:-1] if cursor.quote else word(near)
+        yield Action(f"write `{near}`", (Change(question.word, text),), about)
+
+
+def _about(subjects: frozenset[str]) -> set[str]:
+    return {each.strip() for each in subjects}
+
+
+_CODE = "option-conflict"
+
+
+def offer_settle(offered: Offer) -> Iterator[Action]:
+    """Yield, for each value that a part has, a change that writes it into the recipe."""
+    tree, analysis = offered.tree, offered.analysis
+    for diagnostic in offered.diagnostics if tree is not None else ():
+        if diagnostic.code != _CODE or tree is None:
+            continue
+        for part, path, value in dict.fromkeys(_wanted(diagnostic, analysis)):
+            words = value.split()
+            text = word(value) if len(words) == 1 else f"[{', '.join(words)}]"
+            change = with_key(tree, analysis.lines, analysis.file, path, text)
+            if change is not None:
+                yield Action(f"settle `{'.'.join(path)}: {text}` as `{part}` wants it", (change,), diagnostic)
+
+
+def _wanted(diagnostic: Diagnostic, analysis: Analysis) -> Iterator[tuple[str, tuple[str, ...], str]]:
+    """Yield part, path and value of each setting that is written at a place of the diagnostic."""
+    places = {
+        _line(span)
+        for span in (diagnostic.span, *(note.span for note in diagnostic.notes))
+        if span is not None
+    }
+    for part, unit in analysis.names.sources.items():
+        for section in SECTIONS:
+            for top in unit.root.iterchildren(section):
+                for element in top.iter("*"):
+                    steps = (section,) if element is top else (section, str(element.tag))
+                    for name, value in element.items():
+                        if _line(unit.origins.span(element, unit.file, str(name))) in places:
+                            yield part, (*steps, str(name)), str(value)
+
+
+def _line(span: Span) -> tuple[str, int, int]:
+    return span.file, span.line, span.column
+
+
+_OTHER = {"deg": "rad", "rad": "deg"}
+
+
+def offer_units(offered: Offer) -> Iterator[Action]:
+    """Yield `90deg` as radians and `1.57rad` as degrees; for a reported angle without a unit, both units."""
+    question = offered.question
+    written = question.cursor.whole.strip()
+    for unit, other in _OTHER.items():
+        if written.endswith(unit) and Angle.read(written) is not None:
+            text = f"{converted(float(written.removesuffix(unit)), unit):.10g}{other}"
+            yield Action(f"write it as `{text}`", (Change(question.word, text),), kind="refactor.rewrite")
+    for diagnostic in offered.diagnostics:
+        if diagnostic.code == "bare-angle" and _is_number(written):
+            for unit in _OTHER:
+                change = Change(question.word, f"{written}{unit}")
+                yield Action(f"it is in {unit}: `{written}{unit}`", (change,), diagnostic)
+
+
+def converted(value: float, unit: str) -> float:
+    """Return an angle in the other unit.
+
+    >>> converted(180, "deg") == math.pi
+    True
+    """
+    return math.radians(value) if unit == "deg" else math.degrees(value)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
+OFFERS: tuple[Callable[[Offer], Iterator[Action]], ...] = (
+    offer_fixes,
+    offer_near,
+    offer_settle,
+    offer_attach,
+    offer_units,
+    offer,
+)
+
+
+def actions(offered: Offer) -> list[Action]:
+    """Return the changes that are offered at a place. The fixes of diagnostics come first."""
+    found: dict[tuple[str, object], Action] = {}
+    for offer in OFFERS:
+        for action in offer(offered):
+            found.setdefault((action.title, action.changes), action)
+    return list(found.values())

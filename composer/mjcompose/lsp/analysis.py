@@ -1,0 +1,572 @@
+"""What is known of a recipe, a question about it, and answers as data."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Mapping as Entries
+from dataclasses import field, replace
+from functools import cached_property
+from pathlib import Path as PathlibPath
+from typing import TYPE_CHECKING, Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Diagnostic, Span
+from mjcompose.base.files import read_regular
+from mjcompose.base.sink import Sink
+from mjcompose.build.compose.load import Key, Library, key_of
+from mjcompose.build.plan.plan import BASE, Place, Plan
+from mjcompose.lsp.cursor import Cursor, Path, cursor_at
+from mjcompose.lsp.language import Form, forms_at
+from mjcompose.model.names import WORLD, NameIndex
+from mjcompose.model.unit import Unit
+from mjcompose.sources.reference import Source
+from mjcompose.text.load import load
+from mjcompose.text.node import Mapping, Node, find, to_python
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element
+
+    from mjcompose.tools.explain.explain import Traced
+
+Mark = tuple[int, int, int] | int | None
+"""What changes with a file: its time, its size and which file it is; of an open one its text, as a hash."""
+
+
+def marks(files: Iterable[PathlibPath], texts: Entries[str, bytes]) -> dict[PathlibPath, Mark]:
+    """Return a mark for each file, which changes with its content. `texts` are unsaved texts by real path."""
+    return {file: _mark(file, texts) for file in files}
+
+
+def _mark(file: PathlibPath, texts: Entries[str, bytes]) -> Mark:
+    if texts and (text := texts.get(os.path.realpath(file))) is not None:
+        return hash(text)
+    try:
+        found = os.stat(file)
+    except OSError:
+        return None
+    return found.st_mtime_ns, found.st_size, found.st_ino
+
+
+def is_saved(path: str, text: bytes) -> bool:
+    """Return whether the file on disk has the same text as the editor."""
+    try:
+        return read_regular(path) == text
+    except OSError:
+        return False
+
+
+_MOST = 64
+"""How many units are kept: a workspace has many recipes, and memory is bounded."""
+
+
+class Shelf:
+    """A `Library` that drops what has changed."""
+
+    def __init__(self) -> None:
+        self.library: Library = {}
+        self._marks: dict[Key, dict[PathlibPath, Mark]] = {}
+
+    def refresh(self, texts: Entries[str, bytes]) -> None:
+        """Drop the units of which a file has changed. `texts` are the unsaved texts of editors."""
+        for key in [key for key, before in self._marks.items() if marks(before, texts) != before]:
+            del self._marks[key]
+            self.library.pop(key, None)
+
+    def note(self, texts: Entries[str, bytes]) -> None:
+        """Record the marks of the units that were read since the last call."""
+        for key, unit in self.library.items():
+            if key not in self._marks:
+                self._marks[key] = marks(_files(key, unit), texts)
+        for key in list(self.library)[: max(0, len(self.library) - _MOST)]:
+            del self.library[key]
+            self._marks.pop(key, None)
+
+
+def _files(key: Key, unit: Unit) -> set[PathlibPath]:
+    """Return the file of a unit and those that it includes. Texts without a path of their own belong to their file."""
+    return {
+        key[0],
+        *(text.path or PathlibPath(name) for name, text in unit.origins.texts.items()),
+    }
+
+
+_LINE_BREAK = re.compile(r"\r\n|\n|\r")
+_UNITS: dict[str, Callable[[str], int]] = {
+    "utf-8": lambda character: len(character.encode("utf-8", "surrogatepass")),
+    "utf-16": lambda character: 2 if ord(character) > 0xFFFF else 1,
+    "utf-32": lambda character: 1,
+}
+
+
+def lines_of(text: str) -> list[str]:
+    r"""Return the lines without their ends. `str.splitlines` also splits at characters that editors and YAML do not.
+
+    >>> lines_of("a\r\nb\u2028c\n")
+    ['a', 'b\u2028c', '']
+    """
+    return _LINE_BREAK.split(text)
+
+
+def units(line: str, column: int, encoding: str = "utf-16") -> int:
+    """Return how many units of an encoding precede a character, counted from 0. Past the end counts as the end.
+
+    >>> units("🤖: x", 1)
+    2
+    """
+    before = line[: max(column, 0)]
+    if before.isascii():
+        return len(before)
+    return sum(map(_UNITS[encoding], before))
+
+
+def column_of(line: str, count: int, encoding: str = "utf-16") -> int:
+    """Return the character, counted from 0, that this many units precede.
+
+    >>> column_of("🤖: x", 2), column_of("ab", 9)
+    (1, 2)
+    """
+    if line.isascii():
+        return max(0, min(count, len(line)))
+    size, passed = _UNITS[encoding], 0
+    for column, character in enumerate(line):
+        if passed >= count:
+            return column
+        passed += size(character)
+    return len(line)
+
+
+def moved(old: Sequence[str], new: Sequence[str]) -> dict[int, int]:
+    """Return for the lines of a text where they are in a later text, both counted from 0.
+
+    Lines that may have changed are left out.
+
+    >>> moved(["a", "b", "c"], ["a", "x", "y", "c"])
+    {0: 0, 2: 3}
+    """
+    most = min(len(old), len(new))
+    head = next((at for at in range(most) if old[at] != new[at]), most)
+    tail = next((at for at in range(most - head) if old[-1 - at] != new[-1 - at]), most - head)
+    kept = {at: at for at in range(head)}
+    kept |= {at: at + len(new) - len(old) for at in range(len(old) - tail, len(old))}
+    return kept
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A replacement of a stretch of text. With an empty span, the text is inserted there."""
+
+    span: Span
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """One completion. Items with a smaller `rank` come first; `doc` is Markdown.
+
+    `insert` replaces the word, if it is not the label itself. With `again`, the editor asks for completions again
+    right after it has inserted the item.
+    """
+
+    label: str
+    kind: str
+    detail: str = ""
+    doc: str = ""
+    rank: float = 50
+    insert: str = ""
+    again: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Hover:
+    """Markdown about what is at a place."""
+
+    text: str
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Action:
+    """A change that is offered for a diagnostic or a place. `is_preferred` marks the most likely one."""
+
+    title: str
+    changes: tuple[Change, ...]
+    diagnostic: Diagnostic | None = None
+    is_preferred: bool = False
+    kind: str = "quickfix"
+
+
+@dataclass(frozen=True, slots=True)
+class Symbol:
+    """An entry of the outline."""
+
+    name: str
+    kind: str
+    span: Span
+    whole: Span
+    detail: str = ""
+    children: tuple[Symbol, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Hint:
+    """Text that an editor shows after a place, as if it were written there."""
+
+    span: Span
+    text: str
+    doc: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Lens:
+    """A command that is shown above a line; `arguments` are passed to it."""
+
+    span: Span
+    title: str
+    command: str
+    arguments: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Fold:
+    """A range of lines that can be folded, counted from 0."""
+
+    first: int
+    last: int
+    kind: str = "region"
+
+
+@dataclass(frozen=True, slots=True)
+class Rename:
+    """All changes that a new name needs, or the reason why it is refused."""
+
+    changes: tuple[Change, ...] = ()
+    refusal: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Completion:
+    """The completions at a place, and the stretch of the line that they replace."""
+
+    items: tuple[Item, ...] = ()
+    span: Span | None = None
+
+
+_TELLING = ("type", "pos", "joint", "tendon", "site", "file", "range")
+"""What a line about an element says of its attributes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """A name. `part` is the path of its part, and `holder` the body that contains it."""
+
+    name: str
+    namespace: str
+    tag: str
+    part: str = ""
+    holder: str = ""
+    words: str = ""
+    node: _Element | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def detail(self) -> str:
+        """Return in one line what the name is and where.
+
+        >>> Known("tcp", "site", "site", "arm", "wrist", "pos 0 0 0.1").detail
+        'site of arm, in wrist, pos 0 0 0.1'
+        """
+        of = f" of {self.part}" if self.part else ""
+        where = f", in {self.holder}" if self.holder else ""
+        return f"{self.tag}{of}{where}{', ' + self.words if self.words else ''}"
+
+
+@dataclass(frozen=True)
+class Names:
+    """The names of a model by namespace, in the order of the model, and the paths of its parts.
+
+    `sources` has the units of the parts, by their paths, and `prefixes` the prefix of each part.
+    """
+
+    known: dict[str, dict[str, Known]] = field(default_factory=dict)
+    parts: tuple[str, ...] = ()
+    sources: dict[str, Unit] = field(default_factory=dict)
+    prefixes: dict[str, str] = field(default_factory=dict)
+
+    def of(self, namespace: str) -> list[Known]:
+        return list(self.known.get(namespace, {}).values())
+
+    def find(self, namespace: str, name: str) -> Known | None:
+        return self.known.get(namespace, {}).get(name)
+
+    def own(self, part: str) -> Names:
+        """Return the names of a part without its prefix.
+
+        They come from its source, or from the model, of which those below the prefix are taken.
+        """
+        found: dict[str, dict[str, Known]] = {}
+        if (unit := self.sources.get(part)) is not None:
+            for each in _of_root(unit.root, "", []):
+                found.setdefault(each.namespace, {})[each.name] = each
+            return Names(found)
+        prefix = self.prefixes.get(part)
+        for namespace, names in self.known.items() if prefix else ():
+            for name, each in names.items():
+                if prefix and name.startswith(prefix) and len(name) > len(prefix):
+                    found.setdefault(namespace, {})[name[len(prefix) :]] = each
+        return Names(found)
+
+
+def names_of(plan: Plan, root: _Element | None, composed: Plan | None, library: Library) -> Names:
+    """Return the names of a composed model, and those of the parts of a plan that it lacks.
+
+    `root` is the tree of that model and `composed` its plan, which may be older than `plan`.
+    """
+    places = [place for place in plan.walk() if place.model is not None and place.part]
+    parts = sorted(((place.prefix, place.part) for place in places), key=_longest)
+    sources = {place.part: unit for place in places if (unit := _unit(place, library)) is not None}
+    known: dict[str, dict[str, Known]] = {}
+    if root is not None:
+        _take(known, _of_root(root, "", parts))
+    there = set() if composed is None else set(map(_identity, composed.walk()))
+    for place in places:
+        if place.part in sources and _identity(place) not in there:
+            _take(known, _of_root(sources[place.part].root, place.prefix, parts))
+    known.setdefault("body", {})[WORLD] = Known(WORLD, "body", "worldbody")
+    return Names(known, plan.part_names, sources, {place.part: place.prefix for place in places})
+
+
+def _take(known: dict[str, dict[str, Known]], found: Iterator[Known]) -> None:
+    for each in found:
+        known.setdefault(each.namespace, {}).setdefault(each.name, each)
+
+
+def _longest(prefix: tuple[str, str]) -> int:
+    return -len(prefix[0])
+
+
+def _identity(place: Place) -> tuple[str, object]:
+    """Return a value that changes whenever the names of a part may change."""
+    return place.prefix, place.model.path if isinstance(place.model, Source) else None
+
+
+def _unit(place: Place, library: Library) -> Unit | None:
+    if not isinstance(place.model, Source):
+        return None
+    return library.get(key_of(place.model, place.stands))
+
+
+def _of_root(root: _Element, prefix: str, prefixes: list[tuple[str, str]]) -> Iterator[Known]:
+    """Yield the names of a tree; `prefixes` are those of parts, the longest first."""
+    part_of = dict(reversed(prefixes))  # the first of equal ones
+    lengths = sorted({len(start) for start in part_of}, reverse=True)
+    for namespace, declared in NameIndex.of(root).declared.items():
+        for own, node in declared.items():
+            name = prefix + own
+            part = next((found for end in lengths if (found := part_of.get(name[:end])) is not None), "")
+            yield Known(name, namespace, str(node.tag), "" if part == BASE else part,
+                        prefix_of(_holder(node), prefix), _words(node), node)  # fmt: skip
+
+
+def prefix_of(name: str, prefix: str) -> str:
+    return prefix + name if name and name != WORLD else name
+
+
+def _holder(node: _Element) -> str:
+    for above in node.iterancestors():
+        if above.tag == "body":
+            return str(above.get("name") or "")
+        if above.tag == "worldbody":
+            return WORLD
+    return ""
+
+
+def _words(node: _Element) -> str:
+    return ", ".join(f"{name} {value}" for name in _TELLING if (value := node.get(name)))
+
+
+_CLOSING = {"{": "}", "[": "]"}
+
+
+def repaired(lines: Sequence[str], cursor: Cursor, last: Node | None) -> Node | None:
+    """Return the tree of the text after the smallest change that makes it readable, or the last known tree.
+
+    >>> from mjcompose.lsp.cursor import cursor_at
+    >>> lines = ["sensor:", "  push: {type: force, site: "]
+    >>> tree = repaired(lines, cursor_at(lines, 1, 28), None)
+    >>> isinstance(tree, Mapping) and list(tree.entries)
+    ['sensor']
+    """
+    if not any(line.strip() and not line.lstrip().startswith("#") for line in lines):
+        return None
+    for text in _candidates(list(lines), cursor):
+        tree = load(text, "", Sink())
+        if isinstance(tree, Mapping):
+            return tree
+    return last
+
+
+def _candidates(lines: list[str], cursor: Cursor) -> Iterator[str]:
+    yield "\n".join(lines)
+    at = cursor.line
+    if at >= len(lines):
+        return
+    line, before, after = lines[at], lines[:at], lines[at + 1 :]
+    if cursor.in_flow:
+        for head in (line, line[: cursor.end], line[: cursor.start].rstrip().rstrip(",:")):
+            yield "\n".join(
+                [*before, head + cursor.quote * (head.count(cursor.quote) % 2) + _closers(head), *after]
+            )
+            yield "\n".join([*before, head + ": null" + _closers(head), *after])
+    elif not cursor.has_colon:
+        yield "\n".join([*before, line + ":", *after])
+    yield "\n".join([*before, "", *after])
+    yield "\n".join(before)
+
+
+def _closers(line: str) -> str:
+    """Return the brackets that close those that a line leaves open."""
+    waiting: list[str] = []
+    quote = ""
+    for character in line:
+        if quote:
+            quote = "" if character == quote else quote
+        elif character in "\"'":
+            quote = character
+        elif character in _CLOSING:
+            waiting.append(_CLOSING[character])
+        elif waiting and character == waiting[-1]:
+            waiting.pop()
+    return "".join(reversed(waiting))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Model:
+    """A composed model: its tree, the part of each element, and all that it was composed from.
+
+    `library` has the sources as they were read then, and `texts` what editors had not saved then.
+    """
+
+    unit: Unit
+    plan: Plan
+    parts: Entries[_Element, str]
+    library: Library
+    texts: Entries[str, bytes]
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """The result of analysing a recipe. It never changes.
+
+    `tree`, `plan` and `model` are those of the current text, or of the last text that had one; `is_current` and
+    `is_composed` say which. `tree_of`, `plan_of` and `model_of` are the texts in which they were found. `found` has
+    the diagnostics, `files` all files that were read, and `library` the sources as they were read.
+
+    `traced` says where the elements of the model come from. To find out takes as long as the rest, and no diagnostic
+    needs it: it is None until `Workspace.traced` is asked.
+    """
+
+    path: PathlibPath
+    folder: PathlibPath
+    text: str
+    tree: Node | None = None
+    plan: Plan | None = None
+    model: Model | None = None
+    traced: Traced | None = None
+    is_current: bool = False
+    is_composed: bool = False
+    found: tuple[Diagnostic, ...] = ()
+    files: frozenset[PathlibPath] = frozenset()
+    library: Library = field(default_factory=dict)
+    tree_of: str = ""
+    plan_of: str = ""
+    model_of: str = ""
+
+    @cached_property
+    def lines(self) -> list[str]:
+        return lines_of(self.text)
+
+    @cached_property
+    def file(self) -> str:
+        """Return the path of the recipe as spans write it."""
+        return shown(self.path, self.folder)
+
+    @cached_property
+    def names(self) -> Names:
+        """Return the names in the model, and those of parts that it lacks."""
+        if self.plan is None:
+            return Names()
+        model = self.model
+        root, composed = (None, None) if model is None else (model.unit.root, model.plan)
+        return names_of(self.plan, root, composed, self.library)
+
+    @property
+    def mapping(self) -> Mapping | None:
+        return self.tree if isinstance(self.tree, Mapping) else None
+
+    @property
+    def separator(self) -> str:
+        return self.plan.separator if self.plan is not None else "/"
+
+    def now(self, span: Span, of: str) -> Span | None:
+        """Return the current place of something in an earlier text, or None if it may have changed since."""
+        if span.file != self.file or of == self.text:
+            return span
+        lines = moved(lines_of(of), self.lines)
+        line, end = lines.get(span.line - 1), None if span.end_line is None else lines.get(span.end_line - 1)
+        if line is None or (span.end_line is not None and end is None):
+            return None
+        return replace(span, line=line + 1, end_line=None if end is None else end + 1)
+
+
+def shown(path: PathlibPath, folder: PathlibPath) -> str:
+    """Return a path as spans write it in a context with this folder."""
+    from mjcompose.sources.context import Context
+
+    return Context(folder=folder, environment={}).shown(path)
+
+
+@dataclass(frozen=True)
+class Question:
+    """A place in a recipe. `lines` are those of the newest text; everything else is in the `analysis`.
+
+    `line` and `column` are counted from 0.
+    """
+
+    analysis: Analysis
+    lines: list[str]
+    line: int
+    column: int
+
+    @cached_property
+    def cursor(self) -> Cursor:
+        return cursor_at(self.lines, self.line, self.column)
+
+    @cached_property
+    def tree(self) -> Node | None:
+        """Return the tree of the text with the cursor, or None."""
+        return repaired(self.lines, self.cursor, self.analysis.tree)
+
+    @cached_property
+    def data(self) -> Any:
+        return None if self.tree is None else to_python(self.tree)
+
+    @cached_property
+    def forms(self) -> list[Form]:
+        """Return what the language allows at the path of the cursor."""
+        return forms_at(self.cursor.path, self.data)
+
+    @property
+    def path(self) -> Path:
+        return self.cursor.path
+
+    def at(self, path: Path) -> Any:
+        """Return the data at a path of the text with the cursor, or None."""
+        found = None if self.tree is None else find(self.tree, path)
+        return None if found is None else to_python(found)
+
+    @property
+    def word(self) -> Span:
+        """Return the word at the cursor."""
+        cursor = self.cursor
+        return Span(self.analysis.file, cursor.line + 1, cursor.start + 1, cursor.line + 1, cursor.end + 1)

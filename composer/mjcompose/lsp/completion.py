@@ -1,0 +1,310 @@
+"""All kinds of completion."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from importlib import import_module
+from pathlib import Path as PathlibPath
+from typing import Any
+
+from mjcompose.base.diagnostic import Span
+from mjcompose.lsp.analysis import Completion, Item, Known, Question
+from mjcompose.lsp.cursor import Path
+from mjcompose.lsp.language import Key, keys_of, words_of
+from mjcompose.lsp.places import PART, Wanted, fitting, wanted_key
+from mjcompose.lsp.subject import Settable, of_nested, settables, wanted_as_value
+from mjcompose.sources.fetching import model_files
+from mjcompose.sources.kinds import KINDS
+from mjcompose.sources.reference import FORMATS
+from mjcompose.text.expression_values import CONSTANTS, FUNCTIONS
+from mjcompose.text.faults import quoted
+
+
+def offer(question: Question) -> Iterator[Item]:
+    """Yield the words that the value at the cursor can be."""
+    if question.cursor.role in ("value", "either"):
+        for at, (word, doc) in enumerate(words_of(question.forms).items()):
+            empty = "" if word else '""'
+            yield Item(word or '""', "word", "", doc, 10 + min(at, 20), empty)
+
+
+_NAME = re.compile(r"[A-Za-z_]\w*\Z")
+_IN_EDITS = {
+    "value": "what is there now, after defaults",
+    "name": "the name of the element",
+    "parent": "the name of its parent",
+    "index": "its number among those that are selected, from 0",
+}
+
+
+def begun(question: Question) -> str | None:
+    """Return the name that is being written inside `${…}`, or None if the cursor is not in an expression."""
+    before = question.cursor.word
+    opening = before.rfind("${")
+    if opening < 0 or "}" in before[opening:]:
+        return None
+    found = _NAME.search(before)
+    return found.group() if found else ""
+
+
+def offer_expressions(question: Question) -> Iterator[Item]:
+    """Yield the names and functions that the expression may use."""
+    if begun(question) is None:
+        return
+    for each in settables(question.data).values():
+        yield Item(each.name, each.kind, each.detail, each.doc, 10)
+    if _is_edit(question.path):
+        yield from (Item(name, "parameter", "of the element", doc, 15) for name, doc in _IN_EDITS.items())
+    for name, function in FUNCTIONS.items():
+        count = f"{function.least}" if function.most == function.least else f"{function.least} or more"
+        yield Item(name, "function", f"{count} argument{'s' * (count != '1')}", rank=30, insert=f"{name}(")
+    for name, value in CONSTANTS.items():
+        yield Item(name, "constant", str(value), rank=30)
+
+
+def _is_edit(path: Path) -> bool:
+    return "edit" in path
+
+
+_COLLECTIONS = {"object", "array"}
+
+
+def offer_keys(question: Question) -> Iterator[Item]:
+    """Yield the keys that the mapping at the cursor can still have. Required keys come first."""
+    cursor = question.cursor
+    if cursor.role not in ("key", "either"):
+        return
+    there = question.at(cursor.path)
+    written = set(cursor.written) | (set(there) if isinstance(there, dict) else set())
+    for at, key in enumerate(keys_of(question.forms)):
+        if key.name in written and key.name != cursor.whole:
+            continue
+        rank = 10 if key.required else 20 + min(at, 20)
+        yield Item(
+            key.name, "key", _type(key), key.doc, rank, _insert(key, question), again=not _is_collection(key)
+        )
+
+
+def _insert(key: Key, question: Question) -> str:
+    """Return the key with its colon. If its value is a mapping or list, an indented line follows."""
+    cursor = question.cursor
+    if cursor.has_colon:
+        return key.name
+    if not _is_collection(key) or cursor.in_flow:
+        return f"{key.name}: "
+    return f"{key.name}:\n{' ' * (cursor.start + 2)}"
+
+
+def _is_collection(key: Key) -> bool:
+    types = _types(key)
+    return bool(types) and types <= _COLLECTIONS and "array" not in types
+
+
+def _types(key: Key) -> set[str]:
+    found: set[str] = set()
+    for form in key.forms:
+        said: Any = form.schema.get("type", ())
+        found |= {said} if isinstance(said, str) else set(said)
+        if "enum" in form.schema or "const" in form.schema:
+            found.add("string")
+    return found
+
+
+def _type(key: Key) -> str:
+    return "required" if key.required else ""
+
+
+def offer_names(question: Question) -> Iterator[Item]:
+    """Yield the names that fit at the cursor. Names of the most likely kind come first."""
+    cursor, analysis = question.cursor, question.analysis
+    for wanted, is_key in _wanted(question):
+        for at, (rank, known) in enumerate(fitting(wanted, analysis.names, analysis.plan)):
+            colon = ": " if is_key and not cursor.has_colon else ""
+            yield Item(known.name, "part" if known.namespace == PART else known.namespace, _detail(known), "",
+                       rank + min(at, 9000) / 10000, known.name + colon if colon else "")  # fmt: skip
+
+
+def _detail(known: Known) -> str:
+    return "part" if known.namespace == PART else known.detail
+
+
+def _wanted(question: Question) -> Iterator[tuple[Wanted, bool]]:
+    cursor = question.cursor
+    if cursor.role in ("key", "either") and (found := wanted_key(cursor.path)) is not None:
+        yield found, True
+    found = wanted_as_value(question)
+    if found is not None and not found.pattern:
+        yield found, False
+
+
+def offer_parameters(question: Question) -> Iterator[Item]:
+    """Yield the names that can get a value at the cursor, or the possible values of the name there."""
+    cursor = question.cursor
+    if cursor.role in ("key", "either") and (found := _at(cursor.path, question)) is not None:
+        for each in found.values():
+            colon = "" if cursor.has_colon else ": "
+            yield Item(
+                each.name, each.kind, each.detail, each.doc, 15, each.name + colon, again=bool(each.values)
+            )
+    if cursor.role in ("value", "either") and cursor.path:
+        path = cursor.path[:-1] if isinstance(cursor.path[-1], int) else cursor.path
+        found = _at(path[:-1], question) or {}
+        settable = found.get(str(path[-1])) if path else None
+        for at, value in enumerate(settable.values if settable is not None else ()):
+            yield Item(value, "word", settable.detail if settable else "", rank=10 + at)
+        if cursor.path[0] == "randomize" and cursor.path[-1] == "param":
+            own = settables(question.data).values()
+            yield from (
+                Item(each.name, each.kind, each.detail, each.doc) for each in own if each.kind == "parameter"
+            )
+
+
+def _at(path: Path, question: Question) -> dict[str, Settable] | None:
+    """Return the parameters and variants that the mapping at a path can set, or None for any other mapping."""
+    if path and path[-1] == "with":
+        return of_nested(path[:-1], question)
+    is_matrix = path[:1] == ("matrix",) and (path[1:] == ("axes",) or len(path) == 3)
+    if is_matrix or (path and path[-1] == "when"):
+        return settables(question.data)
+    return None
+
+
+_MENAGERIE = "menagerie:"
+_SCHEMES = tuple(form for kind in KINDS for form in kind.forms)
+
+
+def takes_reference(path: tuple[str | int, ...]) -> bool:
+    """Return whether the value at a path is a model reference."""
+    return path == ("extends",) or path == ("base",) or (len(path) > 1 and path[-1] == "model")
+
+
+def offer_references(question: Question) -> Iterator[Item]:
+    """Yield the continuations of the reference at the cursor."""
+    cursor = question.cursor
+    if cursor.role not in ("value", "either") or not takes_reference(cursor.path):
+        return
+    only_recipes = cursor.path == ("extends",)
+    if cursor.word.startswith(_MENAGERIE) and not only_recipes:
+        yield from _robots(cursor.word)
+        return
+    folder = question.analysis.path.parent
+    for at, reference in enumerate(_files(folder, cursor.word)):
+        kind = FORMATS[PathlibPath(reference).suffix.lower()]
+        if (not only_recipes or kind == "recipe") and reference != f"./{question.analysis.path.name}":
+            yield Item(reference, "file", kind if kind == "recipe" else kind.upper(), rank=10 + at / 1000)
+    for form in _SCHEMES:
+        scheme = form.scheme
+        if scheme and not only_recipes:
+            yield Item(f"{scheme}:", "scheme", form.example, form.meaning, 30, again=scheme == "menagerie")
+
+
+def _files(folder: PathlibPath, word: str) -> Iterator[str]:
+    """Yield the model files below the recipe's folder, or below the folder that the text so far leads to."""
+    if word.startswith("../"):
+        above = word.rpartition("/")[0]
+        yield from (f"{above}/{each}" for each in model_files(PathlibPath(os.path.normpath(folder / above))))
+    else:
+        yield from (f"./{each}" for each in model_files(folder))
+
+
+def _robots(word: str) -> Iterator[Item]:
+    try:
+        library: Any = import_module("mujoco_menagerie")
+    except ImportError:
+        return
+    name, slash, _ = word.removeprefix(_MENAGERIE).partition("/")
+    robots: list[str] = library.names()
+    if slash and name in robots:
+        robot = library.get(name)
+        for entry in robot.entry_points:
+            usual = entry.name == robot.default_model
+            yield Item(f"{_MENAGERIE}{name}/{entry.name}", "model", "the robot's own model" if usual else "",
+                       rank=5 if usual else 10)  # fmt: skip
+        return
+    for robot_name in robots:
+        yield Item(f"{_MENAGERIE}{robot_name}", "model", "MuJoCo Menagerie", rank=10)
+
+
+def offer_selectors(question: Question) -> Iterator[Item]:
+    """Yield globs that match existing elements, followed by the names themselves."""
+    analysis, wanted = question.analysis, wanted_as_value(question)
+    if wanted is None or not wanted.pattern:
+        return
+    found = [known for _, known in fitting(wanted, analysis.names, analysis.plan)]
+    if wanted.namespaces != (PART,):
+        yield Item(
+            "**",
+            "pattern",
+            f"all, unnamed ones too ({_count(len(found), 'with a name', 'with a name')})",
+            rank=5,
+        )
+        for at, (glob, count) in enumerate(_globs(found, analysis.separator)):
+            yield Item(glob, "pattern", _count(count, "element", "elements"), rank=10 + at / 1000)
+    for at, known in enumerate(found):
+        yield Item(known.name, known.namespace, known.detail, rank=20 + min(at, 9000) / 10000)
+
+
+def _globs(found: list[Known], separator: str) -> list[tuple[str, int]]:
+    """Return `PREFIX/*` and `PREFIX/**` for each existing prefix, with the number of names that they match."""
+    deep: Counter[str] = Counter()
+    flat: Counter[str] = Counter()
+    for known in found:
+        steps = known.name.split(separator)
+        for depth in range(1, len(steps)):
+            deep[separator.join(steps[:depth])] += 1
+        flat[separator.join(steps[:-1])] += 1
+    globs = {f"{start}{separator}*" if start else "*": count for start, count in flat.items()}
+    globs |= {f"{start}{separator}**": count for start, count in deep.items() if count != flat[start]}
+    return sorted(globs.items())
+
+
+def _count(count: int, one: str, several: str) -> str:
+    return f"{count} {one if count == 1 else several}"
+
+
+Offer = Callable[[Question], Iterator[Item]]
+_OPENING = ("*", "&", "!", "|", ">", "%", "@", "`", '"', "'", "#", "?", "{", "}", "[", "]", ",", ":", "-")
+OFFERS: tuple[Offer, ...] = (
+    offer_names,
+    offer_parameters,
+    offer_references,
+    offer_selectors,
+    offer,
+    offer_keys,
+)
+
+
+def complete(question: Question) -> Completion:
+    """Return the completions at the cursor. Inside `${…}`, only parts of expressions are offered."""
+    cursor = question.cursor
+    if cursor.role == "text":
+        return Completion()
+    name = begun(question)
+    if name is not None:
+        begin = cursor.start + len(cursor.word) - len(name)
+        return Completion(tuple(offer_expressions(question)), _span(question, begin, question.column))
+    found: dict[str, Item] = {}
+    for offer in OFFERS:
+        for item in offer(question):
+            found.setdefault(item.label, item)
+    items = sorted((_quoted(each, question) for each in found.values()), key=lambda each: each.rank)
+    return Completion(tuple(items), _span(question, cursor.start, cursor.end))
+
+
+def _quoted(item: Item, question: Question) -> Item:
+    """Return a value in quotes if it needs quotes in YAML and has none yet."""
+    cursor = question.cursor
+    plain = item.label[:1] not in _OPENING and not any(each in item.label for each in (": ", " #"))
+    if cursor.in_flow:
+        plain = plain and not any(each in item.label for each in ",[]{}")
+    if item.insert or cursor.quote or plain:
+        return item
+    return replace(item, insert=quoted(item.label))
+
+
+def _span(question: Question, start: int, end: int) -> Span:
+    return Span(question.analysis.file, question.line + 1, start + 1, question.line + 1, end + 1)

@@ -1,0 +1,327 @@
+"""Where a cursor is in a recipe, found from the text alone, because a half-written recipe is seldom valid YAML.
+
+Indentation and brackets before the cursor decide, as they do for a human reader. Text after the cursor counts only
+as the rest of the word at the cursor.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import field, replace
+from typing import Literal
+
+from mjcompose.base.dataclass import dataclass
+
+Path = tuple[str | int, ...]
+Role = Literal["key", "value", "either", "text"]
+
+_PLAIN = r"""[^\s\-?#&*!|>%@`"'\[\]{},:][^#\[\]{}:]*?|-[^\s:]+"""
+_KEY = re.compile(rf"""(?:"((?:[^"\\]|\\.)*)"|'((?:[^']|'')*)'|({_PLAIN}))\s*:(?=\s|$)""")
+_PROPERTIES = re.compile(r"(?:[&!]\S*\s+)+")
+_BLOCK = re.compile(r"[|>][-+0-9]*\s*(?:#.*)?$")
+_CLOSING = {"{": "}", "[": "]"}
+
+
+@dataclass(frozen=True, slots=True)
+class Cursor:
+    """What is being written at a cursor.
+
+    `path` leads to the mapping whose key is being written (`key`), to the value that is being written (`value`), or
+    to a place for a value or a first key (`either`). The kind `text` means that the cursor is in a block of text or
+    a comment. The word covers the columns from `start` to `end`, counted from 0 and without quotes; `word` is the
+    part of it before the cursor. `written` are the keys of the mapping before the cursor. `line` is counted from 0.
+    """
+
+    path: Path
+    role: Role
+    word: str
+    line: int
+    start: int
+    end: int
+    quote: str = ""
+    in_flow: bool = False
+    has_colon: bool = False
+    whole: str = ""
+    written: tuple[str, ...] = ()
+
+
+@dataclass(slots=True)
+class _Frame:
+    """An open mapping or list: its indent or bracket, and the step to its next value."""
+
+    indent: int
+    is_list: bool
+    step: str | int | None = None
+    bracket: str = ""
+    keys: list[str] = field(default_factory=list)
+    has_value: bool = False
+
+
+def cursor_at(lines: Sequence[str], line: int, column: int) -> Cursor:
+    """Return what is being written at a place. `line` and `column` are counted from 0.
+
+    >>> cursor_at(["attach:", "  gripper:", "    site: att"], 2, 13).path
+    ('attach', 'gripper', 'site')
+    """
+    scan = _Scan()
+    for text in lines[:line]:
+        scan.line(text)
+    text = lines[line] if line < len(lines) else ""
+    return scan.cursor(text, line, min(column, len(text)))
+
+
+class _Scan:
+    def __init__(self) -> None:
+        self.stack: list[_Frame] = []
+        self.block: int | None = None
+        """The indent that the lines of an open block of text are deeper than."""
+
+    # -- whole lines -------------------------------------------------------------------------------------------
+
+    def line(self, text: str) -> None:
+        """Process a line that ends before the cursor."""
+        stripped = text.strip()
+        indent = len(text) - len(text.lstrip(" "))
+        if self.block is not None:
+            if not stripped or indent > self.block:
+                return
+            self.block = None
+        if not stripped or stripped.startswith("#"):
+            return
+        if self.in_flow:
+            self.flow(text, indent)
+            return
+        at = self.begin(text, indent)
+        if at < len(text):
+            self.value(text, at)
+
+    @property
+    def in_flow(self) -> bool:
+        return bool(self.stack) and bool(self.stack[-1].bracket)
+
+    def begin(self, text: str, at: int) -> int:
+        """Enter the lists and mappings that begin on a line in block style. Return the column of the value."""
+        while True:
+            rest = text[at:]
+            if rest == "-" or rest.startswith(("- ", "-\t")):
+                self.item(at)
+                at += 1 + len(rest[1:]) - len(rest[1:].lstrip())
+                continue
+            found = _KEY.match(text, at)
+            if found is None:
+                return at
+            self.enter(at, _name(found))
+            return found.end() + len(text[found.end() :]) - len(text[found.end() :].lstrip())
+
+    def item(self, indent: int) -> None:
+        self.leave(indent)
+        top = self.stack[-1] if self.stack else None
+        if top is not None and top.is_list and top.indent == indent:
+            top.step, top.has_value = (top.step + 1 if isinstance(top.step, int) else 0), False
+        else:
+            self.stack.append(_Frame(indent, True, 0))
+
+    def enter(self, indent: int, key: str) -> None:
+        self.leave(indent)
+        while self.stack and self.stack[-1].is_list and self.stack[-1].indent == indent:
+            self.stack.pop()
+        if not self.stack or self.stack[-1].indent < indent:
+            self.stack.append(_Frame(indent, False))
+        self.stack[-1].step, self.stack[-1].has_value = key, False
+        self.stack[-1].keys.append(key)
+
+    def leave(self, indent: int) -> None:
+        """Close everything that is indented deeper than this."""
+        while self.stack and self.stack[-1].indent > indent:
+            self.stack.pop()
+
+    def value(self, text: str, at: int) -> None:
+        """Process the value on a line, from a column on."""
+        properties = _PROPERTIES.match(text, at)
+        at = properties.end() if properties else at
+        rest = text[at:]
+        if rest.startswith("#") or not rest.strip():
+            return
+        if self.stack:
+            self.stack[-1].has_value = True
+        if _BLOCK.match(rest):
+            self.block = self.stack[-1].indent if self.stack else -1
+        elif rest[0] in _CLOSING:
+            self.flow(text, at)
+
+    # -- brackets ----------------------------------------------------------------------------------------------
+
+    def flow(self, text: str, at: int) -> tuple[int, str]:
+        """Process text in brackets.
+
+        Return the column at which its last word begins, without the quote, and the quote if it is still open.
+        """
+        begin, quote = at, ""
+        indent = self.stack[-1].indent if self.stack else 0
+        while at < len(text):
+            character = text[at]
+            if quote:
+                if character == "\\" and quote == '"':
+                    at += 1
+                elif character == quote:
+                    quote = ""
+            elif character in "\"'" and not text[begin:at].strip():
+                quote, begin = character, at
+            elif character == "#" and (at == 0 or text[at - 1].isspace()):
+                return len(text), ""
+            elif character in _CLOSING:
+                bracket = _CLOSING[character]
+                self.stack.append(_Frame(indent, bracket == "]", 0 if bracket == "]" else None, bracket))
+                begin = at + 1
+            elif character in "]}":
+                if self.in_flow:
+                    self.stack.pop()
+                if not self.in_flow:
+                    return at + 1, ""
+                begin = at + 1
+            elif character == ",":
+                top = self.stack[-1]
+                top.step = top.step + 1 if isinstance(top.step, int) else None
+                begin = at + 1
+            elif character == ":" and not self.stack[-1].is_list and self.stack[-1].step is None:
+                word = text[begin:at].strip()
+                if text[at + 1 : at + 2] in ("", " ", "\t", ",", "]", "}") or word[:1] in ('"', "'"):
+                    self.stack[-1].step = _unquoted(word)
+                    self.stack[-1].keys.append(_unquoted(word))
+                    begin = at + 1
+            at += 1
+        return begin, quote
+
+    # -- the line of the cursor --------------------------------------------------------------------------------
+
+    def cursor(self, text: str, line: int, column: int) -> Cursor:
+        before = text[:column]
+        indent = len(before) - len(before.lstrip(" "))
+        blank = not before.strip()
+        if self.block is not None and (indent > self.block or (blank and column > self.block)):
+            return Cursor(self.path(), "text", "", line, column, column)
+        self.block = None
+        if _comment(before) is not None:
+            return Cursor(self.path(), "text", "", line, column, column)
+        if self.in_flow:
+            return self.in_brackets(text, 0, line, column)
+        if blank:
+            return self.on_blank(text, line, column)
+        at = self.begin(before, indent)
+        if self.has_begun(before, indent, at):
+            return self.of_key(text, line, column, at)
+        properties = _PROPERTIES.match(before, at)
+        at = properties.end() if properties else at
+        if before[at : at + 1] in _CLOSING and at < column:
+            return self.in_brackets(text, at, line, column)
+        role: Role = "either" if self.stack and self.stack[-1].is_list else "value"
+        cursor = self.word(text, line, column, at, _end_of_value(text, column), role)
+        return self.as_key(cursor, text) if role == "either" else cursor
+
+    def has_begun(self, before: str, indent: int, at: int) -> bool:
+        """Return whether a word is the first on its line: a key without its colon, or a value below its key."""
+        return at == indent and not before[at:].startswith("-")
+
+    def of_key(self, text: str, line: int, column: int, at: int) -> Cursor:
+        """Return the cursor at a word at the start of a line: a key, unless the key above still needs a value."""
+        self.settle(at)
+        role: Role = "either" if self.is_open(at) else "key"
+        end = at + len(re.match(r"[^\s:#]*", text[at:]).group())  # type: ignore[union-attr]
+        return self.as_key(self.word(text, line, column, at, max(end, column), role), text)
+
+    def as_key(self, cursor: Cursor, text: str) -> Cursor:
+        """Return the cursor, with the information whether the colon of the key is already written."""
+        rest = text[cursor.end + len(cursor.quote) :].lstrip()
+        return replace(cursor, has_colon=rest.startswith(":"))
+
+    def on_blank(self, text: str, line: int, column: int) -> Cursor:
+        self.settle(column)
+        role: Role = "either" if self.is_open(column) else "key"
+        end = column + len(re.match(r"[^\s:#]*", text[column:]).group())  # type: ignore[union-attr]
+        return self.as_key(self.word(text, line, column, column, end, role), text)
+
+    def settle(self, indent: int) -> None:
+        """Close everything that a word with this indent cannot belong to."""
+        self.leave(indent)
+        while self.stack and self.stack[-1].is_list and self.stack[-1].indent >= indent:
+            self.stack.pop()
+        while len(self.stack) > 1 and self.stack[-1].is_list and self.stack[-1].has_value:
+            self.stack.pop()
+
+    def is_open(self, indent: int) -> bool:
+        """Return whether the innermost step still needs a value and the indent fits one."""
+        return bool(self.stack) and self.stack[-1].indent < indent and not self.stack[-1].has_value
+
+    def in_brackets(self, text: str, at: int, line: int, column: int) -> Cursor:
+        begin, quote = self.flow(text[:column], at)
+        if not self.in_flow:
+            return Cursor(self.path(), "text", "", line, column, column)
+        top = self.stack[-1]
+        role: Role = "either" if top.is_list else "value" if top.step is not None else "key"
+        begin += len(text[begin:column]) - len(text[begin:column].lstrip())
+        rest = text[column:]
+        if quote or text[begin : begin + 1] in ('"', "'"):
+            closing = rest.find(text[begin])
+            end = column + (closing if closing >= 0 else len(re.match(r"[^,\]}]*", rest).group().rstrip()))  # type: ignore[union-attr]
+        else:
+            end = column + len(re.match(r"[^,\[\]{}:#\s]*", rest).group())  # type: ignore[union-attr]
+        cursor = replace(self.word(text, line, column, begin, end, role), in_flow=True)
+        if role == "value" and text[begin : begin + 1] in _CLOSING:
+            return replace(cursor, role="text")
+        return self.as_key(cursor, text) if role != "value" else cursor
+
+    def word(self, text: str, line: int, column: int, at: int, end: int, role: Role) -> Cursor:
+        quote = text[at : at + 1] if text[at : at + 1] in ('"', "'") and at < column else ""
+        start = at + len(quote)
+        if quote and not self.in_flow:
+            closing = text.find(quote, column)
+            end = closing if closing >= 0 else end
+        end = max(end, column)
+        path = self.path() if role != "key" else self.holder()
+        top = self.stack[-1] if self.stack else None
+        keys = tuple(top.keys) if top is not None and role == "key" and not top.is_list else ()
+        return Cursor(
+            path, role, text[start:column], line, start, end, quote, whole=text[start:end], written=keys
+        )
+
+    def path(self) -> Path:
+        return tuple(frame.step for frame in self.stack if frame.step is not None)
+
+    def holder(self) -> Path:
+        """Return the path of the mapping to which the next key belongs."""
+        frames = self.stack
+        if frames and not frames[-1].is_list:
+            frames = frames[:-1]
+        return tuple(frame.step for frame in frames if frame.step is not None)
+
+
+def _name(found: re.Match[str]) -> str:
+    double, single, plain = found.groups()
+    if single is not None:
+        return single.replace("''", "'")
+    return str(double if double is not None else plain.strip())
+
+
+def _unquoted(word: str) -> str:
+    return word[1:-1] if len(word) > 1 and word[0] in "\"'" and word[-1] == word[0] else word
+
+
+def _comment(before: str) -> int | None:
+    """Return where the comment at the end of a text begins, or None. A `#` in quotes is no comment."""
+    quote = ""
+    for at, character in enumerate(before):
+        if quote:
+            quote = "" if character == quote else quote
+        elif character in "\"'" and (at == 0 or before[at - 1] in " [{,:"):
+            quote = character
+        elif character == "#" and (at == 0 or before[at - 1] in " \t"):
+            return at
+    return None
+
+
+def _end_of_value(text: str, column: int) -> int:
+    """Return where a plain value ends: at a comment, or at the end of the line."""
+    found = re.search(r"\s+#", text[column:])
+    end = column + found.start() if found else len(text)
+    return column + len(text[column:end].rstrip())

@@ -1,0 +1,537 @@
+"""Open documents, when they are analysed, and what is reported of them."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import re
+import traceback
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Diagnostic, Note, Severity, Span
+from mjcompose.base.files import read_regular, unsaved
+from mjcompose.base.sink import Sink, TooManyFaults
+from mjcompose.build.compose.compose import Composer
+from mjcompose.build.plan.describe import acknowledge
+from mjcompose.build.plan.planner import plan_what_remains
+from mjcompose.build.stages import Request, build
+from mjcompose.link.measure import measure_with
+from mjcompose.link.source_check import check_source
+from mjcompose.lsp.analysis import Analysis, Model, Shelf, is_saved, lines_of, moved, shown
+from mjcompose.model.parse import parse_text
+from mjcompose.model.unit import Watch, nobody
+from mjcompose.mujoco.engine import Session
+from mjcompose.sources.context import Context
+from mjcompose.sources.fetching import Fetching, model_files
+from mjcompose.text.load import load
+from mjcompose.tools.explain.explain import Traced
+from mjcompose.tools.explain.trace import Trace
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from mjcompose.build.compose.load import Library
+    from mjcompose.build.plan.plan import Plan
+    from mjcompose.model.unit import Unit
+
+
+def carried(
+    found: Iterable[Diagnostic], file: str, old: Sequence[str], new: Sequence[str]
+) -> tuple[Diagnostic, ...]:
+    """Return diagnostics of an earlier text at their places in a new one. Those on changed lines are left out."""
+    if list(old) == list(new):
+        return tuple(found)
+    lines = moved(old, new)
+
+    def there(span: Span | None) -> Span | None:
+        if span is None or span.file != file:
+            return span
+        line, end = lines.get(span.line - 1), None if span.end_line is None else lines.get(span.end_line - 1)
+        if line is None or (span.end_line is not None and end is None):
+            return None
+        return replace(span, line=line + 1, end_line=None if end is None else end + 1)
+
+    kept = []
+    for each in found:
+        span = there(each.span)
+        fix_at = None if each.fix is None else there(each.fix.span)
+        if (each.span is not None and span is None) or (
+            each.fix is not None and each.fix.span is not None and not fix_at
+        ):
+            continue
+        notes = tuple(Note(note.message, there(note.span)) for note in each.notes)
+        fix = None if each.fix is None else replace(each.fix, span=fix_at)
+        kept.append(replace(each, span=span, notes=notes, fix=fix))
+    return tuple(kept)
+
+
+def together(now: Sequence[Diagnostic], verified: Sequence[Diagnostic]) -> list[Diagnostic]:
+    """Return the diagnostics of the text and those from MuJoCo. If the text has errors, there is no model to judge."""
+    if any(each.severity is Severity.ERROR for each in now):
+        return list(now)
+    return [*now, *(each for each in verified if each not in now)]
+
+
+def by_file(
+    found: Iterable[Diagnostic], own: str, uses: Mapping[str, Span] | None = None
+) -> Mapping[str, list[Diagnostic]]:
+    """Return diagnostics by the file in which they are shown. Those without a place are shown in the recipe.
+
+    A diagnostic of a model is shown there and where the recipe uses the model, because most editors do not show the
+    diagnostics of files that are not open. `uses` gives the place of use, by file.
+    """
+    files: dict[str, list[Diagnostic]] = {own: []}
+    for each in found:
+        span = each.span
+        if span is None or span.file.startswith("--"):
+            files[own].append(each)
+            continue
+        files.setdefault(span.file, []).append(each)
+        if span.file != own and uses is not None:
+            files[own].append(_at_use(each, span, uses.get(span.file) or Span(own, 1, 1, 1, 1)))
+    return files
+
+
+def _at_use(found: Diagnostic, span: Span, use: Span) -> Diagnostic:
+    """Return a diagnostic about a file at the place that uses the file."""
+    return replace(found, span=use, notes=(Note("it is found here", span), *found.notes), fix=None)
+
+
+def uses_of(analysis: Analysis) -> dict[str, Span]:
+    """Return the first place at which a recipe uses each file."""
+    found: dict[str, Span] = {}
+    for place in analysis.plan.walk() if analysis.plan is not None else ():
+        path = getattr(place.model, "path", None)
+        if place.span is not None and path is not None and place.span.file == analysis.file:
+            now = analysis.now(place.span, analysis.plan_of)
+            if now is not None:
+                found.setdefault(shown(path, analysis.folder), now)
+    return found
+
+
+class Verifier:
+    """Builds recipes as `check` does, with one process of MuJoCo for all. It must be used from one thread only."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._shelf = Shelf()
+        self._session = Session(remembers=True)
+
+    def close(self) -> None:
+        self._session.close()
+
+    def verify(self, path: Path, text: str, texts: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
+        """Return all diagnostics that `check` would report."""
+        context = Context(folder=self.folder, fetching=Fetching(offline=True))
+        with unsaved({**texts, os.path.realpath(path): text.encode("utf-8", "replace")}):
+            self._shelf.refresh(texts)
+            try:
+                build(Request(path), context, session=self._session, library=self._shelf.library)
+            except TooManyFaults as too_many:
+                context.sink = too_many.sink
+            self._shelf.note(texts)
+        return tuple(context.sink.sorted())
+
+
+RECIPES = (".yaml", ".yml")
+_RECIPE = re.compile(r"^(?:recipe|extends)\s*:", re.MULTILINE)
+
+
+def is_recipe(path: Path, text: str) -> bool:
+    """Return whether a YAML file is a recipe: its text or its file name says so."""
+    return path.suffix.lower() in RECIPES and bool(_RECIPE.search(text) or path.stem.endswith(".recipe"))
+
+
+_MOST_TEXT = 1_000_000
+"""The longest recipe that is analyzed, in characters: it takes up to 20 seconds for every letter that you type."""
+
+
+def _too_large(text: str, file: str) -> Diagnostic:
+    message = f"the recipe has {len(text) / 1e6:.1f} MB, and the editor shows no errors above {_MOST_TEXT / 1e6:g} MB"
+    help = "`mjcompose check` shows them"
+    return Diagnostic("yaml-too-large", message, Span(file, 1, 1), severity=Severity.WARNING, help=help)
+
+
+class Workspace:
+    """Analyses recipes one after another, in one thread. Paths are shown relative to `folder`.
+
+    Sources that have not changed are not read again. Nothing is fetched: remote sources must already be in the store.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.shelf = Shelf()
+        self._session = Session()
+        self._latest: tuple[Analysis, Analysis] | None = None
+
+    def close(self) -> None:
+        self._session.close()
+
+    def context(self) -> Context:
+        return Context(folder=self.folder, fetching=Fetching(offline=True))
+
+    def analyse(
+        self, path: Path, text: str, texts: Mapping[str, bytes], before: Analysis | None = None
+    ) -> Analysis:
+        """Return the analysis of a recipe with the texts of the editor. What it lacks now is taken from `before`."""
+        if len(text) > _MOST_TEXT:
+            return Analysis(path, self.folder, text, found=(_too_large(text, shown(path, self.folder)),))
+        self.shelf.refresh(texts)
+        whole = {**texts, os.path.realpath(path): text.encode("utf-8", "replace")}
+        with unsaved(whole):
+            analysis = self._analysed(path, text, whole, before or Analysis(path, self.folder, text))
+        self.shelf.note(texts)
+        return analysis
+
+    def _analysed(self, path: Path, text: str, whole: Mapping[str, bytes], before: Analysis) -> Analysis:
+        context = self.context()
+        tree = load(text, shown(path, self.folder), Sink())
+        plan, model = None, None
+        try:
+            plan = plan_what_remains(path, context)
+            composed = None if plan is None else self._composed(plan, context, self.shelf.library)
+            if plan is not None and composed is not None:
+                model = Model(composed[0], plan, composed[1], dict(self.shelf.library), whole)
+        except TooManyFaults as too_many:
+            context.sink = too_many.sink
+        if plan is not None:
+            acknowledge(plan, context.sink, context.shown, whole=False)
+        return replace(
+            Analysis(path, self.folder, text),
+            tree=tree or before.tree,
+            plan=plan or before.plan,
+            model=model or before.model,
+            traced=before.traced if model is None else None,
+            tree_of=text if tree is not None else before.tree_of,
+            plan_of=text if plan is not None else before.plan_of,
+            model_of=text if model is not None else before.model_of,
+            is_current=tree is not None,
+            is_composed=model is not None,
+            found=tuple(context.sink.sorted()),
+            files=self._files(plan, model, context) | (before.files if model is None else frozenset()),
+            library=dict(self.shelf.library),
+        )
+
+    def traced(self, analysis: Analysis) -> Analysis:
+        """Return an analysis that knows where the elements of its model come from, if it can still be composed.
+
+        The model is composed again from the same plan, sources and unsaved texts.
+        """
+        model = analysis.model
+        if model is None or analysis.traced is not None:
+            return analysis
+        if self._latest is None or self._latest[0] is not analysis:
+            self._latest = analysis, self._with_trace(analysis, model)
+        return self._latest[1]
+
+    def _with_trace(self, analysis: Analysis, model: Model) -> Analysis:
+        watch = Trace()
+        with unsaved(model.texts), suppress(TooManyFaults):
+            again = self._composed(model.plan, self.context(), dict(model.library), watch)
+            if again is not None:
+                unit, parts = again
+                traced = Traced(unit, watch, model.plan.separator, self.folder)
+                return replace(analysis, model=replace(model, unit=unit, parts=parts), traced=traced)
+        return analysis
+
+    def _composed(
+        self, plan: Plan, context: Context, library: Library, watch: Watch = nobody
+    ) -> tuple[Unit, dict[Node, str]] | None:
+        """Return the model of a plan and the part of each element, or None if it has faults."""
+        composer = Composer(
+            context, measure_with(context, session=self._session), self._session, watch=watch, library=library,
+            checks_sources=True, notes_parts=True, makes_shapes=False,
+        )  # fmt: skip
+        composed = composer.compose(plan)
+        return None if composed is None else (composed.model, composer.parts)
+
+    def _files(self, plan: Plan | None, model: Model | None, context: Context) -> frozenset[Path]:
+        """Return the recipes and models that were read."""
+        found = {self.folder / each for each in context.recipes}
+        if plan is not None:
+            found |= {source.path for source in plan.sources()}
+        if model is not None:
+            found |= {self.folder / name for name in model.unit.origins.texts}
+        return frozenset(Path(os.path.normpath(each)) for each in found)
+
+    def including(self, path: Path, texts: Mapping[str, bytes]) -> list[Analysis]:
+        """Return the recipes in the folder that contain the name of a recipe."""
+        found = []
+        for name in model_files(self.folder):
+            other = self.folder / name
+            if other.suffix.lower() not in RECIPES or other == path:
+                continue
+            try:
+                with unsaved(texts):
+                    text = read_regular(other).decode("utf-8")
+            except (OSError, UnicodeDecodeError):
+                continue
+            if path.name in text and is_recipe(other, text):
+                found.append(self.analyse(other, text, texts))
+        return found
+
+    def check_model(self, path: Path, text: str) -> tuple[Diagnostic, ...]:
+        """Return the diagnostics of an MJCF file by itself."""
+        sink = Sink()
+        unit = parse_text(
+            text.encode("utf-8", "replace"),
+            sink,
+            file=shown(path, self.folder),
+            directory=path.parent,
+            label=path.stem,
+        )
+        if unit is not None:
+            check_source(unit, sink)
+        return tuple(sink.sorted())
+
+
+PAUSE = 0.4
+"""How many seconds nothing is typed before MuJoCo is asked."""
+_MODELS = (".xml", ".mjcf")
+_MODEL = re.compile(r"<mujoco[\s>]")
+"""What makes a file a model by itself; `<mujocoinclude>` is there to be included."""
+
+
+@dataclass(eq=False)
+class Document:
+    """An open file. `kind` is `recipe`, `model`, or empty as long as it is neither.
+
+    The texts of a document are numbered: `count` is the newest one, and `done` the one that was analysed. `version`
+    is the editor's own number of the newest text, `seen` that of the analysed one.
+    """
+
+    path: Path
+    text: str
+    kind: str
+    version: int | None = None
+    seen: int | None = None
+    count: int = 1
+    done: int = 0
+    analysis: Analysis | None = None
+    verified: tuple[Diagnostic, ...] = ()
+    verified_lines: list[str] = field(default_factory=list)
+    work: asyncio.Task[None] | None = None
+    timer: asyncio.TimerHandle | None = None
+    _lines: tuple[str, list[str]] = ("", [""])
+
+    @property
+    def lines(self) -> list[str]:
+        if self._lines[0] != self.text:
+            self._lines = self.text, lines_of(self.text)
+        return self._lines[1]
+
+
+class Desk:
+    """The open documents by path.
+
+    `publish` is called with a file and its diagnostics, and `log` with an error message. Everything runs in the
+    thread of the event loop, except for `Workspace` and `Verifier`, which have one thread each.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        publish: Callable[[Path, list[Diagnostic]], None],
+        log: Callable[[str], None],
+        changed: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.folder = folder
+        self.documents: dict[Path, Document] = {}
+        self.workspace, self.verifier = Workspace(folder), Verifier(folder)
+        self._publish, self._log, self._changed = publish, log, changed
+        self._analysing = ThreadPoolExecutor(1, "analysis")
+        self._verifying = ThreadPoolExecutor(1, "verification")
+        self._reported: dict[Path, dict[str, list[Diagnostic]]] = {}
+
+    # -- documents ---------------------------------------------------------------------------------------------
+
+    def take(self, path: Path, text: str, version: int | None = None) -> None:
+        """Add a document that an editor has opened."""
+        self.documents[path] = Document(path, text, _kind(path, text), version)
+        self._touched(path)
+
+    def change(self, path: Path, text: str, version: int | None = None) -> None:
+        document = self.documents[path]
+        document.text, document.version, document.count = text, version, document.count + 1
+        if document.kind == "":
+            document.kind = _kind(path, text)
+        self._touched(path)
+
+    def close(self, path: Path) -> None:
+        document = self.documents.pop(path, None)
+        if document is not None:
+            if document.timer is not None:
+                document.timer.cancel()
+            self._report(path, {})
+            self.changed_on_disk([path])
+
+    def changed_on_disk(self, paths: Iterable[Path]) -> None:
+        """Analyse the recipes again that use any of these files."""
+        for path in paths:
+            self._touched(path, itself=False)
+
+    def _touched(self, path: Path, itself: bool = True) -> None:
+        for document in list(self.documents.values()):
+            uses = document.analysis is not None and path in document.analysis.files
+            if document.path == path and itself:
+                self._start(document)
+            elif uses and document.path != path:
+                document.count += 1
+                self._start(document)
+
+    def texts(self, but: Path | None = None) -> dict[str, bytes]:
+        """Return the texts of the open documents as bytes, by real path."""
+        return {
+            os.path.realpath(each.path): each.text.encode("utf-8", "replace")
+            for each in self.documents.values()
+            if each.path != but
+        }
+
+    # -- analysis ----------------------------------------------------------------------------------------------
+
+    async def analysed(self, path: Path, newest: bool = False, *, traced: bool = False) -> Analysis | None:
+        """Return the latest analysis of an open recipe. With `newest`, wait for that of the current text.
+
+        With `traced`, it knows where the elements of the model come from.
+        """
+        document = self.documents.get(path)
+        if document is None or document.kind != "recipe":
+            return None
+        while document.work is not None and (
+            document.analysis is None or (newest and document.done < document.count)
+        ):
+            await asyncio.wait([document.work])
+        analysis = document.analysis
+        if not traced or analysis is None:
+            return analysis
+        whole = await asyncio.get_running_loop().run_in_executor(
+            self._analysing, self.workspace.traced, analysis
+        )
+        if document.analysis is analysis:
+            document.analysis = whole
+        return whole
+
+    async def including(self, path: Path) -> list[Analysis]:
+        """Return the recipes of the workspace that mention a recipe, and so may include it."""
+        return await asyncio.get_running_loop().run_in_executor(
+            self._analysing, self.workspace.including, path, self.texts()
+        )
+
+    async def using(self, path: Path) -> list[Analysis]:
+        """Return the open recipes that use a model."""
+        found = []
+        for document in list(self.documents.values()):
+            analysis = await self.analysed(document.path, newest=True)
+            if analysis is not None and path in analysis.files:
+                found.append(await self.analysed(document.path, newest=True, traced=True) or analysis)
+        return found
+
+    def is_model(self, path: Path) -> bool:
+        document = self.documents.get(path)
+        return document is not None and document.kind == "model"
+
+    def _start(self, document: Document) -> None:
+        if document.timer is not None:
+            document.timer.cancel()
+        if document.work is None or document.work.done():
+            document.work = asyncio.get_running_loop().create_task(self._work(document))
+
+    async def _work(self, document: Document) -> None:
+        loop = asyncio.get_running_loop()
+        while document.done < document.count and self.documents.get(document.path) is document:
+            count, text, version = document.count, document.text, document.version
+            try:
+                if document.kind == "recipe":
+                    document.analysis = await loop.run_in_executor(
+                        self._analysing, self.workspace.analyse, document.path, text, self.texts(document.path),
+                        document.analysis,
+                    )  # fmt: skip
+                elif document.kind == "model":
+                    document.seen = version
+                    found = await loop.run_in_executor(
+                        self._analysing, self.workspace.check_model, document.path, text
+                    )
+                    self._report(document.path, by_file(found, shown(document.path, self.folder)))
+            except Exception:
+                self._log(traceback.format_exc())
+            document.done, document.seen = count, version
+            if document.kind == "recipe" and self.documents.get(document.path) is document:
+                self._report_recipe(document)
+        document.work = None
+        self._changed()
+        if document.kind == "recipe" and self.documents.get(document.path) is document:
+            document.timer = loop.call_later(PAUSE, lambda: loop.create_task(self._verify(document)))
+
+    async def _verify(self, document: Document) -> None:
+        """Build with MuJoCo. The result is dropped if the text has changed in the meantime."""
+        analysis, count, texts = document.analysis, document.count, self.texts(document.path)
+        if analysis is None or not analysis.is_composed or not self._are_saved(analysis, texts):
+            return
+        try:
+            found = await asyncio.get_running_loop().run_in_executor(
+                self._verifying, self.verifier.verify, document.path, document.text, texts
+            )
+        except Exception:
+            self._log(traceback.format_exc())
+            return
+        if document.count == count and self.documents.get(document.path) is document:
+            document.verified, document.verified_lines = found, analysis.lines
+            self._report_recipe(document)
+
+    def _are_saved(self, analysis: Analysis, texts: Mapping[str, bytes]) -> bool:
+        """Return whether all models of a recipe are saved as the editor has them. MuJoCo reads the files on disk."""
+        used = {os.path.realpath(each) for each in analysis.files if each.suffix.lower() not in RECIPES}
+        return all(is_saved(path, text) for path, text in texts.items() if path in used)
+
+    # -- reports -----------------------------------------------------------------------------------------------
+
+    def _report_recipe(self, document: Document) -> None:
+        analysis = document.analysis
+        if analysis is None:
+            return
+        lines = lines_of(analysis.text)
+        document.verified = carried(document.verified, analysis.file, document.verified_lines, lines)
+        document.verified_lines = lines
+        found = together(analysis.found, document.verified)
+        self._report(document.path, by_file(found, analysis.file, uses_of(analysis)))
+
+    def _report(self, path: Path, files: Mapping[str, list[Diagnostic]]) -> None:
+        """Publish the diagnostics that changed. Those that several recipes report in one file are merged."""
+        before = self._reported.get(path, {})
+        self._reported[path] = dict(files)
+        for file in dict.fromkeys([*before, *files]):
+            found = [each for reported in self._reported.values() for each in reported.get(file, ())]
+            self._publish(Path(os.path.normpath(self.folder / file)), list(dict.fromkeys(found)))
+        if path not in self.documents:
+            self._reported.pop(path, None)
+
+    def found(self, path: Path) -> list[Diagnostic]:
+        """Return the diagnostics of a file."""
+        file = shown(path, self.folder)
+        return [each for reported in self._reported.values() for each in reported.get(file, ())]
+
+    async def shut(self) -> None:
+        """Stop all work. Requests get no answers after this."""
+        for document in self.documents.values():
+            if document.timer is not None:
+                document.timer.cancel()
+        self._analysing.shutdown(wait=False, cancel_futures=True)
+        self._verifying.shutdown(wait=False, cancel_futures=True)
+        self.end()
+
+    def end(self) -> None:
+        """End the processes that work for this one, and remove their folders."""
+        self.workspace.close()
+        self.verifier.close()
+
+
+def _kind(path: Path, text: str) -> str:
+    if is_recipe(path, text):
+        return "recipe"
+    return "model" if path.suffix.lower() in _MODELS and _MODEL.search(text[:20_000]) else ""

@@ -1,0 +1,321 @@
+"""All kinds of hover."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING
+
+from mjcompose.base.rotation import Pose
+from mjcompose.base.sink import Sink
+from mjcompose.build.plan.plan import Place, Plan
+from mjcompose.build.plan.read import files_of_source
+from mjcompose.language.expand import Cell, cells, scope_of
+from mjcompose.link import numbers
+from mjcompose.lsp.analysis import Analysis, Hover, Known, Question
+from mjcompose.lsp.language import doc_of, words_of
+from mjcompose.lsp.places import label, matches, part_of_reference, selector_around
+from mjcompose.lsp.subject import in_model, named_at, names_in, of_nested, settables
+from mjcompose.model.grammar import GRAMMAR
+from mjcompose.model.unit import Unit
+from mjcompose.sources.reference import Source
+from mjcompose.text.evaluate import Template
+from mjcompose.text.expression import ExpressionError
+from mjcompose.text.expression_values import Value, shown
+from mjcompose.text.node import Mapping as Located
+from mjcompose.text.node import Node, is_template
+from mjcompose.tools.explain.explanation import render
+from mjcompose.tools.outline import Joint, world_of
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as _EtreeElement
+
+    from mjcompose.tools.explain.explain import Traced
+
+
+def show(question: Question) -> Hover | None:
+    """Return information about the element whose name is at the cursor, or None."""
+    analysis = question.analysis
+    for known in named_at(question):
+        return Hover(describe(in_model(known, analysis), analysis), question.word)
+    return None
+
+
+def describe(known: Known, analysis: Analysis) -> str:
+    """Return an element in Markdown: its kind, facts with their units, and what `explain` says."""
+    lines = [f"**{known.tag} `{known.name}`**", ""]
+    traced, node = analysis.traced, known.node
+    composed = traced is not None and node is not None and node in traced.watch.lives
+    lines += [f"- {fact}" for fact in _facts(known, traced if composed else None)]
+    if traced is not None and composed and node is not None:
+        told = render(traced.element(node)).partition("\n")[2]
+        lines += ["", "```text", told, "```"]
+    return "\n".join(lines)
+
+
+def _facts(known: Known, traced: Traced | None) -> Iterator[str]:
+    if known.part:
+        yield f"part `{known.part}`"
+    if known.holder:
+        yield f"in body `{known.holder}`"
+    if traced is None or known.node is None:
+        return
+    if known.namespace in ("site", "body", "frame"):
+        yield from _pose(known, traced)
+    if known.tag == "body":
+        mass = traced.attribute(known.node, "mass").value
+        yield f"mass: {mass} kg" if mass is not None else "mass: computed by MuJoCo from its geoms"
+    if known.namespace == "joint":
+        yield from _joint(known.node, traced)
+    for name in ("ctrlrange", "forcerange"):
+        if known.namespace == "actuator" and name in known.node.attrib:
+            yield f"{name}: {known.node.get(name)}"
+
+
+def _pose(known: Known, traced: Traced) -> Iterator[str]:
+    """Yield the pose of an element in metres: in its body, and in the world at the reference configuration."""
+    for body in world_of(traced.model, lambda node: None).walk():
+        for place in body.places:
+            if (place.kind, place.name) == (known.tag, known.name):
+                if place.kind != "body":
+                    yield f"in its body: {_words(place.pose)}"
+                yield f"in the world: {_words(place.world)}"
+
+
+def _words(pose: Pose) -> str:
+    """Return a pose as text.
+
+    >>> _words(Pose((0.1, 0.0, 0.25)))
+    '[0.1, 0, 0.25] m'
+    """
+    pos = ", ".join(numbers.text([round(float(each), 6) + 0.0]) for each in pose.pos)
+    turned = any(abs(float(each)) > 1e-9 for each in pose.quat[1:])
+    quat = ", ".join(numbers.text([round(float(each), 4) + 0.0]) for each in pose.quat)
+    return f"[{pos}] m" + (f", quat [{quat}]" if turned else "")
+
+
+def _joint(node: _EtreeElement, traced: Traced) -> Iterator[str]:
+    name = node.get("name")
+    for joint in (each for body in world_of(traced.model, lambda node: None).walk() for each in body.joints):
+        if joint.name == name:
+            yield f"{joint.type} joint{_range(joint)}"
+
+
+def _range(joint: Joint) -> str:
+    if joint.range is None:
+        return ", no limits" if joint.type != "free" else ""
+    low, high = joint.range
+    if joint.type == "slide":
+        return f", range [{low:.6g}, {high:.6g}] m"
+    degrees = [f"{each * 180 / 3.141592653589793:.4g}" for each in joint.range]
+    return f", range [{low:.6g}, {high:.6g}] rad = [{', '.join(degrees)}]°"
+
+
+_EXPRESSION_MOST = 12
+
+
+def show_expression(question: Question) -> Hover | None:
+    """Return the value of the text with `${…}` at the cursor, or None."""
+    text = question.cursor.whole
+    if not is_template(text) or not isinstance(question.tree, Located):
+        return None
+    values = values_of(text, question.tree)
+    if not values:
+        return None
+    lines = [f"`{text}`", ""]
+    if len(set(values.values())) == 1:
+        lines.append(f"= **{next(iter(values.values()))}**")
+    else:
+        lines += ["| cell | value |", "|---|---|"]
+        lines += [f"| {cell} | **{value}** |" for cell, value in list(values.items())[:_EXPRESSION_MOST]]
+        if len(values) > _EXPRESSION_MOST:
+            lines.append(f"| … and {len(values) - _EXPRESSION_MOST} more | |")
+    named = settables(question.data)
+    about = [f"- `{name}`: {named[name].detail}{'; ' if named[name].doc else ''}{named[name].doc}"
+             for name in dict.fromkeys(each for each, _, _ in names_in(text)) if name in named]  # fmt: skip
+    return Hover("\n".join([*lines, "", *about]), question.word)
+
+
+def values_of(text: str, document: Located) -> dict[str, str]:
+    """Return the value of a text in each cell, by the name of the cell; without a matrix, under an empty name.
+
+    The result is empty if a name in the text has no value yet, such as `${value}` in an edit.
+    """
+    try:
+        template = Template.parse(text)
+    except ExpressionError:
+        return {}
+    found: dict[str, str] = {}
+    for name, scope in scopes(document):
+        try:
+            found[name] = shown(template.value(scope))
+        except ExpressionError:
+            return {}
+    return found
+
+
+def scopes(document: Located) -> Iterator[tuple[str, Mapping[str, Value]]]:
+    """Yield the values of parameters and variants in each cell; without a matrix, their defaults."""
+    every = cells(document, "", Sink())
+    if not every:
+        yield "", scope_of(document, {})
+    for cell in every:
+        yield _label(cell), scope_of(document, cell.given)
+
+
+def _label(cell: Cell) -> str:
+    given: Mapping[str, Node] = cell.given
+    return ", ".join(f"{name} {getattr(node, 'text', '…')}" for name, node in given.items())
+
+
+def show_key(question: Question) -> Hover | None:
+    """Return the description of the key or word at the cursor, or None."""
+    cursor = question.cursor
+    if cursor.role != "value" and cursor.whole:
+        text = doc_of((*cursor.path, cursor.whole), question.data)
+        return Hover(f"**`{cursor.whole}`**\n\n{text}", question.word) if text else None
+    text = words_of(question.forms).get(cursor.whole.strip(), "")
+    text = text or (
+        doc_of(cursor.path, question.data) if cursor.path and isinstance(cursor.path[-1], str) else ""
+    )
+    return Hover(f"**`{cursor.whole.strip()}`**\n\n{text}", question.word) if text else None
+
+
+_MODEL_MOST = 24
+
+
+def show_model(question: Question) -> Hover | None:
+    """Return information about the model reference at the cursor, or None."""
+    plan = question.analysis.plan
+    if question.cursor.role == "key" or plan is None:
+        return None
+    name = part_of_reference(question.path, plan)
+    place = next((each for each in plan.walk() if each.part == name), None)
+    if place is None or place.model is None:
+        return None
+    return Hover("\n".join(_lines(place, question)), question.word)
+
+
+def _lines(place: Place, question: Question) -> Iterator[str]:
+    model = place.model
+    source = model.source if isinstance(model, Plan) else model
+    if source is not None:
+        yield f"**`{source.reference}`**"
+        yield ""
+        version = f", version {source.version}" if source.version else ""
+        yield f"- {source.kind.name}, {'recipe' if isinstance(model, Plan) else source.format.upper()}{version}"
+        yield f"- file: `{question.analysis.path.parent.joinpath(source.path)}`"
+        texts = ", ".join(f"`{each.name}`" for each in source.licences)
+        yield f"- licence: {source.licence or ''}{' ' if source.licence else ''}{texts or 'no text was found'}"
+    if isinstance(model, Plan):
+        yield from _of_recipe(model, question)
+        return
+    unit = question.analysis.names.sources.get(place.part)
+    if isinstance(model, Source) and unit is not None:
+        yield from _of_model(model, unit)
+
+
+def _of_recipe(plan: Plan, question: Question) -> Iterator[str]:
+    if plan.description:
+        yield f"- {plan.description}"
+    yield f"- parts: {', '.join(f'`{part}`' for part in plan.part_names) or 'none'}"
+    for each in of_nested(
+        question.path[:-1] if question.path != ("base",) else question.path, question
+    ).values():
+        yield f"- `{each.name}`: {each.detail}{'; ' if each.doc else ''}{each.doc}"
+
+
+def _of_model(source: Source, unit: Unit) -> Iterator[str]:
+    world = world_of(unit, lambda node: None)
+    bodies = list(world.walk())[1:]
+    joints = sum(len(body.joints) for body in (world, *bodies))
+    counts = {"body": len(bodies), "joint": joints}
+    for section in ("actuator", "sensor", "keyframe"):
+        found = sum(len(list(each.iterchildren("*"))) for each in unit.root.iterchildren(section))
+        counts[{"keyframe": "key"}.get(section, section)] = found
+    yield "- " + ", ".join(_count(count, word) for word, count in counts.items() if count)
+    files = list(files_of_source(source))
+    size = sum(os.path.getsize(each) for each in files)
+    yield f"- {len(files)} files, {size / 1e6:.2f} MB"
+    places = [place for body in (world, *bodies) for place in body.places if place.kind != "body"]
+    if places:
+        yield ""
+        yield "places to attach to:"
+        for place in places[:_MODEL_MOST]:
+            pos = ", ".join(f"{float(each):.4g}" for each in place.world.pos)
+            yield f"- {place.kind} `{place.name}` at [{pos}] m"
+    named = [f"`{body.name}`" for body in bodies if body.name]
+    more = f" and {len(named) - _MODEL_MOST} more" if len(named) > _MODEL_MOST else ""
+    yield f"\nbodies: {', '.join(named[:_MODEL_MOST])}{more}"
+
+
+def _count(count: int, word: str) -> str:
+    plural = {"body": "bodies"}.get(word, f"{word}s")
+    return f"{count} {word if count == 1 else plural}"
+
+
+_SELECTOR_MOST = 20
+
+
+def show_selector(question: Question) -> Hover | None:
+    """Return the elements that the selector around the cursor matches, or None."""
+    around = selector_around(question)
+    found = None if around is None else matches(*around, question.analysis)
+    if around is None or found is None:
+        return None
+    where = ", of which `where` may take some away" if "where" in around[1] else ""
+    lines = [f"**matches {len(found)} element{'s' * (len(found) != 1)}** of the finished model{where}", ""]
+    lines += [f"- {label(node)}" for node in found[:_SELECTOR_MOST]]
+    if len(found) > _SELECTOR_MOST:
+        lines.append(f"- … and {len(found) - _SELECTOR_MOST} more")
+    return Hover("\n".join(lines), question.word)
+
+
+SECTIONS = ("option", "size", "statistic", "visual")
+
+
+def show_setting(question: Question) -> Hover | None:
+    """Return the setting at the cursor with the value of each part, or None."""
+    path = (*question.path, question.cursor.whole) if question.cursor.role == "key" else question.path
+    if len(path) < 2 or path[0] not in SECTIONS or not all(isinstance(step, str) for step in path):
+        return None
+    place = "/".join(map(str, path[:-1]))
+    if place not in GRAMMAR.paths or path[-1] not in GRAMMAR.element(place).attributes:
+        return None
+    lines = [f"**`{'.'.join(map(str, path))}`**", "", doc_of(path, question.data), ""]
+    rows = list(_wishes(tuple(map(str, path)), question))
+    if rows:
+        lines += ["| who | wants |", "|---|---|", *rows]
+    return Hover("\n".join(lines), question.word)
+
+
+def _wishes(path: tuple[str, ...], question: Question) -> Iterator[str]:
+    analysis = question.analysis
+    for part, unit in analysis.names.sources.items():
+        for element in unit.root.iterfind("/".join(path[:-1])):
+            value = element.get(path[-1])
+            if value is not None:
+                span = unit.origins.span(element, unit.file, path[-1])
+                yield f"| `{part}` | `{value}` ({span.file}:{span.line}) |"
+    if analysis.model is not None:
+        for element in analysis.model.unit.root.iterfind("/".join(path[:-1])):
+            if (value := element.get(path[-1])) is not None:
+                yield f"| **the model** | **`{value}`** |"
+
+
+Show = Callable[[Question], Hover | None]
+SHOWS: tuple[Show, ...] = (
+    show_expression,
+    show,
+    show_model,
+    show_setting,
+    show_selector,
+    show_key,
+)
+
+
+def hover(question: Question) -> Hover | None:
+    """Return information about what is at the cursor, or None."""
+    if question.cursor.role == "text":
+        return None
+    return next((found for show in SHOWS if (found := show(question)) is not None), None)

@@ -1,0 +1,204 @@
+"""What the language allows at a place of a recipe: a walk along a path through the JSON Schema of recipes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.language.schema import recipe_schema
+from mjcompose.lsp.cursor import Path
+from mjcompose.model.grammar import GRAMMAR, ElementType
+
+Schema = dict[str, Any]
+_ELEMENT = re.compile(r"(?:element|named|variant|settable|scalable)\.(.+)")
+_TYPES: dict[str, tuple[type, ...]] = {
+    "object": (dict,), "array": (list,), "string": (str,), "boolean": (bool,), "number": (int, float),
+    "integer": (int,),
+}  # fmt: skip
+_MOST = 400
+"""How many schemas are looked at for one place: they refer to one another."""
+
+
+@cache
+def whole() -> Schema:
+    """Return the schema of a recipe. The first call takes a moment, because the schema is made then."""
+    return recipe_schema()
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """One way to write a value. `role` is its name in the schema, such as `element.geom`."""
+
+    schema: Schema
+    role: str = ""
+
+    @property
+    def doc(self) -> str:
+        return str(self.schema.get("markdownDescription") or self.schema.get("description") or "")
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """A key that a mapping can have."""
+
+    name: str
+    doc: str
+    forms: tuple[Form, ...]
+    required: bool = False
+
+
+def forms_at(path: Path, data: Any = None) -> list[Form]:
+    """Return the ways in which the value at a path can be written, in a recipe with this data.
+
+    >>> [key.name for key in keys_of(forms_at(("attach", "arm"))) if key.required]
+    ['model']
+    """
+    forms = list(_spread(Form(whole()), data))
+    for step in path:
+        data = _inside(data, step)
+        forms = forms_below(forms, step, data)
+    return forms
+
+
+def forms_below(forms: list[Form], step: str | int, data: Any) -> list[Form]:
+    """Return the ways in which a value inside of one of these forms can be written. `data` is the outer value."""
+    below = [found for form in forms for found in _step(form, step)]
+    return [each for found in below for each in _spread(found, data)]
+
+
+def keys_of(forms: list[Form]) -> list[Key]:
+    """Return the keys that a mapping of these forms can have, in the order of the language."""
+    found: dict[str, Key] = {}
+    required = {name for form in forms for name in form.schema.get("required", ())}
+    for form in forms:
+        for name, schema in form.schema.get("properties", {}).items():
+            if schema is not False and (name not in found or not found[name].doc):
+                inner = list(_spread(Form(schema), None))
+                doc = Form(schema).doc or next((each.doc for each in inner if each.doc), "")
+                found[name] = Key(name, doc, tuple(inner), name in required)
+        for name in form.schema.get("propertyNames", {}).get("enum", ()):
+            found.setdefault(name, Key(name, "", ()))
+    return list(found.values())
+
+
+def words_of(forms: list[Form]) -> dict[str, str]:
+    """Return the fixed words that a value of these forms can be, each with its meaning."""
+    found: dict[str, str] = {}
+    for form in forms:
+        schema = form.schema
+        docs = schema.get("markdownEnumDescriptions") or schema.get("enumDescriptions") or []
+        for at, word in enumerate(schema.get("enum", [schema["const"]] if "const" in schema else [])):
+            if word is not None:
+                found.setdefault(_written(word), docs[at] if at < len(docs) else form.doc)
+        if schema.get("type") == "boolean" or form.role.endswith("boolean"):
+            found.setdefault("true", "")
+            found.setdefault("false", "")
+    return found
+
+
+def doc_of(path: Path, data: Any = None) -> str:
+    """Return the description of the key at the end of a path."""
+    for key in keys_of(forms_at(path[:-1], data)):
+        if key.name == path[-1]:
+            return key.doc
+    return next((form.doc for form in forms_at(path, data) if form.doc), "")
+
+
+def kinds_of(forms: list[Form]) -> list[ElementType]:
+    """Return the MJCF elements that a mapping of these forms can be."""
+    found: dict[str, ElementType] = {}
+    for form in forms:
+        match = _ELEMENT.fullmatch(form.role)
+        path = "" if match is None else match[1].replace(".", "/")
+        if path in GRAMMAR.paths:
+            found[path] = GRAMMAR.element(path)
+    return list(found.values())
+
+
+def _written(word: Any) -> str:
+    return {True: "true", False: "false"}.get(word, str(word)) if isinstance(word, bool) else str(word)
+
+
+def _inside(data: Any, step: str | int) -> Any:
+    if isinstance(data, dict) and isinstance(step, str):
+        return data.get(step)
+    if isinstance(data, list) and isinstance(step, int):
+        return data[step] if 0 <= step < len(data) else None
+    return None
+
+
+def _step(form: Form, step: str | int) -> Iterator[Form]:
+    schema = form.schema
+    if isinstance(step, int):
+        if isinstance(items := schema.get("items"), dict):
+            yield Form(items)
+        return
+    if isinstance(found := schema.get("properties", {}).get(step), dict):
+        yield Form(found, _carried(form, step))
+        return
+    for pattern, found in schema.get("patternProperties", {}).items():
+        if re.search(pattern, step):
+            yield Form(found)
+    if isinstance(found := schema.get("additionalProperties"), dict):
+        yield Form(found)
+
+
+def _carried(form: Form, step: str) -> str:
+    """Return the role of an attribute of an element, which has no name of its own in the schema."""
+    return f"{form.role}@{step}" if form.role else ""
+
+
+def _spread(form: Form, data: Any) -> Iterator[Form]:
+    """Yield a form and all that it refers to, without the alternatives that the data excludes."""
+    waiting, count = [form], 0
+    while waiting and count < _MOST:
+        each, count = waiting.pop(0), count + 1
+        yield each
+        schema = each.schema
+        if (target := schema.get("$ref")) is not None:
+            name = target.removeprefix("#/$defs/")
+            plain = name.removeprefix("piece.")
+            kept = each.role if "@" in each.role and not _ELEMENT.fullmatch(plain) else plain
+            waiting.append(Form(whole()["$defs"][name], kept or plain))
+        for branch in (*schema.get("allOf", ()), *(b for b in schema.get("anyOf", ()) if _may_be(b, data))):
+            waiting.append(Form(branch, each.role))
+        if (condition := schema.get("if")) is not None:
+            holds = None if data is None else _holds(condition, data)
+            for word, wanted in (("then", True), ("else", False)):
+                if word in schema and (holds is None or holds is wanted):
+                    waiting.append(Form(schema[word], each.role))
+
+
+def _may_be(schema: Schema, data: Any) -> bool:
+    return data is None or "type" not in schema or _is_type(schema["type"], data)
+
+
+def _is_type(types: str | list[str], data: Any) -> bool:
+    return any(
+        isinstance(data, _TYPES.get(each, ())) for each in ([types] if isinstance(types, str) else types)
+    )
+
+
+def _holds(condition: Schema, data: Any) -> bool:
+    """Return whether the data fulfils the condition of an `if`. The schema has three kinds of conditions."""
+    if "type" in condition and not _is_type(condition["type"], data):
+        return False
+    if "const" in condition and data != condition["const"]:
+        return False
+    if "enum" in condition and data not in condition["enum"]:
+        return False
+    if not isinstance(data, dict):
+        return True
+    if any(name not in data for name in condition.get("required", ())):
+        return False
+    if "not" in condition and _holds(condition["not"], data):
+        return False
+    if "anyOf" in condition and not any(_holds(each, data) for each in condition["anyOf"]):
+        return False
+    inner = condition.get("properties", {})
+    return all(
+        _holds(each, data[name]) for name, each in inner.items() if name in data and isinstance(each, dict)
+    )

@@ -1,0 +1,296 @@
+"""Which names are allowed at a place, and what a selector matches."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.build.plan.plan import BASE, AttachPart, Plan, part_name
+from mjcompose.language.keyframe import FROM, VECTORS
+from mjcompose.language.select import NARROWING, read_selector
+from mjcompose.lsp.analysis import Known, Names, Question
+from mjcompose.lsp.cursor import Path
+from mjcompose.lsp.language import Form, kinds_of
+from mjcompose.model.grammar import GRAMMAR
+from mjcompose.model.names import WORLD
+from mjcompose.model.pattern import BadPattern
+from mjcompose.model.select import Selection, name_of
+from mjcompose.model.selector import Selector, paths_of
+from mjcompose.model.unit import Unit
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from mjcompose.lsp.analysis import Analysis
+
+
+def selector_around(question: Question) -> tuple[Path, dict[str, Any]] | None:
+    """Return the innermost selector around a cursor: its path and what is written there."""
+    path = question.path
+    for length in range(len(path), 0, -1):
+        written = question.at(path[:length])
+        if isinstance(written, dict) and is_selector(path[:length], written):
+            return path[:length], written
+    return None
+
+
+def is_selector(path: Path, written: dict[str, Any]) -> bool:
+    if not path:
+        return False
+    is_place = path[-1] in ("select", "parent", "in") or (len(path) > 1 and path[-2] in ("drop", "exists"))
+    tags = [name for name in written if name not in NARROWING]
+    return is_place and len(tags) == 1 and bool(paths_of(tags[0]))
+
+
+def matches(path: Path, written: dict[str, Any], analysis: Analysis) -> list[Node] | None:
+    """Return the elements that a selector matches, or None if that is not known. `where` is not evaluated."""
+    selector = read_selector({**written, **({"where": {}} if "where" in written else {})}, path, "", [])
+    if selector is None:
+        return None
+    own = own_part(without_variant(path))
+    try:
+        if own:
+            unit = analysis.names.sources.get(part_called(own, analysis.plan))
+            return None if unit is None else _selected(unit, selector, "/")
+        model = analysis.model
+        return None if model is None else _selected(model.unit, selector, analysis.separator, model.parts)
+    except BadPattern:
+        return None
+
+
+def _selected(
+    unit: Unit, selector: Selector, separator: str, parts: Mapping[Node, str] | None = None
+) -> list[Node]:
+    return Selection(unit.root, unit.classes, separator, parts or {}).of(selector)
+
+
+def label(node: Node) -> str:
+    """Return the name of an element for lists."""
+    name = name_of(node)
+    return f"`{name}`" if name else f"an unnamed `<{node.tag}>`"
+
+
+ANY = "*"
+PART, KEY = "part", "key"
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """The names that are allowed at a place: those of these namespaces, the most likely one first.
+
+    With `tags`, only elements with these tags are allowed. `of` is the path of the part inside which the names are
+    looked up, `not_of` that of a part which is not allowed itself. `part` is the name of the part from which the
+    names must come. With `pattern`, a pattern over names is allowed too.
+    """
+
+    namespaces: tuple[str, ...]
+    tags: frozenset[str] = frozenset()
+    of: Path = ()
+    not_of: Path = ()
+    part: str | None = None
+    pattern: bool = False
+
+
+_ROWS: tuple[tuple[Path, Wanted], ...] = (
+    (("attach", ANY, "site"), Wanted(("site",))),
+    (("attach", ANY, "body"), Wanted(("body",))),
+    (("attach", ANY, "frame"), Wanted(("frame",))),
+    (("attach", ANY, "mate"), Wanted(("site", "body", "frame"))),
+    (("attach", ANY, "subtree"), Wanted(("body",))),
+    (("attach", ANY, "before"), Wanted((PART,))),
+    (("attach", ANY, "after"), Wanted((PART,))),
+    (("base", "subtree"), Wanted(("body",))),
+    (("add", ANY, "to"), Wanted(("body",))),
+    (("add", ANY, "to", "frame"), Wanted(("frame",))),
+    (("edit", ANY, "move", "to"), Wanted(("body", "frame"))),
+    (("attach", ANY, "edit", ANY, "move", "to"), Wanted(("body", "frame"))),
+    (("base", "edit", ANY, "move", "to"), Wanted(("body", "frame"))),
+    (("check", ANY, "mass", "subtree"), Wanted(("body",))),
+    (("check", ANY, "mass", "body"), Wanted(("body",))),
+    (("check", ANY, "reachable", "site"), Wanted(("site",))),
+    (("check", ANY, "plausible", "bodies"), Wanted(("body",), pattern=True)),
+    (("check", ANY, "plausible", "bodies", ANY), Wanted(("body",), pattern=True)),
+    (("check", ANY, "plausible", "exclude"), Wanted(("body",), pattern=True)),
+    (("check", ANY, "plausible", "exclude", ANY), Wanted(("body",), pattern=True)),
+    (("check", ANY, "unchanged", "part"), Wanted((PART,))),
+    (("check", ANY, ANY, "key"), Wanted((KEY,))),
+    (("check", ANY, ANY, "keys", ANY), Wanted((KEY,), pattern=True)),
+    (("contact", "collide", "between", ANY), Wanted((PART,))),
+    (("contact", "exclude", ANY, "between", ANY), Wanted((PART,))),
+)
+"""The keys of recipes themselves that take names; what MJCF has is in its grammar."""
+_OWN = (("attach", ANY, "mate"), ("attach", ANY, "subtree"), ("attach", ANY, "edit"), ("attach", ANY, "drop"),
+        ("base", "subtree"), ("base", "edit"), ("base", "drop"))  # fmt: skip
+_PLACES = ("site", "body", "frame", "before", "after")
+
+
+def wanted_value(path: Path, forms: list[Form], around: Any) -> Wanted | None:
+    """Return which names a value can be, or None. `forms` are those of the mapping around it, `around` its data."""
+    path = without_variant(path)
+    if not path:
+        return None
+    if (inner := _in_place(path)) is not None:
+        at, rest = inner
+        found = wanted_value(rest, forms, around)
+        return None if found is None or found.of else replace(found, of=at, not_of=())
+    found = next((wanted for row, wanted in _ROWS if _fits(row, path)), None)
+    if found is None and len(path) > 2 and path[-2] == FROM and path[0] == "keyframe":
+        return Wanted((KEY,), part=str(path[-1]))
+    found = found or _selector(path, forms) or _of_mjcf(path, forms, around)
+    if found is None:
+        return None
+    return replace(found, of=own_part(path), not_of=_itself(path))
+
+
+def wanted_key(path: Path) -> Wanted | None:
+    """Return which names the keys of the mapping at a path can be, or None."""
+    path = without_variant(path)
+    if (inner := _in_place(path)) is not None:
+        found = wanted_key(inner[1])
+        return None if found is None else replace(found, of=inner[0])
+    if len(path) == 3 and path[0] == "keyframe":
+        if path[2] == FROM:
+            return Wanted((PART,))
+        kind = VECTORS.get(str(path[2]))
+        return None if kind is None else Wanted((kind.removeprefix("mocap "),))
+    if len(path) == 4 and path[0] == "keyframe" and path[3] == "joint":
+        return Wanted(("joint",))
+    return None
+
+
+def fitting(wanted: Wanted, names: Names, plan: Plan | None) -> Iterator[tuple[int, Known]]:
+    """Yield the names that are allowed, each with a rank. The most likely come first."""
+    if wanted.of or wanted.part is not None:
+        names = names.own(part_called(wanted.of, plan) if wanted.part is None else wanted.part)
+    itself = prefix_of(wanted.not_of, plan) if wanted.not_of else None
+    for rank, namespace in enumerate(wanted.namespaces):
+        if namespace == PART:
+            yield from ((rank, Known(part, PART, PART)) for part in names.parts)
+            continue
+        for each in names.known.get(namespace, {}).items():
+            name, known = each
+            if itself and name.startswith(itself):
+                continue
+            if wanted.tags and known.tag not in wanted.tags and known.name != WORLD:
+                continue
+            yield rank, replace(known, name=name)
+
+
+def without_variant(path: Path) -> Path:
+    """Return the path inside a variant's piece of recipe, or the path itself outside of variants."""
+    return path[3:] if path[:1] == ("variants",) and len(path) > 3 else path
+
+
+def _in_place(path: Path) -> tuple[Path, Path] | None:
+    """Return the part whose in-place recipe contains a path, and the path inside that recipe, or None."""
+    length = (
+        2
+        if path[:2] == ("base", "model")
+        else 3
+        if path[:1] == ("attach",) and path[2:3] == ("model",)
+        else 0
+    )
+    return (path[: length - 1], path[length:]) if length and len(path) > length else None
+
+
+def own_part(path: Path) -> Path:
+    """Return the path of the part whose own names a place uses, or an empty path where final names are used."""
+    row = next((row for row in _OWN if _fits(row, path[: len(row)])), None)
+    return () if row is None else path[: len(row) - 1]
+
+
+def prefix_of(at: Path, plan: Plan | None) -> str | None:
+    """Return the prefix of the part at a path, or None."""
+    step = part_at(at, plan)
+    return None if step is None else step.prefix
+
+
+def part_called(at: Path, plan: Plan | None) -> str:
+    """Return the name of the part at a path, as keyframes and selectors write it."""
+    step = part_at(at, plan)
+    return part_name(step, plan.separator) if step is not None and plan is not None else str(at[-1])
+
+
+def part_of_reference(path: Path, plan: Plan) -> str | None:
+    """Return the path of the part whose `model` is at a path, or None for any other place."""
+    path = without_variant(path)
+    if path in (("base",), ("base", "model")):
+        return BASE
+    if len(path) == 3 and path[0] == "attach" and path[2] == "model" and part_at(path[:2], plan) is not None:
+        return part_called(path[:2], plan)
+    return None
+
+
+def part_at(at: Path, plan: Plan | None) -> AttachPart | None:
+    parts = plan.parts if plan is not None else ()
+    return next((step for step in parts if step.at == at), None)
+
+
+def namespaces_of(tag: str) -> tuple[str, ...]:
+    """Return the namespaces of the elements that a tag of a selector means."""
+    found = {GRAMMAR.element(path).family for path in paths_of(tag)}
+    return tuple(sorted(name for name in found if name))
+
+
+def tags_of(tag: str) -> frozenset[str]:
+    return frozenset(path.rpartition("/")[2] for path in paths_of(tag))
+
+
+def is_selector_key(forms: list[Form]) -> bool:
+    return any(form.role in ("selector", "dropped") or form.role.endswith("@select") for form in forms)
+
+
+def _itself(path: Path) -> Path:
+    """Return the path of the part around a place, which cannot be attached to itself."""
+    return path[:2] if len(path) == 3 and path[0] == "attach" and path[2] in _PLACES else ()
+
+
+def _fits(row: Path, path: Path) -> bool:
+    return len(row) == len(path) and all(a in (ANY, b) for a, b in zip(row, path, strict=True))
+
+
+def _selector(path: Path, forms: list[Form]) -> Wanted | None:
+    """Return the names that fit behind a tag of a selector, or behind a key that narrows it down; None elsewhere."""
+    last = str(path[-1])
+    if not is_selector_key(forms):
+        return None
+    if last == "part":
+        return Wanted((PART,), pattern=True)
+    if last == "class":
+        return Wanted(("default",), pattern=True)
+    if last in NARROWING or not paths_of(last):
+        return None
+    return Wanted(namespaces_of(last), tags_of(last), pattern=True)
+
+
+def _of_mjcf(path: Path, forms: list[Form], around: Any) -> Wanted | None:
+    """Return the names that fit an MJCF attribute that refers to something, or None for any other attribute."""
+    name = str(path[-2]) if isinstance(path[-1], int) and len(path) > 1 else str(path[-1])
+    for kind in kinds_of(forms):
+        attribute = kind.attributes.get(name)
+        if attribute is None:
+            continue
+        if attribute.refers_by:
+            return _by_type(attribute.refers_by, around)
+        if attribute.refers and not attribute.refers.startswith("attached:"):
+            return Wanted((attribute.refers,))
+    if name in ("site", "geom", "sidesite") and any(
+        form.role.startswith("step.tendon.spatial") for form in forms
+    ):
+        return Wanted(("geom",) if name == "geom" else ("site",))
+    if name == "joint" and any(form.role.startswith("step.tendon.fixed") for form in forms):
+        return Wanted(("joint",))
+    if name == "parent" and len(path) == 3 and path[0] == "default":
+        return Wanted(("default",))
+    return None
+
+
+def _by_type(attribute: str, around: Any) -> Wanted | None:
+    """Return the namespace that a sibling such as `objtype` names, or all of them if it names none."""
+    said = around.get(attribute) if isinstance(around, dict) else None
+    namespace = GRAMMAR.objtypes.get(str(said or ""))
+    if namespace is not None:
+        return Wanted((namespace,))
+    return Wanted(tuple(dict.fromkeys(GRAMMAR.objtypes.values())))

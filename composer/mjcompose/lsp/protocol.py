@@ -1,0 +1,376 @@
+"""Messages of an editor, and the answers of providers as messages.
+
+The messages of an editor, read from its bytes: what is no message is answered with an error.
+
+pygls 2.1 ignores a frame without a valid length, and everything behind it, and never answers a request whose parameters
+it cannot read. From here it gets only messages that it can handle.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from lsprotocol import types as lsp
+
+from mjcompose.base.codes import address
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Diagnostic, Severity, Span
+from mjcompose.base.processes import Process
+from mjcompose.base.report import printable
+from mjcompose.lsp.analysis import (
+    Action,
+    Change,
+    Completion,
+    Fold,
+    Hint,
+    Hover,
+    Item,
+    Lens,
+    Symbol,
+    column_of,
+    units,
+)
+
+_LENGTH = b"content-length"
+_MOST_LINE = 1 << 16
+_MOST = 1 << 26
+PARSE_ERROR, INVALID_REQUEST, INVALID_PARAMS = -32700, -32600, -32602
+
+Structure = Callable[[bytes], object]
+Answer = Callable[[Any, int, str], None]
+
+
+class Frames:
+    """A stream of valid frames, as `readline` and `read` of a binary file give it.
+
+    `structure` makes the objects of a message, and raises an exception for what the protocol does not have. `answer`
+    takes the id of a request (None where there is none), a code and a sentence.
+    """
+
+    def __init__(self, stream: BinaryIO, structure: Structure, answer: Answer) -> None:
+        self._stream, self._structure, self._answer = stream, structure, answer
+        self._head: list[bytes] = []
+        self._body = b""
+        self._is_shut = False
+
+    def readline(self) -> bytes:
+        if not self._head:
+            body = self._next()
+            if body is None:
+                return b""
+            self._body = body
+            self._head = [b"Content-Length: %d\r\n" % len(body), b"\r\n"]
+        return self._head.pop(0)
+
+    def read(self, size: int) -> bytes:
+        return self._body
+
+    def _next(self) -> bytes | None:
+        """Return the next valid message, or None at the end of the stream."""
+        while True:
+            length = self._length()
+            if length is None:
+                return None
+            if length > _MOST:
+                self._answer(None, INVALID_REQUEST, f"a message has {length} bytes, more than {_MOST}")
+                if not self._skip(length):
+                    return None
+                continue
+            body = self._stream.read(length)
+            if len(body) < length:
+                return None
+            if self._is_valid(body):
+                return body
+
+    def _length(self) -> int | None:
+        """Read the head of a frame, and return its length. One without a valid length is answered, and passed over."""
+        found: list[bytes] = []
+        is_head = False
+        while line := self._stream.readline(_MOST_LINE):
+            # At the end of a line: the content of a frame with a wrong length runs into the head of the next one.
+            name, _, value = line[max(line.lower().rfind(_LENGTH), 0) :].partition(b":")
+            if name.strip().lower() == _LENGTH:
+                found.append(value.strip())
+            is_head = is_head or bool(line.strip())
+            if line.strip() or not is_head:
+                continue
+            text = found[0] if len(found) == 1 else b""
+            if text.isdigit() and len(text) < 16 and int(text):
+                return int(text)
+            said = ", ".join(each.decode("ascii", "replace")[:40] for each in found[:3])
+            wrong = (
+                f"`{said}` is not the length of a message" if found else "a message has no `Content-Length`"
+            )
+            self._answer(None, PARSE_ERROR, wrong)
+            found, is_head = [], False
+        return None
+
+    def _skip(self, length: int) -> bool:
+        while length > 0:
+            piece = self._stream.read(min(length, 1 << 20))
+            if not piece:
+                return False
+            length -= len(piece)
+        return True
+
+    def _is_valid(self, body: bytes) -> bool:
+        """Return whether a message can be handled; answer it otherwise."""
+        try:
+            message = json.loads(body)
+        except Exception as error:  # also a RecursionError, for what nests too deep
+            self._answer(None, PARSE_ERROR, f"a message is not JSON: {str(error) or type(error).__name__}")
+            return False
+        number = message.get("id") if isinstance(message, dict) else None
+        if isinstance(number, bool) or not isinstance(number, int | str):
+            number = None
+        code, wrong = self._fault(message, number, body)
+        if wrong is not None:
+            self._answer(number, code, wrong)
+        return wrong is None
+
+    def _fault(self, message: Any, number: int | str | None, body: bytes) -> tuple[int, str | None]:
+        if not isinstance(message, dict) or message.get("jsonrpc") != "2.0":
+            return INVALID_REQUEST, "a message is an object with `jsonrpc` 2.0"
+        if "method" not in message:
+            return (
+                INVALID_REQUEST,
+                None if "id" in message else "a message has neither a `method` nor an `id`",
+            )
+        method = message["method"]
+        if not isinstance(method, str) or ("id" in message and number is None):
+            return INVALID_REQUEST, "a method is a text, and the `id` of a request a text or a whole number"
+        if self._is_shut and number is not None:
+            return INVALID_REQUEST, "the server is shutting down"
+        self._is_shut = self._is_shut or method == "shutdown"
+        try:
+            self._structure(body)
+        except Exception:
+            return INVALID_PARAMS, f"the parameters of `{method}` are not as the protocol says"
+        return 0, None
+
+
+_SEVERITIES = {
+    Severity.ERROR: lsp.DiagnosticSeverity.Error,
+    Severity.WARNING: lsp.DiagnosticSeverity.Warning,
+    Severity.NOTE: lsp.DiagnosticSeverity.Information,
+}
+_K = lsp.CompletionItemKind
+_KINDS = {
+    "key": _K.Property, "word": _K.EnumMember, "part": _K.Module, "file": _K.File, "model": _K.Module,
+    "scheme": _K.Folder, "parameter": _K.Variable, "variant": _K.Enum, "function": _K.Function,
+    "constant": _K.Constant, "pattern": _K.Operator, "site": _K.Reference, "frame": _K.Reference, "body": _K.Struct,
+    "joint": _K.Field, "geom": _K.Value, "actuator": _K.Event, "sensor": _K.Event, "default": _K.Class,
+    "material": _K.Color, "texture": _K.Color,
+}  # fmt: skip
+_S = lsp.SymbolKind
+_SYMBOLS = {
+    "section": _S.Namespace,
+    "part": _S.Module,
+    "list": _S.Array,
+    "value": _S.Property,
+    "element": _S.Object,
+}
+
+
+class Converter:
+    """Converts places to the units in which the editor counts. `lines` gives the lines of a file, `uri` its address."""
+
+    def __init__(
+        self, encoding: str, folder: Path, lines: Callable[[Path], list[str]], uri: Callable[[Path], str]
+    ) -> None:
+        self.encoding, self.folder, self._lines, self._uri = encoding, folder, lines, uri
+
+    # -- places ------------------------------------------------------------------------------------------------
+
+    def path(self, span: Span) -> Path:
+        return Path(_normal(self.folder / span.file))
+
+    def uri(self, span: Span) -> str:
+        return self._uri(self.path(span))
+
+    def range(self, span: Span) -> lsp.Range:
+        """Return a span as a range. A span without an end covers the word that begins there."""
+        lines = self._lines(self.path(span))
+        line = min(max(span.line - 1, 0), max(len(lines) - 1, 0))
+        text = lines[line] if lines else ""
+        start = min(span.column - 1, len(text)) if span.line - 1 == line else len(text)
+        if span.end_line is None or span.end_column is None:
+            last, end = line, _word_end(text, start)
+        else:
+            last = min(max(span.end_line - 1, line), max(len(lines) - 1, 0))
+            end = min(span.end_column - 1, len(lines[last]) if lines else 0)
+        end_text = lines[last] if lines else ""
+        return lsp.Range(
+            lsp.Position(line, units(text, start, self.encoding)),
+            lsp.Position(last, units(end_text, max(end, start) if last == line else end, self.encoding)),
+        )
+
+    def column(self, lines: list[str], position: lsp.Position) -> int:
+        """Return the character of a position on its line, counted from 0."""
+        text = lines[position.line] if position.line < len(lines) else ""
+        return column_of(text, position.character, self.encoding)
+
+    def meets(self, found: Diagnostic, path: Path, place: lsp.Range) -> bool:
+        """Return whether a diagnostic is shown at a place of a file."""
+        own = self.diagnostic(found, path).range
+        return own.start <= place.end and place.start <= own.end
+
+    def location(self, span: Span) -> lsp.Location:
+        return lsp.Location(self.uri(span), self.range(span))
+
+    # -- answers -----------------------------------------------------------------------------------------------
+
+    def diagnostic(self, found: Diagnostic, path: Path) -> lsp.Diagnostic:
+        """Return a diagnostic in a file. One without a place in this file is shown on the first line."""
+        span = found.span if found.span is not None and self.path(found.span) == path else None
+        place = lsp.Range(lsp.Position(0, 0), lsp.Position(0, 0)) if span is None else self.range(span)
+        related = [
+            lsp.DiagnosticRelatedInformation(self.location(note.span), note.message)
+            for note in (*found.notes, *found.others)
+            if note.span is not None
+        ]
+        url = address(found.code)
+        return lsp.Diagnostic(
+            place, _words(found), _SEVERITIES[found.severity], found.code, source="mjcompose",
+            related_information=related or None, code_description=None if url is None else lsp.CodeDescription(url),
+        )  # fmt: skip
+
+    def completion(self, found: Completion) -> lsp.CompletionList:
+        return lsp.CompletionList(False, [self._item(each, found, at) for at, each in enumerate(found.items)])
+
+    def _item(self, item: Item, found: Completion, at: int) -> lsp.CompletionItem:
+        text = item.insert or item.label
+        edit = None if found.span is None else lsp.TextEdit(self.range(found.span), text)
+        again = lsp.Command("complete", "editor.action.triggerSuggest") if item.again else None
+        return lsp.CompletionItem(
+            item.label,
+            kind=_KINDS.get(item.kind, _K.Text),
+            detail=item.detail or None,
+            documentation=lsp.MarkupContent(lsp.MarkupKind.Markdown, item.doc) if item.doc else None,
+            sort_text=f"{at:05}",
+            text_edit=edit,
+            filter_text=item.label,
+            insert_text_mode=lsp.InsertTextMode.AsIs,
+            command=again,
+        )
+
+    def hover(self, found: Hover) -> lsp.Hover:
+        place = None if found.span is None else self.range(found.span)
+        return lsp.Hover(lsp.MarkupContent(lsp.MarkupKind.Markdown, found.text), place)
+
+    def edit(self, changes: Iterable[Change]) -> lsp.WorkspaceEdit:
+        files: dict[str, list[lsp.TextEdit]] = {}
+        for each in changes:
+            files.setdefault(self.uri(each.span), []).append(self.text_edit(each))
+        return lsp.WorkspaceEdit(changes=files)
+
+    def text_edit(self, change: Change) -> lsp.TextEdit:
+        return lsp.TextEdit(self.range(change.span), change.text)
+
+    def action(self, found: Action, path: Path) -> lsp.CodeAction:
+        about = None if found.diagnostic is None else [self.diagnostic(found.diagnostic, path)]
+        return lsp.CodeAction(
+            found.title,
+            found.kind,
+            about,
+            is_preferred=found.is_preferred or None,
+            edit=self.edit(found.changes),
+        )
+
+    def symbol(self, found: Symbol) -> lsp.DocumentSymbol:
+        return lsp.DocumentSymbol(
+            found.name or "?", _SYMBOLS.get(found.kind, _S.Property), self.range(found.whole), self.range(found.span),
+            found.detail or None, children=[self.symbol(each) for each in found.children] or None,
+        )  # fmt: skip
+
+    def hint(self, found: Hint) -> lsp.InlayHint:
+        return lsp.InlayHint(
+            self.range(found.span).end, found.text, padding_left=True, tooltip=found.doc or None
+        )
+
+    def lens(self, found: Lens) -> lsp.CodeLens:
+        command = lsp.Command(found.title, found.command, arguments=list(found.arguments))
+        return lsp.CodeLens(self.range(found.span), command)
+
+    def fold(self, found: Fold) -> lsp.FoldingRange:
+        return lsp.FoldingRange(found.first, found.last, kind=found.kind)
+
+
+def _words(found: Diagnostic) -> str:
+    """Return the message, the notes and the help on lines of their own, as in a terminal."""
+    notes = [note.message for note in found.listed() if note.span is None]
+    help = [f"help: {found.help}"] if found.help else []
+    return printable("\n".join([found.message, *notes, *help]))
+
+
+def _word_end(text: str, start: int) -> int:
+    end = start
+    while end < len(text) and not text[end].isspace():
+        end += 1
+    return end if end > start else min(start + 1, len(text))
+
+
+def _normal(path: Path) -> str:
+    return os.path.normpath(path)
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """The output of a command, and whether the command succeeded."""
+
+    text: str
+    ok: bool
+
+
+class Errands:
+    """Runs commands in a folder. A `view` runs until the same model is viewed again, or the server ends."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._views: dict[tuple[str, ...], Process] = {}
+
+    async def run(self, verb: str, recipe: str, cell: str | None = None) -> Said:
+        """Run `view`, `build` or `check` for a recipe, or for one cell of its matrix."""
+        words = [verb, recipe, *(("--pick", cell) if cell is not None else ())]
+        if verb == "build":
+            words += ["-o", str(self.folder / "build" / f"{cell or Path(recipe).stem}.zip")]
+        run = self._view if verb == "view" else self._done
+        return await asyncio.get_running_loop().run_in_executor(None, run, words)
+
+    def _done(self, words: list[str]) -> Said:
+        process = self._start(words)
+        out, _ = process.communicate()
+        return Said(out.strip() or f"{words[0]}: done", process.returncode == 0)
+
+    def _view(self, words: list[str]) -> Said:
+        """Start `view` and return its first line of output, which is the address."""
+        key = tuple(words)
+        if (known := self._views.pop(key, None)) is not None:
+            known.end()
+        process = self._views[key] = self._start(words)
+        assert process.stdout is not None
+        line = process.stdout.readline().strip()
+        return Said(line or "the model cannot be shown: see its diagnostics", line.startswith("http"))
+
+    def _start(self, words: list[str]) -> Process:
+        if words[0] == "build":
+            (self.folder / "build").mkdir(exist_ok=True)
+        return Process(
+            [sys.executable, "-m", "mjcompose", *words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT, cwd=self.folder, encoding="utf-8", errors="replace",
+        )  # fmt: skip
+
+    def end(self) -> None:
+        """Stop every `view`."""
+        for process in self._views.values():
+            with contextlib.suppress(OSError):
+                process.end()
+        self._views.clear()

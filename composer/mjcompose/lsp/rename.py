@@ -1,0 +1,265 @@
+"""A part or parameter gets a new name wherever it is used."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from fnmatch import fnmatchcase
+
+from mjcompose.base.diagnostic import Span
+from mjcompose.base.files import read_regular
+from mjcompose.base.sink import Sink
+from mjcompose.build.plan.plan import Plan
+from mjcompose.language.attach import RESERVED
+from mjcompose.lsp.analysis import Analysis, Change, Question, Rename
+from mjcompose.lsp.cursor import Path
+from mjcompose.lsp.places import PART, part_called
+from mjcompose.lsp.subject import (
+    Use,
+    parameter_at,
+    parameter_uses,
+    part_named_at,
+    scalars,
+    settables,
+    uses_in,
+)
+from mjcompose.text.faults import quoted, word
+from mjcompose.text.load import load
+from mjcompose.text.node import Mapping, Scalar, find, locate
+
+_CHOICE = re.compile(r"\{([^{}]*)\}")
+
+
+class NotSure(Exception):
+    """Raised for a pattern that would match other names under the new key, and that cannot be rewritten."""
+
+
+def renamed(text: str, old: str, new: str, separator: str, pattern: bool) -> str | None:
+    """Return a name or pattern with the new prefix, or None if it stays as it is.
+
+    `old` and `new` have no separator at the end. Raises NotSure.
+
+    >>> renamed("left/tip", "left", "arm", "/", False), renamed("{left,right}/*", "left", "arm", "/", True)
+    ('arm/tip', '{arm,right}/*')
+    """
+    if not pattern:
+        return new + text[len(old) :] if text == old or text.startswith(old + separator) else None
+    if text.startswith("/") and text.endswith("/") and len(text) > 1:
+        if re.search(rf"(?<!\w){re.escape(old)}(?!\w)", text):
+            raise NotSure(text)
+        return None
+    before, after = old.split(separator), new.split(separator)
+    steps = text.split(separator)
+    for at, (was, now) in enumerate(zip(before, after, strict=True)):
+        if at >= len(steps) or steps[at] == "**":
+            break
+        step = steps[at]
+        if step == was:
+            steps[at] = now
+        elif "{" in step and not _fits(step, was):
+            return None
+        elif "{" in step:
+            steps[at] = _CHOICE.sub(lambda found, was=was, now=now: _choice(found[1], was, now), step)  # type: ignore[misc]
+            if not _fits(steps[at], now):
+                raise NotSure(text)
+        elif _fits(step, was) != _fits(step, now):
+            raise NotSure(text)
+        elif not _fits(step, was):
+            return None
+    result = separator.join(steps)
+    return None if result == text else result
+
+
+def _choice(options: str, was: str, now: str) -> str:
+    return "{" + ",".join(now if each == was else each for each in options.split(",")) + "}"
+
+
+def _fits(step: str, name: str) -> bool:
+    """Return whether one step of a glob matches a name."""
+    found = _CHOICE.search(step)
+    if found is None:
+        return fnmatchcase(name, step.replace("[", "[[]"))
+    head, tail = step[: found.start()], step[found.end() :]
+    return any(_fits(head + option + tail, name) for option in found[1].split(","))
+
+
+class NotReadable(Exception):
+    """Raised for a recipe that may include this one but cannot be read."""
+
+
+_USABLE = re.compile(r"[A-Za-z_]\w*")
+
+
+def renameable(question: Question) -> Span | None:
+    """Return the word at the cursor that can be renamed: a part, or a parameter of this recipe."""
+    at, parameter = part_named_at(question), parameter_at(question)
+    if not question.analysis.is_current:
+        return None
+    if at is not None and len(at) == 2:
+        return question.word
+    if parameter is None or parameter[1] is not None or parameter[0] not in settables(question.data):
+        return None
+    for span in parameter_uses(parameter[0], question.analysis.tree):
+        if (
+            span.line == question.line + 1
+            and span.column - 1 <= question.column <= (span.end_column or 0) - 1
+        ):
+            return span
+    return None
+
+
+def rename(question: Question, new: str, others: Iterable[Analysis]) -> Rename:
+    """Return all changes that a new name needs. `others` are the recipes that may include this one."""
+    at, parameter = part_named_at(question), parameter_at(question)
+    if renameable(question) is None:
+        return Rename(
+            refusal="only parts, parameters and variants of a recipe without faults of YAML can be renamed"
+        )
+    try:
+        if at is not None and len(at) == 2:
+            return _rename_part(str(at[1]), new, question.analysis, others)
+        assert parameter is not None
+        return _rename_parameter(parameter[0], new, question, others)
+    except NotSure as pattern:
+        return Rename(refusal=f"`{pattern}` would mean other names afterwards: change it first")
+    except NotReadable as file:
+        return Rename(refusal=f"`{file}` may use it and cannot be read as it is: put that right first")
+
+
+# -- parts -----------------------------------------------------------------------------------------------------
+
+
+def _rename_part(old: str, new: str, analysis: Analysis, others: Iterable[Analysis]) -> Rename:
+    if (lower := _extended_with(("attach", old), analysis)) is not None:
+        return Rename(refusal=f"`{old}` is a part of `{lower}`, which this recipe extends: rename it there")
+    tree = analysis.mapping
+    attach = None if tree is None else find(tree, ("attach",))
+    if not new or new == RESERVED or any(each.isspace() for each in new) or analysis.separator in new:
+        return Rename(refusal=f"`{new}` cannot be the key of a part")
+    if isinstance(attach, Mapping) and new in attach.entries:
+        return Rename(refusal=f"there is a part `{new}` already")
+    changes = list(_in_recipe(analysis, "", "", old, new))
+    for other in others:
+        for outer, prefix in _inclusions(other, analysis):
+            changes += _in_recipe(other, outer, prefix, old, new)
+    return Rename(tuple(dict.fromkeys(changes)))
+
+
+def _inclusions(other: Analysis, analysis: Analysis) -> Iterator[tuple[str, str]]:
+    """Yield where another recipe includes this one: path and prefix of the part, both empty if it extends this one."""
+    plan = other.plan
+    if other.path == analysis.path:
+        return
+    if plan is None or not other.is_current or other.plan_of != other.text:
+        raise NotReadable(other.file)
+    if any(source.path == analysis.path for source, _ in plan.extended):
+        yield "", ""
+    for place in plan.walk():
+        if (
+            isinstance(place.model, Plan)
+            and place.part
+            and place.model.path == analysis.path
+            and not place.model.at
+        ):
+            yield place.part, place.prefix
+
+
+def _in_recipe(analysis: Analysis, outer: str, prefix: str, old: str, new: str) -> Iterator[Change]:
+    """Yield the changes in one recipe that includes this one as the part `outer`, with names behind `prefix`."""
+    tree, separator = analysis.mapping, analysis.separator
+    if tree is None:
+        return
+    has_names = True
+    if not outer:
+        part = find(tree, ("attach", old))
+        if part is not None:
+            yield _written(locate(tree, ("attach", old), key=True), new, analysis)
+        has_names = not (isinstance(part, Mapping) and "prefix" in part.entries)
+    for use in uses_in(tree):
+        found = _of_use(use, analysis, outer, prefix, old, new, has_names)
+        if found is not None:
+            yield _written(use.span, found, analysis)
+    if has_names:
+        for path, node in scalars(tree):
+            if path[-1:] == ("xml",):
+                yield from _in_fragment(node, prefix + old + separator, prefix + new + separator)
+
+
+def _of_use(
+    use: Use, analysis: Analysis, outer: str, prefix: str, old: str, new: str, has_names: bool
+) -> str | None:
+    separator = analysis.separator
+    if PART in use.wanted.namespaces:
+        above = f"{outer}/" if outer else ""
+        return renamed(use.text, above + old, above + new, "/", use.wanted.pattern)
+    own = analysis.names.prefixes.get(part_called(use.wanted.of, analysis.plan)) if use.wanted.of else ""
+    if not has_names or own is None or not prefix.startswith(own):
+        return None
+    inner = prefix[len(own) :]
+    return renamed(use.text, inner + old, inner + new, separator, use.wanted.pattern)
+
+
+def _in_fragment(node: Scalar, old: str, new: str) -> Iterator[Change]:
+    """Yield the changes in a fragment of MJCF, which uses final names."""
+    for number, line in enumerate(node.text.split("\n")):
+        for found in re.finditer(rf"""(?<=["'\s]){re.escape(old)}""", line):
+            if node.block is not None:
+                row, column = node.block[0] + number, node.block[1] + found.start()
+            elif number == 0 and node.span.end_line == node.span.line:
+                row, column = node.span.line, node.span.column + (0 if node.plain else 1) + found.start()
+            else:
+                raise NotSure(old)
+            yield Change(Span(node.span.file, row, column, row, column + len(old)), new)
+
+
+def _written(span: Span, text: str, analysis: Analysis) -> Change:
+    """Return the change that replaces a name. It keeps the quotes, or adds those that the new name needs."""
+    lines = analysis.lines if span.file == analysis.file else []
+    before = lines[span.line - 1][span.column - 1 :] if span.line <= len(lines) else ""
+    return Change(span, quoted(text) if before[:1] in ("'", '"') else word(text))
+
+
+# -- parameters ------------------------------------------------------------------------------------------------
+
+
+def _rename_parameter(old: str, new: str, question: Question, others: Iterable[Analysis]) -> Rename:
+    analysis = question.analysis
+    for section in ("params", "variants"):
+        if (lower := _extended_with((section, old), analysis)) is not None:
+            return Rename(refusal=f"`{old}` is set in `{lower}`, which this recipe extends: rename it there")
+    if not _USABLE.fullmatch(new):
+        return Rename(refusal=f"`{new}` cannot be the name of a parameter")
+    if new in settables(question.data):
+        return Rename(refusal=f"there is a parameter or variant `{new}` already")
+    changes = [Change(span, new) for span in parameter_uses(old, analysis.tree)]
+    for other in others:
+        for part, _ in _inclusions(other, analysis):
+            if not part:
+                changes += [Change(span, new) for span in parameter_uses(old, other.tree)]
+            elif (at := _path_of(part, other)) is not None and other.mapping is not None:
+                path = (*at, "with", old)
+                if find(other.mapping, path) is not None:
+                    changes.append(Change(locate(other.mapping, path, key=True), new))
+    return Rename(tuple(dict.fromkeys(changes)))
+
+
+def _extended_with(path: Path, analysis: Analysis) -> str | None:
+    """Return the name of the file that this recipe extends and that has something at a path, or None."""
+    for source, _ in analysis.plan.extended if analysis.plan is not None else ():
+        try:
+            tree = load(read_regular(source.path), source.path.name, Sink())
+        except OSError:
+            continue
+        if tree is not None and find(tree, path) is not None:
+            return source.path.name
+    return None
+
+
+def _path_of(part: str, analysis: Analysis) -> Path | None:
+    """Return the path at which a recipe itself declares a part, or None for a part of a part."""
+    plan = analysis.plan
+    if part == RESERVED:
+        return (RESERVED,)
+    return next(
+        (step.at for step in (plan.parts if plan else ()) if part_called(step.at, plan) == part), None
+    )

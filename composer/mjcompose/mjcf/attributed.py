@@ -1,0 +1,223 @@
+"""Access to a node through Python attributes: MJCF attributes can be read and set, children are found by tag."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from lxml.etree import _Element as Node
+
+from mjcompose.base.diagnostic import Span, call_site
+from mjcompose.mjcf import edit
+from mjcompose.mjcf.asset import LiveArray, as_name, asset_of
+from mjcompose.mjcf.errors import MjcfAttributeError, MjcfError, failure, no_attribute
+from mjcompose.mjcf.model import Model, Target
+from mjcompose.mjcf.value import BadValue, decode, describe, refers, resolved
+from mjcompose.mjcf.views import always_there, view, views
+from mjcompose.model.grammar import Attribute, ElementType
+from mjcompose.model.names import own_name
+from mjcompose.model.select import attribute_of, kind_of, naming_attribute, spoken
+
+
+class Attributed:
+    """A view of one node of a model; see `Element`."""
+
+    __slots__ = ("_model", "_node", "_removed")
+    _model: Model
+    _node: Node
+    _removed: bool
+
+    def __init__(self, model: Model, node: Node) -> None:
+        """For internal use. To get an Element, call `add`, `find` or a similar method."""
+        _set_model(self, model)
+        _set_node(self, node)
+        _set_removed(self, False)
+
+    @classmethod
+    def _of(cls, model: Model, node: Node) -> Self:
+        """Return a view of an existing node of a model."""
+        made = cls.__new__(cls)
+        Attributed.__init__(made, model, node)
+        return made
+
+    @property
+    def tag(self) -> str:
+        """The MJCF tag, for example `geom`."""
+        return str(self._node.tag)
+
+    def get(self, attribute: str, default: Any = None) -> Any:
+        """Return the value of an attribute, or `default` if it is not set or does not exist for this tag.
+
+        >>> from mjcompose import mjcf
+        >>> arm = mjcf.RootElement().worldbody.add('body', name='arm', pos=[0, 0, 1])
+        >>> arm.get('pos'), arm.get('quat'), arm.get('mass', 'bodies have none')
+        (array([0., 0., 1.]), None, 'bodies have none')
+        """
+        known = attribute_of(self._kind, as_name("attribute", attribute))
+        value = None if known is None else self._read(known)
+        return default if value is None else value
+
+    def get_attributes(self) -> dict[str, Any]:
+        """Return the values of all attributes that are set, by their Python names.
+
+        >>> from mjcompose import mjcf
+        >>> mjcf.RootElement().worldbody.add('geom', name='ball', size=[1]).get_attributes()
+        {'name': 'ball', 'size': array([1.])}
+        """
+        known = self._kind.attributes
+        return {spoken(str(name)): self._read(known[str(name)]) for name in self._node.keys()}  # noqa: SIM118
+
+    def set_attributes(self, **attributes: object) -> None:
+        """Set several attributes at once. If one value is invalid, raise `MjcfError` and change nothing.
+
+        >>> from mjcompose import mjcf
+        >>> ball = mjcf.RootElement().worldbody.add('geom', size=[1])
+        >>> ball.set_attributes(name='ball', size=[2], rgba=[1, 0, 0, 1])
+        >>> ball
+        <geom size="2" name="ball" rgba="1 0 0 1"/>
+        """
+        self._write(attributes)
+
+    def origin_of(self, attribute: str) -> Span:
+        """Return where an attribute was set: its place in a file, or the line of the program that set it.
+
+        Raises `MjcfError` if the attribute does not exist for this tag, or is not set.
+
+        >>> from mjcompose import mjcf
+        >>> ball = mjcf.from_xml_string('<mujoco><worldbody><geom size="1"/></worldbody></mujoco>').find('geom')
+        >>> ball.origin_of('size').column
+        32
+        """
+        known = attribute_of(self._kind, as_name("attribute", attribute))
+        if known is None:
+            raise no_attribute(self._kind, attribute)
+        if self._alive()._node.get(known.name) is None:
+            raise failure(
+                "unknown-attribute", f"`{attribute}` of {self._described()} is not set", call_site()
+            )
+        origins, file = self._model.unit.origins, self._model.unit.file
+        return origins.span(self._node, file, known.name)
+
+    def _read(self, attribute: Attribute) -> Any:
+        if attribute.declares:
+            return own_name(self._node, attribute.name)
+        text = self._alive()._node.get(attribute.name)
+        if text is None or (not text.strip() and attribute.type != "string"):
+            return None
+        if refers(attribute):
+            found = [
+                each if isinstance(each, str) else view(*each)
+                for each in resolved(self._model, attribute, self._node, str(text))
+            ]
+            return found if attribute.type == "references" else found[0]
+        if attribute.type == "file":
+            return asset_of(self._model, self.tag, str(text))
+        try:
+            value = decode(attribute, str(text))
+        except BadValue as fault:
+            span = self._model.unit.origins.span(self._node, self._model.unit.file, attribute.name)
+            raise failure("wrong-type", f"`{attribute.name}` of {self._described()} {fault}", span) from None
+        return LiveArray.of(value, self, attribute.name) if type(value) is np.ndarray else value
+
+    def _write(self, attributes: Mapping[str, object]) -> None:
+        self._alive()
+        checked = edit.check(self._model, self._kind, targets(attributes), self._node)
+        edit.write(self._model, self._node, checked)
+
+    def _member(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        attribute = attribute_of(self._kind, name)
+        if attribute is not None:
+            return self._read(attribute)
+        tag = name.rstrip("_")
+        if tag not in self._kind.children:
+            raise no_attribute(self._kind, name, [each for each in dir(type(self)) if each[0] != "_"])
+        return self._children(tag)
+
+    def _children(self, tag: str) -> Any:
+        child = self._kind.children[tag]
+        self._alive()
+        if always_there(self._kind, child):
+            at_top = self._kind.tag == "mujoco"
+            node = self._model.section(tag) if at_top else self._model.only_child(self._node, tag)
+            return view(self._model, node)
+        if child.max_count != 1:
+            return views(self._model, tag, self._node.iterchildren(tag))
+        found = next(self._node.iterchildren(tag), None)
+        return None if found is None else view(self._model, found)
+
+    def _set_member(self, name: str, value: object) -> None:
+        member = getattr(type(self), name, None)
+        if isinstance(member, property):
+            if member.fset is None:
+                raise self._cannot_set(name)
+            object.__setattr__(self, name, value)
+        elif name.rstrip("_") in self._kind.children and attribute_of(self._kind, name) is None:
+            self._refuse_child(name)
+        else:
+            self._write({name: value})
+
+    def _cannot_set(self, name: str) -> MjcfError:
+        hidden = attribute_of(self._kind, name) is not None
+        return failure(
+            "wrong-type",
+            f"`{name}` of {self._described()} cannot be set",
+            call_site(),
+            help=f"`set_attributes({name}=…)` sets the attribute of that name, `get('{name}')` reads it"
+            if hidden
+            else None,
+            kind=MjcfAttributeError,
+        )
+
+    def _refuse_child(self, name: str) -> None:
+        raise failure(
+            "wrong-type",
+            f"`{name}` of {self._described()} is an element and cannot be set",
+            call_site(),
+            help=f"set its attributes, or add one: `add('{name.rstrip('_')}', …)`",
+        )
+
+    if not TYPE_CHECKING:  # a checker knows the names of each kind of element: see `elements.pyi`
+        __getattr__, __setattr__ = _member, _set_member
+
+    def __delattr__(self, name: str) -> None:
+        setattr(self, name, None)
+
+    def _own_name(self) -> str | None:
+        attribute = naming_attribute(self._kind)
+        return None if attribute is None else own_name(self._node, attribute.name)
+
+    @property
+    def _kind(self) -> ElementType:
+        return kind_of(self._node)
+
+    def _take_out(self) -> None:
+        """Mark the element as removed from its model."""
+        object.__setattr__(self, "_removed", True)
+
+    def _described(self) -> str:
+        return describe(self._model, self._node)
+
+    def _alive(self) -> Self:
+        if self._removed:
+            raise failure("unknown-element", f"`<{self.tag}>` was removed from its model", call_site())
+        return self
+
+
+# Setting an attribute of an Element writes MJCF; these write its own slots.
+_set_model, _set_node, _set_removed = (vars(Attributed)[slot].__set__ for slot in Attributed.__slots__)
+
+
+def targets(attributes: Mapping[str, object]) -> dict[str, object]:
+    """Return the attributes with each Element replaced by its model and node."""
+    return {name: _target(value) for name, value in attributes.items()}
+
+
+def _target(value: object) -> object:
+    if isinstance(value, Attributed):
+        return Target(value._model, value._node)
+    if isinstance(value, list | tuple) and any(isinstance(each, Attributed) for each in value):
+        return [_target(each) for each in value]
+    return value

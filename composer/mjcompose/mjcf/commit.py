@@ -1,0 +1,402 @@
+"""Values of default classes are written onto elements."""
+
+from __future__ import annotations
+
+import copy
+import warnings
+from collections.abc import Collection, Iterator, Mapping
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.diagnostic import call_site
+from mjcompose.base.suggest import did_you_mean
+from mjcompose.mjcf.asset import as_name, expects
+from mjcompose.mjcf.compile import settings
+from mjcompose.mjcf.element import Element
+from mjcompose.mjcf.errors import MjcfWarning, failure
+from mjcompose.mjcf.model import Model
+from mjcompose.mjcf.mounting import childclass_at
+from mjcompose.mjcf.node_view import checked
+from mjcompose.mjcf.value import describe
+from mjcompose.mjcf.views import class_of
+from mjcompose.model.classes import MAIN, ORIENTATIONS, Classes, DefaultClass, childclass_of, default_tag
+from mjcompose.model.edit import assign
+from mjcompose.model.grammar import GRAMMAR, Attribute
+from mjcompose.model.select import ROOT, attribute_of, kind_of, spoken
+
+ACTUATORS = frozenset(GRAMMAR.section("actuator").children)
+_GENERAL = "general"
+# What actuators of every tag have, and MuJoCo keeps in one place for all: it comes from classes for any of them.
+OF_ALL = frozenset(
+    name
+    for name in GRAMMAR.element("actuator/motor").attributes
+    if name != "class"
+    and all(name in GRAMMAR.element(f"actuator/{tag}").attributes for tag in (_GENERAL, "position"))
+)
+# Tags of which MuJoCo takes every attribute that a class gives as if it were written on the element.
+_PLAIN = frozenset({_GENERAL, "motor", "position", "velocity", "intvelocity", "adhesion"})
+
+
+def is_plain(found: DefaultClass, node: Node) -> bool:
+    """Return whether the attributes that a class sets for an actuator can be written onto it unchanged."""
+    tag, known = str(node.tag), kind_of(node).attributes
+    for element in _elements_committed_actuators(found):
+        if element.tag == tag:
+            if tag not in _PLAIN:
+                return False
+        elif element.tag != _GENERAL or not all(
+            str(name) in OF_ALL and str(name) in known
+            for name in element.keys()  # noqa: SIM118
+        ):
+            return False
+    return True
+
+
+def commit(
+    model: Model, node: Node, given: Mapping[str, str], found: DefaultClass, *, partly: bool = False
+) -> None:
+    """Write attributes onto an actuator so that MuJoCo reads the same with its classes and without them.
+
+    `given` has the attributes from the classes that the actuator's own tag has. If these are not enough, the actuator
+    becomes a `general`, which can express everything except a plugin, and an `MjcfWarning` is issued. If that is not
+    enough either, the actuator still needs its class, and an `MjcfWarning` says so. With `partly`, only some of the
+    attributes were requested: then the actuator keeps its tag and its class.
+    """
+    sections = _sections(found)
+    spelled = copy.copy(node)
+    spelled.attrib.pop("class", "")
+    if found.name != MAIN:
+        spelled.set("class", found.name)
+    wanted = settings(sections, spelled)
+    if wanted is None:  # MuJoCo says why when the model is compiled
+        return
+    as_good: Node | None = None
+    bare = settings(sections, _bare(spelled)) or {}
+    for candidate in _candidates(spelled, given, wanted, bare, in_general=not partly):
+        if settings(sections, candidate) != wanted:
+            continue
+        if partly:
+            _become(model, node, candidate)
+            return
+        as_good = candidate if as_good is None else as_good
+        alone = copy.copy(candidate)
+        alone.attrib.pop("class", "")
+        if settings((), alone) == wanted:
+            _become(model, node, candidate)
+            return
+    if as_good is not None:
+        _become(model, node, as_good)
+    _warn(f"{describe(model, node)} keeps needing its default class, which gives it what cannot be written")
+
+
+def _sections(found: DefaultClass) -> list[Node]:
+    """Return the default sections of the class's model, or none if the class and those above set nothing."""
+    for element in _elements_committed_actuators(found):
+        above = [each for each in element.iterancestors() if each.tag == ROOT]
+        return list(above[0].iterchildren("default"))
+    return []
+
+
+def _elements_committed_actuators(found: DefaultClass | None) -> Iterator[Node]:
+    while found is not None:
+        for tag in ACTUATORS:
+            yield from found.elements.get(tag, ())
+        found = found.parent
+
+
+def _candidates(
+    node: Node,
+    given: Mapping[str, str],
+    wanted: Mapping[str, str],
+    bare: Mapping[str, str],
+    *,
+    in_general: bool,
+) -> Iterator[Node]:
+    """Yield the element with all attributes from its classes, with those that all tags share, and as a `general`."""
+    for names in (given.keys(), given.keys() & OF_ALL):
+        candidate = copy.copy(node)
+        candidate.attrib.update({name: given[name] for name in sorted(names)})
+        yield candidate
+    if node.tag == "plugin" or not in_general:
+        return
+    general = copy.copy(node)
+    general.tag = _GENERAL
+    for name in set(general.keys()) - GRAMMAR.element(f"actuator/{_GENERAL}").attributes.keys():
+        del general.attrib[name]
+    plain = settings((), node.makeelement(_GENERAL)) or {}
+    for name, text in wanted.items():
+        if text and not text == bare.get(name) == plain.get(name):
+            general.set(name, text)
+        elif name in general.attrib:
+            del general.attrib[name]
+    yield general
+
+
+def _bare(node: Node) -> Node:
+    """Return a `general` of the same class without any other attribute."""
+    found = str(node.get("class") or "")
+    return node.makeelement(_GENERAL, {"class": found} if found else {})
+
+
+def _become(model: Model, node: Node, other: Node) -> None:
+    """Give an element the tag and attributes of another one. Existing references to its Element stay valid."""
+    model.forget(node)
+    if node.tag != other.tag:
+        _warn(
+            f"{describe(model, node)} is written as a `{other.tag}`: its default class gives it what a "
+            f"`{node.tag}` cannot say"
+        )
+        node.tag = other.tag
+        view = model.views.get(node)
+        if view is not None:
+            object.__setattr__(view, "__class__", class_of(kind_of(node)))
+    for name in set(node.keys()) - set(other.keys()) - {"class"}:
+        del node.attrib[name]
+    node.attrib.update({name: value for name, value in other.items() if name != "class"})
+    model.note(node)
+
+
+def _warn(message: str) -> None:
+    place = call_site()
+    warnings.warn_explicit(message, MjcfWarning, place.file, place.line)
+
+
+_OF_ATTRIBUTE = "rgb"
+
+
+def commit_textures(model: Model, node: Node, found: DefaultClass) -> None:
+    """Write onto a material the textures of its class for the roles that the material itself does not set."""
+    own = _by_role(node)
+    missing = {
+        role: name for role, name in _given_committed_textures(found).items() if role not in own and name
+    }
+    if not missing:
+        return
+    if not own and missing.keys() == {_OF_ATTRIBUTE}:
+        assign(model, node, {"texture": missing[_OF_ATTRIBUTE]})
+        return
+    if node.get("texture") is not None:  # MuJoCo takes the attribute, or layers
+        missing = {_OF_ATTRIBUTE: own[_OF_ATTRIBUTE], **missing}
+        assign(model, node, {"texture": None})
+    for role, name in missing.items():
+        layer = node.makeelement("layer", {"role": role, "texture": name})
+        node.append(layer)
+        model.unit.origins.own(layer, call_site())
+        model.note(layer)
+
+
+def _given_committed_textures(found: DefaultClass | None) -> dict[str, str]:
+    if found is None:
+        return {}
+    given = _given_committed_textures(found.parent)
+    for element in found.elements.get("material", ()):
+        given.update(_by_role(element))
+    return given
+
+
+def _by_role(node: Node) -> dict[str, str]:
+    named = node.get("texture")  # an empty one takes back what a class gives
+    attribute = {} if named is None else {_OF_ATTRIBUTE: str(named)}
+    layers = {str(layer.get("role")): str(layer.get("texture")) for layer in node.iterchildren("layer")}
+    return {**attribute, **layers}
+
+
+_SECTIONS_OF_NO_ELEMENTS = ("default", "extension")
+_NEVER_GIVEN = frozenset({"class", "texture"})  # textures are a matter of several elements
+# Attributes of which the nearest that is written counts alone.
+_ONE_OF = (
+    frozenset(ORIENTATIONS),
+    frozenset({"type", "directional"}),
+    frozenset({"kv", "dampratio"}),
+)
+_TEXTS = frozenset({"reference", "references", "file", "string"})
+# A single number stands for both.
+_NEVER_COMPLETED = frozenset({"springlength"})
+
+
+def commit_defaults(root_or_element: Element, attributes: Collection[str] | None = None) -> None:
+    """Write the values of default classes onto an element and everything below it, including attached models.
+
+    With `attributes`, write only these, given by their Python names; elements without such an attribute are skipped.
+    Raises `MjcfError` for an attribute that no element has.
+
+    The classes stay in the model, and the compiled model stays the same. A list that is shorter than the one of its
+    class is completed, as MuJoCo does; an orientation that is set stays as it is. If the class of an actuator has
+    settings for actuators with another tag, the actuator gets the combination that MuJoCo makes of both. If its tag
+    cannot express this, it becomes a `general`, and an `MjcfWarning` is issued. MuJoCo is imported for such actuators.
+
+    >>> from mjcompose import mjcf
+    >>> model = mjcf.from_xml_string('<mujoco><default><geom rgba="1 0 0 1" friction="1 0.1"/></default>'
+    ...                              '<worldbody><geom name="g" size="1" friction="0.5"/></worldbody></mujoco>')
+    >>> mjcf.commit_defaults(model)
+    >>> model.find('geom', 'g')
+    <geom name="g" size="1" friction="0.5 0.1" rgba="1 0 0 1"/>
+    """
+    top = checked(root_or_element)
+    _commit_all(top._model, top._node, None if attributes is None else _known(attributes))
+
+
+def _known(attributes: Collection[str]) -> frozenset[str]:
+    """Return the MJCF names of attributes. Raises `MjcfError` for a name that no default class can set."""
+    if isinstance(attributes, str):
+        raise expects("attributes", "a list of names", attributes)
+    kinds = GRAMMAR.section("default").children.values()
+    found = set()
+    for name in attributes:
+        known = next(filter(None, (attribute_of(kind, as_name("attributes", name)) for kind in kinds)), None)
+        if known is None:
+            every = sorted({spoken(each) for kind in kinds for each in kind.attributes})
+            raise failure(
+                "unknown-attribute",
+                f"default classes give no element an attribute `{name}`",
+                call_site(),
+                help=did_you_mean(name, every),
+            )
+        found.add(known.name)
+    return frozenset(found)
+
+
+def _commit_all(model: Model, node: Node, only: frozenset[str] | None) -> None:
+    above = model.frame_above(node)
+    if above is None:
+        _commit_below(model, node, only)
+    else:
+        _commit_joints(model, node, only)
+    for attachment in model.attachments.values():
+        inside = attachment.frame is above or node in (attachment.host, *attachment.host.iterancestors())
+        if inside:
+            if above is None:
+                _commit_joints(model, attachment.frame, only)
+            if above is None or above is node:
+                _commit_all(attachment.child, attachment.child.unit.root, only)
+
+
+def _commit_below(model: Model, top: Node, only: frozenset[str] | None) -> None:
+    classes = Classes(model.unit.root)
+    for node in _elements_committing(top):
+        found = str(node.get("class") or "") or (childclass_of(node) if _in_tree(node) else None)
+        _commit(model, node, _class(model, classes, found), only)
+
+
+def _commit_joints(model: Model, top: Node, only: frozenset[str] | None) -> None:
+    """Write the defaults onto the joints of an attachment frame, which take the class in force at its host."""
+    classes = Classes(model.unit.root)
+    for node in top.iter("joint"):
+        frame = model.frame_above(node)
+        assert frame is not None
+        found = str(node.get("class") or "") or childclass_at(model.attachment_of(frame).host)
+        _commit(model, node, _class(model, classes, found), only)
+
+
+def _class(model: Model, classes: Classes, name: str | None) -> DefaultClass:
+    """Return the class with this name, which may belong to an attached model."""
+    if name is not None and name not in classes.by_name:
+        found = model.lookup("default", name)
+        if found is not None and found.model is not model:
+            return Classes(found.model.unit.root).get(str(found.node.get("class") or "") or None)
+    return classes.get(name)
+
+
+def _elements_committing(top: Node) -> Iterator[Node]:
+    """Yield every element that default classes can set attributes of."""
+    tags = frozenset(GRAMMAR.section("default").children) | {"fixed", "spatial"}
+    sections = top.iterchildren("*") if top.tag == ROOT else [top]
+    for section in sections:
+        if section.tag in _SECTIONS_OF_NO_ELEMENTS or _is_in(section, _SECTIONS_OF_NO_ELEMENTS):
+            continue
+        for node in section.iter("*"):
+            parent = node.getparent()
+            written = kind_of(node) if parent is not None else None
+            if written is not None and "class" in written.attributes and default_tag(node) in tags:
+                yield node
+
+
+def _commit(model: Model, node: Node, found: DefaultClass, only: frozenset[str] | None) -> None:
+    if node.tag == "material" and (only is None or "texture" in only):
+        commit_textures(model, node, found)
+    attributes = kind_of(node).attributes
+    given = _given_committing(found, node, attributes)
+    changes: dict[str, str | None] = {}
+    for name, value in given.items():
+        own = str(node.get(name) or "")
+        if not own and _counts_empty(attributes[name]) and node.get(name) is not None:
+            continue
+        if not own and (_is_settled(node, name) or (name == "cranklength" and not node.get("cranksite"))):
+            continue
+        whole = _completed(attributes[name], own, value) if own else value
+        if whole != own:
+            changes[name] = whole
+    if node.tag == "camera" and (changes.get("sensorsize") or node.get("sensorsize")):
+        # MuJoCo takes one of the two, and looks at the other only where this does not exist.
+        changes.pop("fovy", None)
+        if node.get("fovy"):
+            changes["fovy"] = None
+    if only is not None:
+        changes = {name: value for name, value in changes.items() if name in only}
+    if default_tag(node) in ACTUATORS and not is_plain(found, node):
+        given = {name: value for name, value in changes.items() if value is not None}
+        commit(model, node, given, found, partly=only is not None)
+    elif changes:
+        assign(model, node, changes)
+
+
+def _given_committing(found: DefaultClass, node: Node, attributes: Mapping[str, Attribute]) -> dict[str, str]:
+    """Return the attributes that a class and those above it set for an element; the nearest class wins."""
+    inherited = {} if found.parent is None else _given_committing(found.parent, node, attributes)
+    tag = default_tag(node)
+    for element in _written(found, ACTUATORS if tag in ACTUATORS else (tag,)):
+        for key, value in element.items():
+            name = str(key)
+            if name not in attributes or name in _NEVER_GIVEN:
+                continue
+            if not str(value).strip() and not _counts_empty(attributes[name]):
+                continue
+            if element.tag != tag and name not in OF_ALL:
+                continue
+            for group in _ONE_OF:
+                if name in group:
+                    inherited = {each: text for each, text in inherited.items() if each not in group - {name}}
+            inherited[name] = _completed(attributes[name], str(value), inherited.get(name, ""))
+    return inherited
+
+
+def _counts_empty(attribute: Attribute) -> bool:
+    """Return whether an empty text is a value of its own, which overrides the value of a class above."""
+    return attribute.type in _TEXTS
+
+
+def _is_settled(node: Node, name: str) -> bool:
+    """Return whether an element sets another attribute that has the same meaning as this one."""
+    return any(name in group and any(node.get(each) for each in group) for group in _ONE_OF)
+
+
+def _written(found: DefaultClass, tags: Collection[str]) -> list[Node]:
+    """Return the elements of one class that have these tags, in document order."""
+    elements = [element for tag in tags for element in found.elements.get(tag, ())]
+    if len(tags) > 1 and len(elements) > 1:
+        elements.sort(key=_place)
+    return elements
+
+
+def _place(node: Node) -> list[int]:
+    """Return the position of a node in its document as a sort key."""
+    parent = node.getparent()
+    return [] if parent is None else [*_place(parent), parent.index(node)]
+
+
+def _completed(attribute: Attribute, own: str, inherited: str) -> str:
+    """Return a value; if it is shorter than the inherited one and its length is bounded, append the missing items."""
+    if not own.strip():
+        return "" if _counts_empty(attribute) else inherited
+    if not attribute.is_number or attribute.max_length in (None, 1) or attribute.name in _NEVER_COMPLETED:
+        return own
+    items, more = own.split(), inherited.split()
+    return own if len(items) >= len(more) else " ".join([*items, *more[len(items) :]])
+
+
+def _in_tree(node: Node) -> bool:
+    return _is_in(node, ("worldbody",))
+
+
+def _is_in(node: Node, sections: tuple[str, ...]) -> bool:
+    return any(above.tag in sections for above in node.iterancestors())

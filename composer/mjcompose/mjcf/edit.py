@@ -1,0 +1,349 @@
+"""Changes of attributes, and removal."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from dataclasses import field
+from functools import cache
+from itertools import islice
+from pathlib import Path
+from typing import cast
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Note, call_site
+from mjcompose.base.suggest import did_you_mean
+from mjcompose.mjcf.asset import Asset, Files, Skins, for_body, place, take
+from mjcompose.mjcf.errors import MjcfError, failure, no_attribute
+from mjcompose.mjcf.model import Attachment, Model, Target
+from mjcompose.mjcf.value import BadValue, describe, encode, name_for, namespace_of, plain_text, refers
+from mjcompose.model.classes import MAIN, ORIENTATIONS
+from mjcompose.model.edit import NewName, Removal, Renaming, assign, is_section, replace, unlistable_message
+from mjcompose.model.files import NAMED_AFTER_FILE, stem
+from mjcompose.model.grammar import Attribute, ElementType
+from mjcompose.model.names import MAY_REPEAT
+from mjcompose.model.select import attribute_of, kind_of, naming_attribute, spoken
+
+
+def remove(model: Model, node: Node, cascade: bool) -> None:
+    """Remove a node from its model. A top-level section stays and is emptied."""
+    if node is model.unit.root:
+        raise failure(
+            "not-supported",
+            "the root of a model cannot be removed",
+            call_site(),
+            help="`detach()` takes an attached model out of the one it is attached to",
+        )
+    removal = Removal.of([(model, node)]).with_referrers() if cascade else None
+    if removal is not None:
+        removal.drop_references()
+    for here, going in removal.going if removal is not None else ((model, node),):
+        _take_out(here, going)
+
+
+def discard(model: Model, node: Node) -> None:
+    """Remove a node and everything below it from the model's indexes, before it is removed from the tree."""
+    for each in node.iter("*"):
+        model.forget(each)
+        view = model.views.pop(each, None)
+        if view is not None:
+            view._take_out()
+        model.unit.origins.owners.pop(each, None)
+        model.unit.origins.settings.pop(each, None)
+
+
+def _take_out(model: Model, node: Node) -> None:
+    inside = set(node.iter("*"))
+    for prefix, attachment in list(model.attachments.items()):
+        if attachment.host in inside:
+            release(model, prefix)
+    if is_section(node):
+        model.forget(node)
+        node.attrib.clear()
+        for child in list(node):
+            if isinstance(child.tag, str):
+                discard(model, child)
+            node.remove(child)
+        return
+    parent = node.getparent()
+    assert parent is not None
+    discard(model, node)
+    parent.remove(node)
+
+
+def release(model: Model, prefix: str) -> None:
+    """Remove an attachment. The child becomes an independent model again."""
+    attachment = model.attachments[prefix]
+    discard(model, attachment.frame)
+    del model.attachments[prefix]
+    attachment.child.hung = None
+
+
+@dataclass(slots=True)
+class Edit:
+    """The attributes to write, with None for those to remove, and the bytes of the files they name."""
+
+    texts: dict[str, str | None] = field(default_factory=dict)
+    contents: dict[str, bytes | Path] = field(default_factory=dict)
+    given: dict[Target, str] = field(default_factory=dict)
+    """Names for what is referred to and has none."""
+    awaited: dict[str, tuple[Target, str]] = field(default_factory=dict)
+    """References to elements of models that are not in one composition with this one yet, by attribute."""
+    skins: Skins = field(default_factory=list)
+    """Skin files that have the name of a body which gets another one."""
+    renaming: Renaming[Model] | None = None
+    """The references that follow a new name."""
+    nameless: bool = False
+    """Whether none of the attributes has to do with names."""
+
+
+def check(
+    model: Model,
+    kind: ElementType,
+    values: Mapping[str, object],
+    node: Node | None = None,
+    frame: Attachment | None = None,
+) -> Edit:
+    """Check the values, and return the edit that sets them on `node`, or on a new element if `node` is None.
+
+    `frame` is the attachment that a new joint is for. Elements among the values must have been replaced by
+    their targets. Raises `MjcfError` for an invalid value.
+    """
+    if node is not None and len(values) == 1:
+        ((name, value),) = values.items()
+        attribute = attribute_of(kind, name)
+        if attribute is not None and is_nameless(kind, attribute):
+            text = None if value is None else plain_text(attribute, value)
+            if text is not None or value is None:
+                return Edit({attribute.name: text}, nameless=True)
+    if frame is None and node is not None and (above := model.frame_above(node)) is not None:
+        frame = model.attachment_of(above)
+    edit = Edit()
+    attributes: dict[str, Attribute] = {}
+    for name in values:
+        attribute = attribute_of(kind, name)
+        if attribute is None:
+            raise no_attribute(kind, name)
+        attributes[name] = attribute
+    written = {} if node is None else {str(name): str(value) for name, value in node.items()}
+    for name, attribute in sorted(attributes.items(), key=lambda each: refers(each[1])):
+        value = values[name]
+        try:
+            text = _text(model, kind, attribute, value, written, edit)
+        except BadValue as fault:
+            raise _bad_value(kind, attribute, fault, model, values.get("name"), node) from None
+        edit.texts[attribute.name] = text
+        if text is None:
+            written.pop(attribute.name, None)
+        else:
+            written[attribute.name] = text
+    edit.texts = {attribute.name: edit.texts[attribute.name] for attribute in attributes.values()}
+    turned = [name for name in ORIENTATIONS if edit.texts.get(name)]
+    if len(turned) > 1:
+        both = " and ".join(f"`{name}`" for name in turned)
+        raise failure("wrong-type", f"`<{kind.tag}>` can have one orientation, got {both}", call_site())
+    _check_name(model, kind, edit, node, frame)
+    if node is not None and frame is None:
+        edit.skins = _skins(model, kind, edit, node)
+    return edit
+
+
+def _text(
+    model: Model,
+    kind: ElementType,
+    attribute: Attribute,
+    value: object,
+    written: Mapping[str, str],
+    edit: Edit,
+) -> str | None:
+    if value is None:
+        return None
+    if isinstance(value, Asset):
+        if attribute.type != "file":
+            raise BadValue("expects no file, got an `Asset`")
+        return place(model, kind.tag, value, edit.contents)
+    several = isinstance(value, list | tuple) and any(isinstance(each, Target) for each in value)
+    if isinstance(value, Target) or several:
+        if not refers(attribute):
+            raise BadValue("expects no element, got one")
+        if several and attribute.type != "references":
+            raise BadValue("expects one element, got a list")
+        namespace = namespace_of(attribute, written)
+        names = [value] if isinstance(value, Target) else list(value)  # type: ignore[call-overload]
+        texts = [
+            name_for(model, attribute, each, namespace, edit.given)
+            if isinstance(each, Target)
+            else encode(attribute, each)
+            for each in names
+        ]
+        if isinstance(value, Target) and model.prefix_of(value.model) is None:
+            edit.awaited[attribute.name] = value, texts[0]
+        return " ".join(texts)
+    return encode(attribute, value)
+
+
+def write(model: Model, node: Node, edit: Edit) -> None:
+    """Carry out an edit that has been checked."""
+    _take_contents(model, edit)
+    take(edit.skins)
+    _give_names(edit)
+    if edit.texts:
+        site = call_site()
+        model.unit.origins.settings.setdefault(node, {}).update(dict.fromkeys(edit.texts, site))
+    if edit.nameless:
+        replace(node, edit.texts)
+    else:
+        assign(model, node, edit.texts)
+    model.awaited.update(((node, name), awaited) for name, awaited in edit.awaited.items())
+    if (
+        cast(int | None, node.sourceline) is None and node not in model.unit.origins.owners
+    ):  # made because it was asked for
+        model.unit.origins.own(node, call_site())
+    if edit.renaming is not None:
+        edit.renaming.carry_out()
+
+
+@cache
+def is_nameless(kind: ElementType, attribute: Attribute) -> bool:
+    """Return whether an attribute is neither a name nor determines what a name refers to."""
+    if attribute.type == "keyword":
+        return all(each.refers_by != attribute.name for each in kind.attributes.values())
+    return attribute.is_number or attribute.type == "bool"
+
+
+def create(model: Model, parent: Node, tag: str, edit: Edit, position: int | None) -> Node:
+    """Create an element below `parent`, at the end or before the child at `position`, and return it."""
+    _take_contents(model, edit)
+    _give_names(edit)
+    attributes = {name: text for name, text in edit.texts.items() if text is not None}
+    node = parent.makeelement(tag, attributes)
+    later = None if position is None else _child_at(parent, position)
+    if later is None:
+        parent.append(node)
+    else:
+        later.addprevious(node)
+    model.unit.origins.own(node, call_site())
+    model.note(node)
+    model.awaited.update(((node, name), awaited) for name, awaited in edit.awaited.items())
+    return node
+
+
+def _child_at(parent: Node, position: int) -> Node | None:
+    """Return the child before which `list.insert` would insert, or None if it would append."""
+    position = max(-sys.maxsize, min(position, sys.maxsize - 1))
+    if position >= 0:
+        return next(islice(parent.iterchildren("*"), position, None), None)
+    from_the_end = islice(parent.iterchildren("*", reversed=True), -position - 1, None)
+    return next(from_the_end, next(parent.iterchildren("*"), None))
+
+
+def _take_contents(model: Model, edit: Edit) -> None:
+    if edit.contents:
+        known = model.unit.contents
+        model.unit.contents = (known if isinstance(known, Files) else Files(known)).with_files(edit.contents)
+
+
+def _give_names(edit: Edit) -> None:
+    """Give names to the referenced elements that have none."""
+    for (model, node), name in edit.given.items():
+        attribute = naming_attribute(kind_of(node))
+        assert attribute is not None
+        node.set(attribute.name, name)
+        model.unit.origins.settings.setdefault(node, {})[attribute.name] = call_site()
+        model.note(node)
+
+
+def _check_name(
+    model: Model, kind: ElementType, edit: Edit, node: Node | None, frame: Attachment | None
+) -> None:
+    """Raise `MjcfError` if the name that an edit sets is already used in the composition."""
+    attribute = naming_attribute(kind)
+    if attribute is None or attribute.declares is None:
+        return
+    namespace = attribute.declares
+    after_file = kind.path in NAMED_AFTER_FILE
+    if node is not None and edit.texts.keys().isdisjoint(
+        {attribute.name, "file"} if after_file else {attribute.name}
+    ):
+        return
+    name = _own(edit, node, attribute.name)
+    if not name and after_file and (file := _own(edit, node, "file")):
+        name = stem(file)
+    if frame is not None:
+        name = frame.child.prefix + (name or "")
+    if not name:
+        return
+    if node is not None and namespace == "default" and node.getparent() is model.unit.root and name != MAIN:
+        raise failure(
+            "wrong-type", f"the top default class is called `{MAIN}`, and cannot be `{name}`", call_site()
+        )
+    before = None if node is None else model.declared(node)
+    if before is not None and before[1] != name:
+        edit.renaming = Renaming.of([NewName(model, namespace, before[1], name)])
+        check_lists(edit.renaming)
+    if namespace in MAY_REPEAT:
+        return
+    taken = model.top.lookup(namespace, model.full_prefix + name)
+    if taken is None or (taken.model is model and taken.node is node):
+        return
+    what = "default class" if namespace == "default" else namespace
+    raise failure(
+        "class-clash" if namespace == "default" else "name-clash",
+        f"another {what} is called `{model.full_prefix + name}` already",
+        call_site(),
+        notes=(Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),),
+        help="give one of the two another name",
+    )
+
+
+def _own(edit: Edit, node: Node | None, attribute: str) -> str | None:
+    """Return the text of an attribute after the edit."""
+    if attribute in edit.texts or node is None:
+        return edit.texts.get(attribute)
+    return node.get(attribute)
+
+
+def _skins(model: Model, kind: ElementType, edit: Edit, node: Node) -> Skins:
+    """Return the new skin files if the edit renames a body."""
+    attribute = naming_attribute(kind)
+    if attribute is None or attribute.declares != "body" or attribute.name not in edit.texts:
+        return []
+    before, name = model.declared(node), edit.texts[attribute.name]
+    return for_body(model, before[1], name) if before and name and before[1] != name else []
+
+
+def check_lists(renaming: Renaming[Model]) -> None:
+    """Raise `MjcfError` if a new name contains a space and would have to stand in a list of names."""
+    for reference, new in renaming.unlistable():
+        here, user = reference.model, reference.node
+        raise failure(
+            "wrong-type",
+            unlistable_message(reference, new, describe(here, user)),
+            call_site(),
+            notes=(Note("the list is here", here.span(user)),),
+        )
+
+
+def _bad_value(
+    kind: ElementType, attribute: Attribute, fault: BadValue, model: Model, name: object, node: Node | None
+) -> MjcfError:
+    if node is not None:
+        what = describe(model, node)
+    else:
+        what = f"`<{kind.tag}>` `{name}`" if isinstance(name, str) else f"`<{kind.tag}>`"
+    refusal = fault.refusal
+    help = None
+    if attribute.type in ("keyword", "keywords"):
+        code = "wrong-keyword"
+        if refusal.unknown is not None and refusal.advice is None:
+            help = did_you_mean(refusal.unknown, attribute.keywords)
+    else:
+        code = "wrong-length" if refusal.is_length else "wrong-type"
+    return failure(
+        code,
+        f"`{spoken(attribute.name)}` of {what} {refusal}",
+        call_site(),
+        help=help,
+    )

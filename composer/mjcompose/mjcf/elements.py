@@ -1,0 +1,26 @@
+"""The classes of elements, one for each kind: for annotations and `isinstance`.
+
+    from mjcompose.mjcf import elements
+
+    def lift(body: elements.Body) -> None: ...
+
+`elements.Geom` is the class of every `<geom>` of the world, `elements.DefaultGeom` that of a default class. What a
+type checker knows about them, `elements.pyi`, is written from the grammar by `mjcompose.mjcf.stub`.
+"""
+
+from __future__ import annotations
+
+from mjcompose.mjcf.views import class_of, kinds
+
+
+def __getattr__(name: str) -> object:
+    kind = None if name.startswith("_") else kinds().get(name)
+    if kind is None:
+        raise AttributeError(f"module `{__name__}` has no attribute `{name}`", name=name)
+    found: object = class_of(kind)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return [*kinds()]

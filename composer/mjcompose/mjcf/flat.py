@@ -1,0 +1,480 @@
+"""A composition becomes one flat model; the models do not change."""
+
+from __future__ import annotations
+
+import posixpath
+import re
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import cast, get_args
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Cause, Diagnostic, Note, call_site
+from mjcompose.base.report import render
+from mjcompose.base.sink import Sink
+from mjcompose.build.bundle.collect import collect, read
+from mjcompose.link.defaults import choose_classes
+from mjcompose.link.files import ASSETS, is_settled
+from mjcompose.link.link import finish, link, link_alone
+from mjcompose.link.linking import FileUse, Linking, Measure, Policy, Request
+from mjcompose.link.measure import measure_with
+from mjcompose.link.settings import FOLDERS
+from mjcompose.link.unit_keys import layouts
+from mjcompose.mjcf.errors import MjcfError, MjcfWarning, failure, raise_errors
+from mjcompose.mjcf.model import UNNAMED, Model
+from mjcompose.mjcf.mounting import Mounting, without_outward
+from mjcompose.mjcf.value import describe, described
+from mjcompose.model.classes import says_something
+from mjcompose.model.edit import resolves, unresolved
+from mjcompose.model.files import CUBE, NAMED_AFTER_FILE, file_attributes, is_plain, stem
+from mjcompose.model.names import UP, Use, word
+from mjcompose.model.select import HOLDS_ONE_OF_EACH, section_of, spoken
+from mjcompose.model.unit import Unit
+from mjcompose.model.xml_text import as_it_is, to_text, write
+from mjcompose.mujoco.engine import Session
+from mjcompose.sources.context import Context
+
+
+def prune(unit: Unit) -> None:
+    """Remove the empty elements from the tree of a model."""
+    for node in list(empty(unit)):
+        while _is_empty(node) and node is not unit.root:
+            parent = node.getparent()
+            assert parent is not None
+            parent.remove(node)
+            node = parent
+
+
+def empty(unit: Unit) -> Iterator[Node]:
+    """Yield the empty sections and, in sections that hold one child of each tag, the empty elements below them."""
+    for section in unit.root.iterchildren("*"):
+        if section.tag in HOLDS_ONE_OF_EACH:
+            for node in filter(_is_empty, section.iter("*")):
+                if section.tag != "default" or not (says_something(node) and _is_meant(unit, node)):
+                    yield node
+        elif _is_empty(section):
+            yield section
+
+
+def _is_empty(node: Node) -> bool:
+    return not len(node) and not node.keys()
+
+
+def _is_meant(unit: Unit, node: Node) -> bool:
+    """Return whether an element was written in a file or added by a program. Others were created on access."""
+    return cast(int | None, node.sourceline) is not None or node in unit.origins.owners
+
+
+def with_unique_names(files: Sequence[FileUse]) -> list[tuple[FileUse, str]]:
+    """Return each file with a path, so that no two paths end in the same file name. Sub-models use these paths too."""
+    taken: dict[str, str] = {}
+    names = {use.path: _free(use.path, taken) for use in files}
+    return [(_rewritten(use, names) if _is_model(use) else use, names[use.path]) for use in files]
+
+
+def is_inner(use: FileUse, files: Iterable[FileUse]) -> bool:
+    """Return whether a file is used by a sub-model and not by the model itself."""
+    return not use.shared and any(use.path.startswith(_folder(each)) for each in files if _is_model(each))
+
+
+def rename_file(element: Node, attribute: str, file: str) -> None:
+    """Set the file path of an element. If the element is named after its file, it keeps that name."""
+    if attribute == "file" and element.tag in NAMED_AFTER_FILE and not element.get("name"):
+        element.set("name", stem(str(element.get("file"))))
+    element.set(attribute, file)
+
+
+def _free(path: str, taken: dict[str, str]) -> str:
+    folder, _, base = path.rpartition("/")
+    stem, suffix = posixpath.splitext(base)
+    number, name = 1, base
+    while taken.setdefault(name.lower(), path) != path:
+        number += 1
+        name = f"{stem}-{number}{suffix}"
+    return f"{folder}/{name}"
+
+
+def _is_model(use: FileUse) -> bool:
+    return not use.shared and use.path.endswith(".xml")
+
+
+def _folder(model: FileUse) -> str:
+    """Return the folder of a sub-model's files."""
+    return f"{model.path.removesuffix('.xml')}/"
+
+
+def _rewritten(model: FileUse, names: Mapping[str, str]) -> FileUse:
+    """Return the sub-model with the new names of its files, which are relative to its own folder."""
+    start = f"{posixpath.dirname(model.path)}/"
+    changed = {
+        path.removeprefix(start): name.removeprefix(start)
+        for path, name in names.items()
+        if path != name and path.startswith(_folder(model))
+    }
+    if not changed or model.content is None:
+        return model
+    root = etree.fromstring(model.content)
+    for element in root.iter("*"):
+        for attribute in ("file", *CUBE):
+            new = changed.get(str(element.get(attribute)))
+            if new is not None:
+                rename_file(element, attribute, new)
+    return model._replace(content=write(root))
+
+
+_FILE = ' file="'
+_COMPILER = "<compiler"
+
+
+def relocated_text(model: Model, label: str) -> str | None:
+    """Return the text that the linker would give for the model alone, or None if more than folders would change.
+
+    Text is only replaced if it occurs as often in the text as in the tree, so that a comment that looks like an
+    attribute is not replaced by mistake.
+    """
+    unit = model.unit
+    if model.attachments or unit.contents or not re.fullmatch(r"[\w.-]+", label):
+        return None
+    files = _plain_files(unit)
+    if files is None or next(empty(unit), None) is not None:
+        return None
+    text = to_text(unit.root)
+    moving, staying = files
+    if moving and (staying or text.count(_FILE) != moving):
+        return None
+    return _without_folders(unit, text.replace(_FILE, f"{_FILE}{ASSETS}/{label}/") if moving else text)
+
+
+def _plain_files(unit: Unit) -> tuple[int, int] | None:
+    """Return how many files move to the label's folder, and how many stay.
+
+    Return None if a path has to be shortened, if two file names are equal, or if a file has to be read.
+    """
+    if any(
+        next(section.iterchildren("model"), None) is not None for section in unit.root.iterchildren("asset")
+    ):
+        return None
+    seen = set()
+    moving = staying = 0
+    for element, attribute, name in file_attributes(unit.root):
+        tag = element.tag
+        if attribute != "file" or tag == "skin" or not is_plain(name):
+            return None
+        seen.add(name[name.rfind("/") + 1 :].lower())
+        if name.startswith(ASSETS) and is_settled(unit, tag, name):
+            staying += 1
+        else:
+            moving += 1
+    return (moving, staying) if len(seen) == moving + staying else None
+
+
+def _without_folders(unit: Unit, text: str) -> str | None:
+    compilers = list(unit.root.iterchildren("compiler"))
+    if not compilers:
+        return text
+    compiler = compilers[0]
+    if len(compilers) > 1 or len(compiler) or compiler.text or text.count(_COMPILER) > 1:
+        return None
+    if compiler.get("strippath") is not None or next(unit.root.iterchildren("*")) is not compiler:
+        return None
+    kept = {str(name): str(value) for name, value in compiler.items() if name not in FOLDERS}
+    if not kept:
+        return None
+    start = text.index(_COMPILER)
+    end = text.index("/>", start)
+    return text[:start] + to_text(compiler.makeelement("compiler", kept)).rstrip()[:-2] + text[end:]
+
+
+_SHOWN = 20
+_FRAME = "the attachment frame is a body only once it has a joint"
+_OUTSIDE = "`../` stands for the model that this one is attached to"
+
+
+def check_references(model: Model, sink: Sink) -> None:
+    """Report each name that is referred to but does not exist, with all elements that refer to it.
+
+    References in default classes are not checked. A name that MuJoCo may generate itself, such as those of the copies
+    of a `replicate`, is accepted.
+    """
+    for each in model.composition():
+        for (node, attribute), (target, text) in each.awaited.items():
+            if node.get(attribute) == text and each.has(node):
+                sink.error(
+                    "unknown-name",
+                    f"{describe(each, node)} refers by `{spoken(attribute)}` to {described(target)} of the model"
+                    f" `{target.model.name}`, which is not attached to `{model.name}`",
+                    each.span(node),
+                    help="attach it",
+                )
+        depth = 0 if each is model else 1 + [*each.ancestors()].index(model)
+        for namespace, uses in each.names.uses.items():
+            declared = each.names.declared.get(namespace, {})  # has most of them, and is asked first
+            for name, users in uses.items():
+                if name in declared or namespace == "key":
+                    continue
+                if each.awaited and all(use in each.awaited for use in users):
+                    continue  # reported above
+                # What is written without the models above it has nothing of theirs.
+                if not name.startswith(UP * (depth + 1)) and resolves(each, namespace, name):
+                    continue
+                heeded = [use for use in users if section_of(use[0]) != "default"]
+                if heeded:
+                    _report(each, namespace, name, heeded, sink)
+
+
+def _report(model: Model, namespace: str, name: str, users: list[Use], sink: Sink) -> None:
+    notes = [
+        Note(f"{describe(model, node)} refers to it by `{spoken(attribute)}`", model.span(node))
+        for node, attribute in users[:_SHOWN]
+    ]
+    if len(users) > _SHOWN:
+        notes.append(Note(f"and {len(users) - _SHOWN} more"))
+    first = users[0][0]
+    outside, inner = model, name
+    while inner.startswith(UP) and outside.hung is not None:
+        outside, inner = outside.hung.parent, inner[len(UP) :]
+    frame = namespace == "body" and any(not rest for _, rest in outside.split(inner))
+    sink.add(
+        unresolved(
+            model,
+            namespace,
+            name,
+            model.span(first),
+            message=f"{describe(model, first)} refers to the {word(namespace)} `{name}`, which does not exist",
+            help="the attachment frame is a body only once it has a joint"
+            if frame
+            else _OUTSIDE
+            if name.startswith(UP)
+            else None,
+            notes=notes if len(users) > 1 else (),
+        )
+    )
+
+
+# The linker speaks to the writers of recipes; this is what a Python user can do.
+_RENAME = "rename one of the two, or the attached model: `child.model = '…'`"
+_HELP = {
+    "option-conflict": "make the two agree, or pass `conflict='warning'`, which lets the model's own "
+    "value stand and says so, or `conflict='merge'`",
+    "freejoint-on-body": "remove the free joint, or attach the model to the worldbody",
+    "mocap-on-body": "attach the model to the worldbody",
+    "plane-on-body": "remove the plane, or attach the model to something that does not move",
+    "name-clash": _RENAME,
+    "class-clash": _RENAME,
+    "keyframe-conflict": "a key has the numbers of its own model; what is attached has its own keys",
+    "not-supported": None,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Flat:
+    """One model without attachments, the files it names, and the warnings from linking.
+
+    `is_measured` says that MuJoCo was asked for values, which depend on the bytes of files.
+    """
+
+    unit: Unit
+    files: list[FileUse]
+    warnings: list[Diagnostic]
+    is_measured: bool
+
+
+def copied(model: Model) -> Unit:
+    """Return a copy of the model's unit, which the linker may change."""
+    unit = model.unit.copied()
+    unit.label = label(model)
+    if unit.file == UNNAMED:
+        unit.file = model.name
+    return unit
+
+
+def label(model: Model) -> str:
+    """Return the name of the folder for a model's files."""
+    known = model.unit.label
+    return re.sub(r"[^\w.-]+", "_", model.name) if known == UNNAMED or not known else known
+
+
+def flatten(model: Model, conflict: Policy, copy: Callable[[Model], Unit] = copied) -> Flat:
+    """Link a model and everything attached to it into one model. Raises `MjcfError` with the faults found.
+
+    `copy` is called for each model and returns the unit to link.
+    """
+    _check(model, conflict)
+    return linked(model, conflict, copy, check_keys=True)
+
+
+def linked(model: Model, conflict: Policy, copy: Callable[[Model], Unit], *, check_keys: bool) -> Flat:
+    """Link a model whose references have been checked. See `flatten`.
+
+    With `check_keys`, the keyframes of a model without attachments are laid out too, to report those that do not fit.
+    """
+    sink = _NamesChecked()
+    mounting = Mounting(model, copy)
+    prefixes = (
+        UP,
+        *(part.prefix for part in mounting.parts),
+        *(name for part in mounting.parts for name in part.outward.values()),
+    )
+    for unit in (mounting.base, *(part.unit for part in mounting.parts)):
+        prune(unit)
+    with ExitStack() as ending:
+        started: list[Measure] = []
+        measure = _measure(sink, prefixes, ending, started) if mounting.parts else None
+        linking = Linking(mounting.base, mounting.parts, sink, Request(conflict=conflict), measure)
+        if not mounting.parts:
+            if check_keys:
+                layouts(linking)
+            link_alone(linking)
+            if check_keys:
+                finish(linking)
+        else:
+            choose_classes(linking)
+            mounting.add_joints(linking)
+            linking.notes.nameless.update(mounting.named)
+            link(linking)
+            if not sink.has_errors:
+                finish(linking)
+            mounting.clear_up()
+            prune(linking.base)
+    if sink.has_errors:
+        raise MjcfError(map(_for_python, sink.errors))
+    return Flat(linking.base, linking.files, list(map(_for_python, sink.diagnostics)), bool(started))
+
+
+def _check(model: Model, conflict: Policy) -> None:
+    """Raise `MjcfError` if `conflict` is not a policy, or if a reference names nothing."""
+    if conflict not in get_args(Policy):
+        words = ", ".join(f"`{word}`" for word in get_args(Policy))
+        raise failure("wrong-keyword", f"`conflict` is one of {words}, got `{conflict}`", call_site())
+    names = Sink()
+    check_references(model, names)
+    raise_errors(names)
+
+
+def issue_warnings(flat: Flat) -> None:
+    """Issue the warnings from linking as `MjcfWarning`s, at the line of the caller's program."""
+    _issue(flat.warnings)
+
+
+def _issue(told: list[Diagnostic]) -> None:
+    for each in told:
+        place = call_site()
+        warnings.warn_explicit(render(each), MjcfWarning, place.file, place.line)
+
+
+def text(model: Model, conflict: Policy) -> str:
+    """Return the composition as MJCF text. See `RootElement.to_xml_string`."""
+    state = _state(model, conflict) if model.attachments else None
+    if model.written is not None and model.written[0] == state:
+        _, found, told = model.written
+        _issue(told)
+        return found
+    _check(model, conflict)
+    known = relocated_text(model, label(model))
+    if known is not None:
+        return known
+    flat = linked(model, conflict, copied, check_keys=False)
+    name_files(flat)
+    issue_warnings(flat)
+    found = to_text(flat.unit.root)
+    model.written = None if state is None or flat.is_measured else (state, found, flat.warnings)
+    return found
+
+
+def _state(model: Model, conflict: Policy) -> list[object] | None:
+    """Return everything on which the text of a composition depends; None if it also depends on what is on disk.
+
+    The text of a tree takes a tenth of the time of linking it.
+    """
+    state: list[object] = [conflict]
+    folders: dict[str, Path] = {}
+    for each in model.composition():
+        unit, root = each.unit, each.unit.root
+        # Files of one path are the same where links say so, and a skin is read to give its bodies other names.
+        if folders.setdefault(label(each), unit.directory) != unit.directory or unit.contents:
+            return None
+        if next(root.iter("skin", "model", "attach"), None) is not None:
+            return None
+        hung = [
+            (prefix, root.getroottree().getelementpath(to.host), as_it_is(to.frame))
+            for prefix, to in each.attachments.items()
+        ]
+        awaited = [(text, *target) for target, text in each.awaited.values()]
+        state.append((as_it_is(root), unit.file, label(each), unit.directory, unit.door, hung, awaited))
+    return state
+
+
+def name_files(flat: Flat) -> None:
+    """Write the file names of `contents` into the model. If no file name repeats, keep the linker's paths."""
+    bases = {use.path[use.path.rfind("/") :].lower() for use in flat.files}
+    if len(bases) == len(flat.files):
+        return
+    for use, name in with_unique_names(flat.files):
+        if name != use.path and not is_inner(use, flat.files):
+            rename_file(use.element, use.attribute, name)
+
+
+def assets(model: Model) -> dict[str, bytes]:
+    """Return the bytes of the composition's files by name. See `RootElement.assets`."""
+    return contents(flatten(model, "warning"))
+
+
+def contents(flat: Flat) -> dict[str, bytes]:
+    """Return the bytes of a model's files by the names from `name_files`. Raises `MjcfError` for unreadable files."""
+    found: dict[str, bytes] = {}
+    sink = Sink()
+    for use, name in with_unique_names(flat.files):
+        if name not in found:
+            found[name] = read(flat.unit, use, sink) or b""
+    raise_errors(sink)
+    return found
+
+
+def bundle_paths(model: Model) -> dict[bytes | Path, str]:
+    """Return the path of each file in an export, by the file's source path or its bytes. Raises `MjcfError`."""
+    flat = flatten(model, "warning")
+    sink = Sink()
+    collect(flat.unit, flat.files, sink)
+    raise_errors(sink)
+    found: dict[bytes | Path, str] = {}
+    for use in flat.files:
+        path = str(use.element.get(use.attribute))
+        found.setdefault(Path(use.source), path)
+        if use.content is not None:
+            found.setdefault(use.content, path)
+    return found
+
+
+class _NamesChecked(Sink):
+    """Drops errors about names: the linker checks them unit by unit, but here references cross models."""
+
+    def add(self, diagnostic: Diagnostic, cause: Cause | None = None) -> None:
+        if diagnostic.code != "unknown-name":
+            super().add(diagnostic, cause)
+
+
+def _measure(sink: Sink, prefixes: tuple[str, ...], ending: ExitStack, started: list[Measure]) -> Measure:
+    """Return a function that measures a unit alone with MuJoCo, for values that the tree does not contain.
+
+    MuJoCo runs in a separate process, which starts with the first call and ends with `ending`.
+    """
+
+    def measure(unit: Unit, arrays: tuple[str, ...], *, attempt: bool = False) -> Mapping[str, list[float]]:
+        if not started:
+            started.append(measure_with(Context(sink), session=ending.enter_context(Session())))
+        return started[0](without_outward(unit, prefixes), arrays, attempt=attempt)
+
+    return measure
+
+
+def _for_python(diagnostic: Diagnostic) -> Diagnostic:
+    if diagnostic.help is None:
+        return diagnostic
+    is_error = diagnostic.severity == "error"
+    return replace(diagnostic, help=_HELP.get(diagnostic.code, diagnostic.help) if is_error else None)

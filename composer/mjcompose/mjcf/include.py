@@ -1,0 +1,274 @@
+"""The contents of one model in another, without a prefix."""
+
+from __future__ import annotations
+
+import os
+import posixpath
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.diagnostic import Note, call_site
+from mjcompose.base.sink import Sink
+from mjcompose.mjcf.asset import Asset, Files, asset_of, place
+from mjcompose.mjcf.copies import duplicate
+from mjcompose.mjcf.errors import MjcfWarning, raise_errors
+from mjcompose.mjcf.model import Model
+from mjcompose.mjcf.value import describe
+from mjcompose.model.files import NAMED_AFTER_FILE, Settings, file_attributes, join
+from mjcompose.model.names import own_name, word
+from mjcompose.model.unit import Unit
+from mjcompose.model.values import items, parse_real
+
+
+def take_model(model: Model, source: Unit, element: Node) -> None:
+    """Set the file of a `<model>` element that was moved from `source` to `model`, so that it is the same file.
+
+    For a file in memory, everything in its folder is taken over too, because it may refer to files there.
+    """
+    file = join("", str(element.get("file")))
+    known = source.contents.get(file)
+    if not isinstance(known, bytes):
+        files: dict[str, bytes | Path] = {file: known or Path(join(str(source.directory), file))}
+        stem, suffix = posixpath.splitext(file)
+        number = 1
+        while not _are_free(model, files):
+            number += 1
+            files = {f"{stem}-{number}{suffix}": next(iter(files.values()))}
+        name = next(iter(files))
+    else:
+        beside = posixpath.dirname(file)
+        theirs = {
+            path: source.contents[path]
+            for path in (*source.contents, file)
+            if not beside or path.startswith(f"{beside}/")
+        }
+        files, number, name = theirs, 1, file
+        while not _are_free(model, files):
+            number += 1
+            folder = f"{source.label}-{number}"
+            files = {f"{folder}/{path}": content for path, content in theirs.items()}
+            name = f"{folder}/{file}"
+    element.set("file", name)
+    before = model.unit.contents
+    model.unit.contents = (before if isinstance(before, Files) else Files(before)).with_files(files)
+
+
+def _are_free(model: Model, files: dict[str, bytes | Path]) -> bool:
+    """Return whether none of these paths is used by a different file."""
+    directory, known = str(model.unit.directory), dict(model.unit.contents)
+    for path, content in files.items():
+        there = Path(join(directory, path))
+        if known.get(path, there if os.path.exists(there) else content) != content:
+            return False
+    return True
+
+
+_SETTINGS = ("compiler", "option", "size", "visual", "statistic")
+# Settings by which a model's own elements are read, so that what is not written counts as well.
+_READ_BY = ("compiler", "default")
+_FOLDERS = frozenset({"meshdir", "texturedir", "assetdir", "strippath"})
+
+
+class _Setting(NamedTuple):
+    """A setting that a model has only once: its place and its value."""
+
+    path: tuple[str, ...]
+    attribute: str
+    value: str
+    node: Node
+
+
+def include_copy(model: Model, other: Model, override: bool) -> None:
+    """Copy the contents of `other` into `model`. See `RootElement.include_copy`."""
+    source = duplicate(other)
+    sink = Sink()
+    settled: list[str] = []
+    for conflict in _conflicts(model, source):
+        if not override:
+            _refuse(conflict, model, source, other, sink)
+        elif conflict.path[0] in _READ_BY:
+            winner = model if conflict.theirs is None else other
+            settled.append(
+                f"{conflict} is not the same in `{model.name}` and `{other.name}`: that of `{winner.name}` now "
+                "counts for the elements of both"
+            )
+    _check_names(model, source, other, sink)
+    raise_errors(sink)
+    place_of_call = call_site()
+    for message in settled:
+        warnings.warn_explicit(message, MjcfWarning, place_of_call.file, place_of_call.line)
+    files = _files(source)
+    models = list(source.unit.root.iterfind("asset/model[@file]"))
+    for setting in _settings(source.unit.root):
+        if setting.attribute not in _FOLDERS or setting.path != ("compiler",):
+            _place_for(model, setting.path).set(setting.attribute, setting.value)
+    moved = list(_move(model, source))
+    contents: dict[str, bytes | Path] = {}
+    for node, attribute, asset in files:
+        node.set(attribute, place(model, str(node.tag), asset, contents))
+    known = model.unit.contents
+    model.unit.contents = (known if isinstance(known, Files) else Files(known)).with_files(contents)
+    for node in models:
+        take_model(model, source.unit, node)
+    for top in moved:
+        for node in top.iter("*"):
+            model.note(node)
+    model.unit.forget_classes()
+    for prefix, attachment in source.attachments.items():
+        if attachment.host.getparent() is source.unit.root:
+            attachment.host = model.section(str(attachment.host.tag))
+        attachment.parent = model
+        model.attachments[prefix] = attachment
+        for node in attachment.frame.iter("*"):
+            if node in source.unit.origins.owners:
+                model.unit.origins.own(node, source.unit.origins.owners[node])
+            model.note(node)
+
+
+class _Conflict(NamedTuple):
+    """A setting that differs between two models, with its place in each; None where it is not written."""
+
+    path: tuple[str, ...]
+    attribute: str
+    mine: _Setting | None
+    theirs: _Setting | None
+
+    def __str__(self) -> str:
+        return f"`{self.attribute}` of `{'/'.join(self.path)}`"
+
+
+def _conflicts(model: Model, source: Model) -> Iterator[_Conflict]:
+    """Yield the settings that differ, and those that would change the meaning of elements of either model."""
+    mine = {(each.path, each.attribute): each for each in _settings(model.unit.root)}
+    theirs = {(each.path, each.attribute): each for each in _settings(source.unit.root)}
+    both_have_elements = _has_elements(model.unit.root) and _has_elements(source.unit.root)
+    for key in {**mine, **theirs}:
+        path, attribute = key
+        if path == ("compiler",) and attribute in _FOLDERS:
+            continue
+        values = [None if each is None else each.value for each in (mine.get(key), theirs.get(key))]
+        if path[0] in _READ_BY and both_have_elements:
+            if path == ("compiler",):
+                values = [getattr(Settings(), attribute, None) if each is None else each for each in values]
+        elif None in values:
+            continue
+        if not _equal(values[0], values[1]):
+            yield _Conflict(path, attribute, mine.get(key), theirs.get(key))
+
+
+def _refuse(conflict: _Conflict, model: Model, source: Model, other: Model, sink: Sink) -> None:
+    path, attribute = "/".join(conflict.path), conflict.attribute
+    sink.error(
+        "option-conflict",
+        f"`{path}` has `{attribute}`, which is not the same in `{model.name}` and `{other.name}`",
+        call_site(),
+        notes=[
+            Note(f"`{where.name}` has {_shown(each)}", None if each is None else where.span(each.node))
+            for where, each in ((model, conflict.mine), (source, conflict.theirs))
+        ],
+        help="make the two agree, pass `override=True`, which takes what the other has, or `attach` the "
+        "other: an attached model keeps its own",
+    )
+
+
+def _check_names(model: Model, source: Model, other: Model, sink: Sink) -> None:
+    top, prefix = model.top, model.full_prefix
+    for namespace, names in source.names.declared.items():
+        for name, node in names.items():
+            taken = top.lookup(namespace, prefix + name)
+            if taken is not None:
+                sink.error(
+                    "class-clash" if namespace == "default" else "name-clash",
+                    f"both `{model.name}` and `{other.name}` have {word(namespace, article=True)} `{name}`",
+                    call_site(),
+                    notes=(
+                        Note(f"{describe(taken.model, taken.node)} is here", taken.model.span(taken.node)),
+                        Note("the other is here", source.span(node)),
+                    ),
+                    help="rename one of the two, or `attach` the other",
+                )
+    for attached in source.attachments.keys() & model.attachments.keys():
+        sink.error(
+            "name-clash",
+            f"models called `{attached[:-1]}` are attached to both",
+            call_site(),
+            help="give one of the two another name first: `child.model = '…'`",
+        )
+
+
+def _settings(root: Node) -> Iterator[_Setting]:
+    """Yield the settings that a model has only once, including those of its top class."""
+    for section in root.iterchildren(*_SETTINGS):
+        for node in section.iter("*"):
+            above = [str(each.tag) for each in node.iterancestors() if each is not root]
+            path = (*reversed(above), str(node.tag))
+            yield from (_Setting(path, str(name), str(value), node) for name, value in node.items())
+    for section in root.iterchildren("default"):
+        for node in section.iterchildren("*"):
+            if node.tag != "default":
+                path = ("default", str(node.tag))
+                yield from (_Setting(path, str(name), str(value), node) for name, value in node.items())
+
+
+def _place_for(model: Model, path: tuple[str, ...]) -> Node:
+    node = model.section(path[0])
+    for tag in path[1:]:
+        node = model.only_child(node, tag)
+    return node
+
+
+def _move(model: Model, source: Model) -> Iterator[Node]:
+    """Move everything that is not a setting to `model`, and yield the moved nodes."""
+    origins = model.unit.origins
+    for section in list(source.unit.root.iterchildren("*")):
+        tag = str(section.tag)
+        if tag in _SETTINGS:
+            continue
+        into = model.section(tag)
+        for name, value in section.items():
+            into.set(name, value)
+        for child in list(section.iterchildren("*")):
+            if tag == "default" and child.tag != "default":
+                continue
+            owner = source.unit.origins.owner(child, source.unit.file)
+            into.append(child)
+            origins.own(child, owner)
+            yield child
+    for node, owner in source.unit.origins.owners.items():
+        origins.owners.setdefault(node, owner)
+    for file, text in source.unit.origins.texts.items():
+        origins.texts.setdefault(file, text)
+
+
+def _files(source: Model) -> list[tuple[Node, str, Asset]]:
+    """Return the node, attribute and asset of each file of a model.
+
+    An element that is named after its file gets that name as its `name`, because the file name may change.
+    """
+    found = []
+    for node, attribute, name in file_attributes(source.unit.root):
+        found.append((node, attribute, asset_of(source, str(node.tag), name)))
+        if attribute == "file" and node.tag in NAMED_AFTER_FILE and not node.get("name"):
+            node.set("name", own_name(node, "name") or posixpath.basename(name))
+    return found
+
+
+def _has_elements(root: Node) -> bool:
+    return any(
+        len(section) for section in root.iterchildren("*") if section.tag not in (*_SETTINGS, "default")
+    )
+
+
+def _equal(a: str | None, b: str | None) -> bool:
+    if a is None or b is None:
+        return a is b
+    numbers = [[parse_real(item) for item in items(text)] for text in (a, b)]
+    return numbers[0] == numbers[1] if None not in (*numbers[0], *numbers[1]) else a.split() == b.split()
+
+
+def _shown(setting: _Setting | None) -> str:
+    return "none" if setting is None else f"`{setting.value}`"

@@ -1,0 +1,420 @@
+"""One model of a composition, and how a notebook shows it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import field
+from functools import cached_property
+from html import escape
+from threading import Lock
+from typing import Any, ClassVar, NamedTuple
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Diagnostic, Span
+from mjcompose.model.classes import MAIN
+from mjcompose.model.edit import names_in
+from mjcompose.model.grammar import GRAMMAR
+from mjcompose.model.names import LEADING_OUT, SEPARATOR, UP, WORLD, NameIndex, may_be_generated, own_name
+from mjcompose.model.select import ROOT, WORLD_SECTION, kind_of, naming_attribute, section_of
+from mjcompose.model.unit import Unit
+
+UNNAMED = "unnamed_model"
+
+
+class Target(NamedTuple):
+    """A node and the model that it belongs to."""
+
+    model: Model
+    node: Node
+
+
+@dataclass(eq=False, slots=True)
+class Attachment:
+    """A model attached to another: to `host`, a site, body, frame or the worldbody of `parent`.
+
+    `frame` is a separate body, not in the parent's tree: its pose is the offset, and its joints are those between
+    the two models. Their names get the child's prefix; a joint without a name has just the prefix as its name.
+    """
+
+    made: ClassVar[int] = 0
+    """How many there have been in this process."""
+
+    parent: Model
+    child: Model
+    host: Node
+    frame: Node
+
+    def __post_init__(self) -> None:
+        Attachment.made += 1
+        for model in (self.parent, self.child):
+            model.names  # noqa: B018  # whether they lead out is known only then
+
+    @property
+    def is_body(self) -> bool:
+        """Whether the frame becomes a body in the output: it has a joint or is a mocap body."""
+        return len(self.frame) > 0 or self.frame.get("mocap") == "true"
+
+    @property
+    def container(self) -> Node:
+        """The element that contains the child in the output."""
+        if self.host.tag != "site":
+            return self.host
+        holder = self.host.getparent()
+        assert holder is not None
+        return holder
+
+    def find(self, namespace: str, name: str) -> Node | None:
+        """Return the frame or one of its joints by its name without the prefix, or None."""
+        if namespace == "body":
+            return self.frame if not name and self.is_body else None
+        if namespace == "joint":
+            return next((joint for joint in self.frame if (joint.get("name") or "") == name), None)
+        return None
+
+    def names(self) -> Iterator[tuple[str, str]]:
+        """Yield the namespace and the name of everything in the child, as the parent names it."""
+        child, prefix = self.child, self.child.prefix
+        yield "body", prefix
+        yield "default", prefix
+        yield from (("joint", prefix + str(joint.get("name") or "")) for joint in self.frame)
+        for namespace, names in child.names.declared.items():
+            yield from ((namespace, prefix + name) for name in names)
+        for inner in child.attachments.values():
+            yield from ((namespace, prefix + name) for namespace, name in inner.names())
+
+
+@dataclass(eq=False)
+class Model:
+    """The state shared by a `RootElement` and all Elements of one model.
+
+    Accessing a section that does not exist creates it, under a lock, so several threads can read at once. `views`
+    has the Element of every node accessed so far, so that each node has only one; see `views.py`. `attachments` are
+    by prefix, in the order in which they were made. `awaited` are the references to elements of models that are not in
+    this composition yet, with their provisional texts; see `settle`.
+    """
+
+    unit: Unit
+    views: dict[Node, Any] = field(default_factory=dict)
+    attachments: dict[str, Attachment] = field(default_factory=dict)
+    hung: Attachment | None = None
+    leading: tuple[tuple[int, int], list[Model]] | None = None
+    awaited: dict[tuple[Node, str], tuple[Target, str]] = field(default_factory=dict)
+    lock: Lock = field(default_factory=Lock)
+    written: tuple[list[object], str, list[Diagnostic]] | None = None
+    """The text of the composition, the state of which it is the text, and the warnings about it."""
+
+    @cached_property
+    def names(self) -> NameIndex:
+        return NameIndex.of(self.unit.root)
+
+    @property
+    def name(self) -> str:
+        return self.unit.model or self.unit.label or UNNAMED
+
+    @property
+    def prefix(self) -> str:
+        """The prefix of this model's names in the model it is attached to, such as `gripper/`."""
+        return self.name + SEPARATOR
+
+    @property
+    def full_prefix(self) -> str:
+        """The prefix of this model's names in the output; empty for the top model."""
+        return "" if self.hung is None else self.hung.parent.full_prefix + self.prefix
+
+    @property
+    def top(self) -> Model:
+        model = self
+        while model.hung is not None:
+            model = model.hung.parent
+        return model
+
+    def ancestors(self) -> Iterator[Model]:
+        """Yield the models above this one, the nearest first."""
+        model = self
+        while model.hung is not None:
+            model = model.hung.parent
+            yield model
+
+    def levels(self) -> Iterator[tuple[Model, str]]:
+        """Yield this model and those that may refer to it, each with the prefix that this model's names have there.
+
+        These are the models above it, and of the others in the composition those that refer to something outside.
+        """
+        model, prefix = self, ""
+        yield model, prefix
+        while model.hung is not None:
+            model, prefix = model.hung.parent, model.prefix + prefix
+            yield model, prefix
+        if not LEADING_OUT or not model.attachments:
+            return
+        for other in model._leading_out():
+            if other is not self:
+                way = other.prefix_of(self)
+                if way is not None and way.startswith(UP):
+                    yield other, way
+
+    def _leading_out(self) -> list[Model]:
+        """Return the models of this composition that refer to something outside of themselves."""
+        state = len(LEADING_OUT), Attachment.made
+        if self.leading is None or self.leading[0] != state:
+            self.leading = state, [each for each in self.composition() if each.names.leads_out]
+        return self.leading[1]
+
+    def section(self, tag: str) -> Node:
+        """Return the node of a top-level section. If there is none, create it at its usual place in MJCF."""
+        root = self.unit.root
+        found = next(root.iterchildren(tag), None)
+        if found is None:
+            with self.lock:
+                found = next(root.iterchildren(tag), None)
+                if found is None:
+                    order = list(GRAMMAR.root.children)
+                    later = order[order.index(tag) + 1 :]
+                    before = next(root.iterchildren(*later), None) if later else None
+                    found = root.makeelement(tag)
+                    root.insert(len(root) if before is None else root.index(before), found)
+        return found
+
+    def only_child(self, node: Node, tag: str) -> Node:
+        """Return the only child with this tag. If there is none, create it."""
+        with self.lock:
+            found = next(node.iterchildren(tag), None)
+            if found is None:
+                found = node.makeelement(tag)
+                node.append(found)
+        return found
+
+    def attachment_of(self, frame: Node) -> Attachment:
+        """Return the attachment that a frame belongs to."""
+        return next(each for each in self.attachments.values() if each.frame is frame)
+
+    def frame_above(self, node: Node) -> Node | None:
+        """Return the attachment frame that a node is or is in, or None for a node of the model's own tree."""
+        if not self.attachments:
+            return None
+        while (parent := node.getparent()) is not None:
+            node = parent
+        return None if node is self.unit.root else node
+
+    def has(self, node: Node) -> bool:
+        """Return whether a node is in the model's tree or in one of its attachment frames."""
+        while (parent := node.getparent()) is not None:
+            node = parent
+        return node is self.unit.root or any(each.frame is node for each in self.attachments.values())
+
+    def span(self, node: Node) -> Span:
+        """Return where a node came from: a place in a file, or the line of the program that added it."""
+        return self.unit.origins.span(node, self.unit.file)
+
+    def split(self, name: str) -> Iterator[tuple[Attachment, str]]:
+        """Yield each attachment whose prefix the name begins with, and the rest of the name."""
+        at = name.find(SEPARATOR) if self.attachments else -1
+        while at >= 0:
+            attachment = self.attachments.get(name[: at + 1])
+            if attachment is not None:
+                yield attachment, name[at + 1 :]
+            at = name.find(SEPARATOR, at + 1)
+
+    def lookup(self, namespace: str, name: str) -> Target | None:
+        """Return the element with this name: one of this model, or by prefix one of an attached model. Else None."""
+        node = self.names.find(namespace, name)
+        if node is not None:
+            return Target(self, node)
+        if namespace == "body" and name == WORLD:
+            return Target(self, self.section(WORLD_SECTION))
+        if namespace == "default" and name == MAIN:
+            return Target(self, self.section("default"))
+        if self.hung is not None and name.startswith(UP):
+            return self.hung.parent.lookup(namespace, name[len(UP) :])
+        for attachment, rest in self.split(name):
+            found = attachment.child.lookup_attached(namespace, rest)
+            if found is not None:
+                return found
+            frame = attachment.find(namespace, rest)
+            if frame is not None:
+                return Target(self, frame)
+        return None
+
+    def find_node(self, namespace: str, name: str) -> Node | None:
+        """Return the node with this name, in this model or an attached one, or None."""
+        found = self.lookup(namespace, name)
+        return None if found is None else found.node
+
+    def known_names(self, namespace: str) -> Iterator[str]:
+        """Yield every name of a namespace that this model can refer to."""
+        yield from self.names.declared.get(namespace, ())
+        for prefix, attachment in self.attachments.items():
+            if namespace == "body" and attachment.is_body:
+                yield prefix
+            if namespace == "joint":
+                yield from (prefix + str(joint.get("name") or "") for joint in attachment.frame)
+            yield from (prefix + name for name in attachment.child.known_names(namespace))
+
+    def kinds_of(self, name: str) -> Iterator[str]:
+        """Yield the namespaces in which the name exists."""
+        namespaces = dict.fromkeys(each for model in self.composition() for each in model.names.declared)
+        yield from (each for each in namespaces if self.lookup(each, name) is not None)
+
+    def may_generate(self, name: str) -> bool:
+        """Return whether MuJoCo may generate the name itself."""
+        if may_be_generated(name, self.unit.root):
+            return True
+        if self.hung is not None and name.startswith(UP):
+            return self.hung.parent.may_generate(name[len(UP) :])
+        return any(attachment.child.may_generate(rest) for attachment, rest in self.split(name))
+
+    def composition(self) -> Iterator[Model]:
+        """Yield the model and all models attached to it, at any depth."""
+        yield self
+        for attachment in self.attachments.values():
+            yield from attachment.child.composition()
+
+    def names_of(self, node: Node) -> list[tuple[str, str]]:
+        """Return the namespace and name of everything in a node's subtree, including the models attached there."""
+        if not self.attachments:
+            return names_in(node)
+        inside = dict.fromkeys(node.iter("*"))
+        if self.frame_above(node) is not None:
+            return [name for each in inside if (name := self.declared(each)) is not None]
+        hanging = [each for each in self.attachments.values() if each.host in inside]
+        return [*names_in(node), *(name for attachment in hanging for name in attachment.names())]
+
+    def lookup_attached(self, namespace: str, name: str) -> Target | None:
+        """Return the element with this name as the parent of an attached model sees it. See `lookup`.
+
+        From the parent, the child's world is not a body, and the name of its top class is empty after the prefix.
+        """
+        if namespace == "default" and not name:
+            return Target(self, self.section("default"))
+        if (namespace, name) in (("body", WORLD), ("default", MAIN)):
+            return None
+        return self.lookup(namespace, name)
+
+    def declared(self, node: Node) -> tuple[str, str] | None:
+        """Return the namespace and name of a node in this model, or None if it has no name."""
+        if node.tag == WORLD_SECTION:
+            return "body", WORLD
+        kind = kind_of(node)
+        attribute = naming_attribute(kind)
+        if node.getparent() is self.unit.root and kind.tag == "default":
+            return "default", MAIN
+        frame = self.frame_above(node)
+        if frame is not None:
+            prefix = self.attachment_of(frame).child.prefix
+            if node is frame:
+                return "body", prefix
+            return ("joint", prefix + str(node.get("name") or "")) if attribute else None
+        if attribute is None or attribute.declares is None:
+            return None
+        name = own_name(node, attribute.name)
+        return None if name is None else (attribute.declares, name)
+
+    def seen_from(self, other: Model, node: Node) -> str | None:
+        """Return the name of a node in `other`, a model of the same composition, or None if it has no name there."""
+        declared = self.declared(node)
+        prefix = None if declared is None else other.prefix_of(self)
+        if declared is None or prefix is None:
+            return None
+        namespace, name = declared
+        if self is not other and (namespace, name) == ("body", WORLD):
+            return prefix + WORLD if self.hung is None else None
+        if namespace == "default" and prefix.startswith(UP):
+            return None  # a class is looked up in its own model alone
+        if self is not other and (namespace, name) == ("default", MAIN):
+            name = ""
+        return prefix + name
+
+    def prefix_of(self, other: Model) -> str | None:
+        """Return the prefix that the names of `other` have in this model, or None if they are not in one composition.
+
+        `../` is the model that this one is attached to: a model beside this one is `../ball/`.
+        """
+        down: dict[Model, str] = {other: ""}
+        model, prefix = other, ""
+        while model.hung is not None:
+            model, prefix = model.hung.parent, model.prefix + prefix
+            down[model] = prefix
+        up = ""
+        for here in (self, *self.ancestors()):
+            if here in down:
+                return up + down[here]
+            up += UP
+        return None
+
+    def note(self, node: Node) -> None:
+        """Add the names of a new or changed node to the index."""
+        self.names.note(node, section_of(node), declares=self.frame_above(node) is None)
+
+    def forget(self, node: Node) -> None:
+        """Remove the names of a node from the index, before the node is removed or changed."""
+        self.names.forget(node, section_of(node))
+
+
+SHOWN = 1000
+"""Elements of a tree; what is more is counted only, as a page of a hundred thousand helps nobody."""
+_DEEPEST = 100
+_STYLE = "font-family: monospace; white-space: pre; line-height: 1.4"
+_INSIDE = "margin-left: 1.5em"
+
+
+def page(model: Model, node: Node) -> str:
+    """Return HTML of an element and everything below it, with attached models at their hosts.
+
+    The first two levels are open.
+    """
+    lines: list[str] = []
+    left = _tree(model, node, lines, SHOWN, 0)
+    if left < 0:
+        lines.append(f"<div>… and {-left} more elements</div>")
+    return f'<div style="{_STYLE}">{"".join(lines)}</div>'
+
+
+def _tree(model: Model, node: Node, lines: list[str], left: int, depth: int) -> int:
+    """Append a node and everything below it to `lines`, up to `left` elements. Return how many are left.
+
+    The result is negative if elements were left out.
+    """
+    if left <= 0:
+        return left - _count(model, node)
+    if depth > _DEEPEST:
+        lines.append(f"<div>… {_count(model, node)} elements</div>")
+        return left - 1
+    left -= 1
+    children = list(node.iterchildren("*"))
+    attached = [each for each in model.attachments.values() if each.host is node]
+    tag = _start_tag(node, not children and not attached)
+    if not children and not attached:
+        lines.append(f"<div>{tag}</div>")
+        return left
+    is_open = " open" if depth < 2 or (node.tag == WORLD_SECTION and depth < 3) else ""
+    lines.append(f'<details{is_open}><summary>{tag}</summary><div style="{_INSIDE}">')
+    for child in children:
+        left = _tree(model, child, lines, left, depth + 1)
+    for attachment in attached:
+        if left > 0:
+            lines.append(f"<div>{escape(attachment.child.prefix)} is attached here:</div>")
+        for joint in attachment.frame:
+            left = _tree(model, joint, lines, left, depth + 1)
+        left = _tree(attachment.child, attachment.child.unit.root, lines, left, max(depth + 1, 2))
+    lines.append("</div></details>")
+    return left
+
+
+def _count(model: Model, node: Node) -> int:
+    """Return the number of elements in a node's subtree, including the models attached there."""
+    hanging = (each for each in model.attachments.values() if node in (each.host, *each.host.iterancestors()))
+    return sum(1 for _ in node.iter("*")) + sum(
+        len(each.frame) + _count(each.child, each.child.unit.root) for each in hanging
+    )
+
+
+def _start_tag(node: Node, is_empty: bool) -> str:
+    attributes = "".join(
+        f' {escape(str(name))}=<span style="color: #067d17">"{escape(str(value))}"</span>'
+        for name, value in node.items()
+    )
+    weight = "font-weight: bold; " if node.tag in (ROOT, "body") else ""
+    tag = f'<span style="{weight}color: #0033b3">{escape(str(node.tag))}</span>'
+    return f"&lt;{tag}{attributes}{'/' if is_empty else ''}&gt;"

@@ -1,0 +1,433 @@
+"""Models are read, checked, and become the linker's parts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import field, replace
+from functools import cache
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Note
+from mjcompose.base.sink import Sink
+from mjcompose.base.suggest import did_you_mean, exists_note, unknown_attribute
+from mjcompose.link.angles import model_angle
+from mjcompose.link.linking import Joint, Linking, Part, Place
+from mjcompose.link.numbers import joint_radians, read, read_pose
+from mjcompose.link.numbers import text as number_text
+from mjcompose.link.settings import INSTEAD_OF_MEMORY
+from mjcompose.mjcf.errors import failure
+from mjcompose.mjcf.model import Attachment, Model
+from mjcompose.model.classes import MAIN, ORIENTATIONS, childclass_of
+from mjcompose.model.edit import whole
+from mjcompose.model.files import stem
+from mjcompose.model.grammar import GRAMMAR, ElementType
+from mjcompose.model.names import DECLARES, MAY_REPEAT, UP, NameIndex, declaration, naming_table, own_name
+from mjcompose.model.select import WORLD_SECTION, section_of
+from mjcompose.model.unit import Unit, counterpart
+from mjcompose.model.xml_faults import ignored, is_unread_alone
+from mjcompose.mujoco.messages import of_other_version
+
+_STAND_IN = "stands in for what is attached"
+# What an actuator acts on, and what it needs of that.
+_OF_TRANSMISSIONS = (
+    "joint",
+    "jointinparent",
+    "tendon",
+    "slidersite",
+    "cranksite",
+    "site",
+    "refsite",
+    "inheritrange",
+)
+# Here an element is part of the bodies and their mass, or of what they are made of.
+_OF_BODIES = frozenset({"worldbody", "default", "asset", "extension"})
+
+
+def without_outward(unit: Unit, prefixes: tuple[str, ...]) -> Unit:
+    """Return the unit, or a copy without the elements that refer to names with one of the prefixes.
+
+    Bodies and the elements on them stay. Their references to materials with these names are removed; if another name
+    is missing, MuJoCo reports it. Actuators stay, in their order, and act on a placeholder site.
+    """
+    if not _outward_detach_external(NameIndex.of(unit.root), prefixes):
+        return unit
+    unit = unit.copied()
+    names = NameIndex.of(unit.root)
+    waiting = _outward_detach_external(names, prefixes)
+    while waiting:
+        namespace, name = waiting.pop()
+        for node, attribute in names.users(namespace, name):
+            section = section_of(node)
+            if section == "actuator":
+                _act_on_stand_in(unit, node)
+            elif section not in _OF_BODIES:
+                top = whole(node)
+                declared = declaration(top, section)
+                parent = top.getparent()
+                if parent is not None:
+                    parent.remove(top)
+                    waiting += [declared] if declared else []
+            elif namespace == "material":
+                del node.attrib[attribute]
+    return unit
+
+
+def _outward_detach_external(names: NameIndex, prefixes: tuple[str, ...]) -> list[tuple[str, str]]:
+    return [
+        (namespace, name)
+        for namespace, uses in names.uses.items()
+        for name in uses
+        if name.startswith(prefixes) and names.find(namespace, name) is None
+    ]
+
+
+def _act_on_stand_in(unit: Unit, actuator: Node) -> None:
+    if actuator.get("body"):
+        actuator.set("body", "world")
+        return
+    for name in _OF_TRANSMISSIONS:
+        if name in actuator.attrib:
+            del actuator.attrib[name]
+    world = unit.section("worldbody")
+    if all(site.get("name") != _STAND_IN for site in world.iterchildren("site")):
+        world.append(world.makeelement("site", {"name": _STAND_IN}))
+    actuator.set("site", _STAND_IN)
+
+
+_KEPT_APART = frozenset({"default"})  # a later section does not reach the classes of an earlier one
+
+# Sections whose elements are named after their file where they have no `name`.
+_NAMED_AFTER_FILE = ("asset", "deformable")
+
+_Row = dict[str, dict[str, frozenset[str]]]
+
+
+def check_tree(unit: Unit, sink: Sink) -> None:
+    """Report elements and attributes that MJCF does not have, and names that repeat. Values are not checked."""
+    names: list[tuple[object, str | None]] = []
+    for section in unit.root.iterchildren("*"):
+        tag = str(section.tag)
+        if tag not in GRAMMAR.root.children:
+            _unknown_element(unit, section, GRAMMAR.root, sink)
+            continue
+        table, namespaces = _table(tag), _namespaces(tag)
+        _check_attributes(unit, section, GRAMMAR.section(tag), sink)
+        for parent in section.iter("*"):
+            if not len(parent):
+                continue
+            allowed = table.get(parent.tag)
+            if allowed is None:  # reported as a child of its parent
+                continue
+            for child in parent:
+                kind = child.tag
+                attributes = allowed.get(kind)
+                if attributes is None:
+                    if isinstance(kind, str):
+                        _unknown_element(unit, child, _kind(tag, str(parent.tag)), sink)
+                    continue
+                keys = child.keys()
+                if not attributes.issuperset(keys):
+                    _check_attributes(unit, child, _kind(tag, str(parent.tag)).children[kind], sink)
+                if "name" in keys:
+                    names.append((namespaces.get(kind), child.get("name")))
+                elif "file" in keys and tag in _NAMED_AFTER_FILE:
+                    names.append((namespaces.get(kind), stem(str(child.get("file")))))
+                elif kind == "default":
+                    names.append((None, child.get("class")))
+    if not GRAMMAR.root.attributes.keys() >= set(unit.root.keys()):
+        _check_attributes(unit, unit.root, GRAMMAR.root, sink)
+    if len(set(names)) < len(names):  # or what looks like it
+        _check_names(unit, sink)
+
+
+def _check_names(unit: Unit, sink: Sink) -> None:
+    first: dict[tuple[str, str], Node] = {}
+    for section in unit.root.iterchildren("*"):
+        namespaces = _namespaces(str(section.tag))
+        for node in section.iterdescendants(*namespaces) if namespaces else ():
+            attribute, namespace = namespaces[str(node.tag)]
+            name = own_name(node, attribute)
+            if name and first.setdefault((namespace, name), node) is not node:
+                is_class = namespace == "default"
+                sink.error(
+                    "class-clash" if is_class else "name-clash",
+                    f"another {'default class' if is_class else namespace} is called `{name}` already",
+                    unit.origins.span(node, unit.file, attribute if node.get(attribute) else "file"),
+                    notes=(
+                        Note("the first one is here", unit.origins.span(first[namespace, name], unit.file)),
+                    ),
+                    help="give one of the two another name",
+                )
+
+
+def one_of_each_section(unit: Unit) -> None:
+    """Merge sections that are written several times. If a setting repeats, the last value wins."""
+    first: dict[str, Node] = {}
+    for section in list(unit.root.iterchildren("*")):
+        tag = str(section.tag)
+        if tag in _KEPT_APART or tag not in first:
+            first.setdefault(tag, section)
+            continue
+        owner = unit.origins.owner(section, unit.file)
+        for child in section.iterchildren("*"):
+            if child not in unit.origins.owners:
+                unit.origins.own(child, owner)
+        if tag == "size":
+            _prefer_memory(first[tag], section)
+        _join(first[tag], section, GRAMMAR.section(tag))
+        unit.root.remove(section)
+
+
+def _prefer_memory(one: Node, other: Node) -> None:
+    """Remove the older size settings where the other element has `memory`.
+
+    MuJoCo lets `memory` override them, but refuses both in one element.
+    """
+    for there, here in ((one, other), (other, one)):
+        for name in INSTEAD_OF_MEMORY if there.get("memory") else ():
+            if name in here.attrib:
+                del here.attrib[name]
+
+
+def _join(into: Node, section: Node, kind: ElementType) -> None:
+    for name, value in section.items():
+        if str(value).strip():
+            into.set(name, value)
+    for child in list(section):
+        once = isinstance(child.tag, str) and kind.children[child.tag].max_count == 1
+        same = next(into.iterchildren(child.tag), None) if once else None
+        if same is None:
+            into.append(child)
+        else:
+            _join(same, child, kind.children[str(child.tag)])
+
+
+@cache
+def _table(section: str) -> _Row:
+    """Return, for each tag in a section, the children that it can have and their attributes."""
+    return {
+        tag: {name: frozenset(child.attributes) for name, child in _kind(section, tag).children.items()}
+        for tag in (section, *GRAMMAR.within(section))
+    }
+
+
+@cache
+def _namespaces(section: str) -> dict[str, tuple[str, str]]:
+    """Return, for each tag of a section that declares names, the naming attribute and the namespace."""
+    return {
+        tag: (attribute, namespace)
+        for tag, actions in naming_table(section).items()
+        for attribute, (kind, namespace) in actions.items()
+        if kind == DECLARES and namespace not in MAY_REPEAT
+    }
+
+
+def _kind(section: str, tag: str) -> ElementType:
+    return GRAMMAR.section(section) if tag == section else GRAMMAR.within(section)[tag]
+
+
+def _unknown_element(unit: Unit, node: Node, parent: ElementType, sink: Sink) -> None:
+    tag, span = str(node.tag), unit.origins.span(node, unit.file)
+    if (other := of_other_version(node, None, unit.file)) is not None:
+        sink.add(replace(other, span=span))
+        return
+    sink.error(
+        "unknown-element",
+        f"`<{parent.tag}>` cannot have a `<{tag}>`",
+        span,
+        notes=(exists_note("element", sorted(parent.children), tag),),
+        help=did_you_mean(tag, parent.children, "<{}>"),
+    )
+
+
+def _check_attributes(unit: Unit, node: Node, kind: ElementType, sink: Sink) -> None:
+    for name in map(str, node.keys()):
+        if name in kind.attributes:
+            continue
+        if is_unread_alone(node, name, unit):
+            sink.add(ignored(node, name, unit))
+            continue
+        span = unit.origins.span(node, unit.file, name)
+        other = of_other_version(node, name, unit.file)
+        known = sorted(kind.attributes)
+        found = other or unknown_attribute(name, f"`<{kind.tag}>`", known)
+        sink.add(replace(found, span=span))
+
+
+_ANGULAR = {"hinge": ("range", "ref", "springref", "springyield"), "ball": ("range", "springyield")}
+# What a free joint says in either spelling; anything else only `<joint type="free">` can have.
+_OF_FREEJOINTS = frozenset({"name", "class", "group", "type"})
+
+
+@dataclass(slots=True)
+class _Mounted:
+    """An attachment with its copies: the part, the prefix of the parent, and the element it is attached to."""
+
+    attachment: Attachment
+    part: Part
+    parent_unit: Unit
+    parent_prefix: str
+    host: Node
+
+
+@dataclass(slots=True)
+class Mounting:
+    """Copies of a model and all models attached below it, ready to be linked.
+
+    The linker finds places by name. Places without a name get one in the copies until `clear_up`.
+    """
+
+    model: Model
+    copy: Callable[[Model], Unit]
+    base: Unit = field(init=False)
+    mounted: list[_Mounted] = field(init=False, default_factory=list)
+    named: list[Node] = field(init=False, default_factory=list)
+    added: list[Node] = field(init=False, default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.base = self.copy(self.model)
+        self._mount(self.model, self.base, "", None)
+
+    @property
+    def parts(self) -> list[Part]:
+        return [each.part for each in self.mounted]
+
+    def _mount(self, model: Model, unit: Unit, prefix: str, own: _Mounted | None) -> None:
+        """Append all models attached to `model`, each before the models attached to it."""
+        hosts = [counterpart(each.host, model.unit.root, unit.root) for each in model.attachments.values()]
+        for attachment, host in zip(model.attachments.values(), hosts, strict=True):
+            copied = self.copy(attachment.child)
+            place = self._place(attachment, host, unit, prefix, own)
+            part = Part(
+                copied,
+                prefix + attachment.child.prefix,
+                place,
+                keyframes="prefix",
+                mocap=attachment.frame.get("mocap") == "true",
+                span=model.span(attachment.frame),
+                outward=_outward(attachment.child, self.model),
+            )
+            mounted = _Mounted(attachment, part, unit, prefix, host)
+            self.mounted.append(mounted)
+            self._mount(attachment.child, copied, part.prefix, mounted)
+
+    def _place(
+        self, attachment: Attachment, host: Node, unit: Unit, prefix: str, own: _Mounted | None
+    ) -> Place:
+        offset = _offset(attachment.frame, unit)
+        if host.tag == WORLD_SECTION:
+            if own is None:
+                return Place("world", None, offset)
+            outer = own.part.place
+            if outer.kind == "world" and not own.attachment.is_body:
+                return replace(outer, offset=_combined(outer.offset, offset))
+            frame = host.makeelement("frame")
+            host.append(frame)
+            self.added.append(frame)
+            host = frame
+        kind = str(host.tag)
+        if not host.get("name"):
+            host.set("name", _free_name(attachment.parent.names, kind, len(self.named)))
+            self.named.append(host)
+        return Place(kind, prefix + str(host.get("name")), offset)  # type: ignore[arg-type]
+
+    def add_joints(self, linking: Linking) -> None:
+        """Set the joints of each part from its attachment frame. The linker must have named the top classes before."""
+        tops = {each.part.prefix: each.part.top_class for each in self.mounted}
+        tops[""] = linking.base_class or MAIN
+        in_radians = model_angle(linking) == "radian"
+        for each in self.mounted:
+            to_radians = in_radians and each.parent_unit.settings.angle == "degree"
+            each.part.joints = tuple(
+                _joint(joint, each, tops[each.parent_prefix], to_radians) for joint in each.attachment.frame
+            )
+
+    def clear_up(self) -> None:
+        """Remove the names and frames that were added for the linker."""
+        for node in self.named:
+            del node.attrib["name"]
+        for frame in self.added:
+            parent = frame.getparent()
+            if parent is not None:
+                at = parent.index(frame)
+                parent[at : at + 1] = list(frame)
+
+
+def _outward(model: Model, top: Model) -> dict[str, str]:
+    """Return the final names of what a model refers to in the models above it and beside it."""
+    found: dict[str, str] = {}
+    for uses in model.names.uses.values() if model.names.leads_out else ():
+        for name in uses:
+            here, rest = model, name
+            while rest.startswith(UP) and here is not top and here.hung is not None:
+                here, rest = here.hung.parent, rest[len(UP) :]
+            if here is not model:
+                found[name] = str(top.prefix_of(here)) + rest
+    return found
+
+
+def _offset(frame: Node, unit: Unit) -> dict[str, str]:
+    """Return the pose attributes of a frame. Angles become a quaternion, since the other model's unit may differ."""
+    written = {name: str(frame.get(name)) for name in ("pos", *ORIENTATIONS) if frame.get(name)}
+    for name in ("euler", "axisangle"):
+        if written.pop(name, None):
+            settings = unit.settings
+            pose = read_pose(frame, settings.angle == "degree", settings.eulerseq)
+            written["quat"] = number_text(pose.quat)
+    return written
+
+
+def _combined(outer: Mapping[str, str], inner: Mapping[str, str]) -> dict[str, str]:
+    """Return the combination of an outer and an inner offset, neither of which has angles."""
+    if not outer or not inner:
+        return {**outer, **inner}
+    pose = read_pose(outer, False, "xyz") @ read_pose(inner, False, "xyz")
+    return {"pos": number_text(pose.pos), "quat": number_text(pose.quat)}
+
+
+def _free_name(names: NameIndex, kind: str, number: int) -> str:
+    name = f"attachment-{number}"
+    while names.find(kind, name) is not None:
+        name += "-"
+    return name
+
+
+def _joint(joint: Node, mounted: _Mounted, top_class: str, to_radians: bool) -> Joint:
+    """Return a joint of an attachment frame for the flat model. Its default classes are those of the parent."""
+    part, unit = mounted.part, mounted.parent_unit
+    attributes = {str(name): str(value) for name, value in joint.items()}
+    attributes["name"] = part.prefix + attributes.get("name", "")
+    if joint.tag == "freejoint":
+        return Joint("freejoint", attributes)
+    written = attributes.get("class") or childclass_at(mounted.host)
+    found = unit.classes.get(written)
+    kind = attributes.get("type")
+    if kind is None:
+        inherited = found.lookup("joint", "type")
+        kind = inherited[0] if inherited else "hinge"
+    if kind == "free":
+        if attributes.keys() <= _OF_FREEJOINTS:
+            return Joint("freejoint", {k: v for k, v in attributes.items() if k in ("name", "group")})
+        if part.place.kind != "world":
+            parent = mounted.attachment.parent
+            raise failure(
+                "not-supported",
+                f"the free joint of `{part.prefix}` has settings of its own, and can stand in the world only",
+                parent.span(joint),
+                help="use a `freejoint`, or attach the model to the worldbody",
+            )
+    attributes["class"] = top_class if written in (None, MAIN) else mounted.parent_prefix + written
+    if to_radians:
+        for name in _ANGULAR.get(kind, ()):
+            value = attributes.get(name)
+            if value and not (name == "range" and attributes.get("limited") == "false"):
+                attributes[name] = number_text(map(joint_radians, read(value)))
+    return Joint("joint", attributes)
+
+
+def childclass_at(host: Node) -> str | None:
+    """Return the name of the class in force for elements added at an attachment's host, or None."""
+    own = host.get("childclass")
+    return str(own) if own and host.tag != "site" else childclass_of(host)

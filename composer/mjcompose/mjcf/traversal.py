@@ -1,0 +1,228 @@
+"""A composition in document order, and elements by tag and name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from lxml.etree import _Element as Node
+
+from mjcompose.mjcf.asset import as_name
+from mjcompose.mjcf.errors import unknown_tag
+from mjcompose.mjcf.model import Attachment, Model, Target
+from mjcompose.model.names import WORLD
+from mjcompose.model.select import ROOT, WORLD_SECTION, Query, kind_of, query, section_of, tags_of
+
+
+def from_root(model: Model, query: Query) -> Iterator[Target]:
+    """Yield all matches in a model, section by section. In each section, attached models come last."""
+    for tag in _section_tags(model):
+        if tag in query.sections:
+            yield from _in_section(model, tag, query)
+
+
+def below(model: Model, node: Node, query: Query) -> Iterator[Target]:
+    """Yield all matches below a node, without the node itself."""
+    frame = model.frame_above(node)
+    if frame is not None:
+        if node is frame:
+            yield from _frame_content(model.attachment_of(frame), query)
+        return
+    section = section_of(node)
+    if section == WORLD_SECTION:
+        yield from _World(model, query).below(node)
+    else:
+        yield from _flat(model, node, section, query)
+        if _is_section(node):
+            for attachment in model.attachments.values():
+                yield from _in_section(attachment.child, section, query, itself=False)
+
+
+def children(model: Model, node: Node, query: Query) -> Iterator[Target]:
+    """Yield all matches among the children of a node. The top level of a model attached without a body counts too."""
+    frame = model.frame_above(node)
+    if frame is not None:
+        attachment = model.attachment_of(frame)
+        yield from (Target(model, joint) for joint in frame.iterchildren(*query.tags) if _taken(joint, query))
+        yield from _top_level(attachment.child, query)
+        return
+    section = section_of(node)
+    for child in node.iterchildren(*query.tags) if query.tags else ():
+        if query.takes(section, str(node.tag), str(child.tag)):
+            yield Target(model, child)
+    for attachment in model.attachments.values():
+        if attachment.container is node:
+            yield from _attached_children(attachment, query)
+        elif _is_section(node) and section != WORLD_SECTION:
+            for other in attachment.child.unit.root.iterchildren(section):
+                yield from children(attachment.child, other, query)
+
+
+def is_below(outer: Target, inner: Target) -> bool:
+    """Return whether `inner` is anywhere below `outer` in the output."""
+    model, node = inner
+    while model is not outer.model:
+        if model.hung is None:
+            return False
+        attachment = model.hung
+        if outer == (attachment.parent, attachment.frame):
+            return True
+        section = section_of(node)
+        model = attachment.parent
+        if section == WORLD_SECTION:
+            node = attachment.container
+            if node is outer.node:
+                return True
+        else:
+            return outer.node is model.unit.root or (_is_section(outer.node) and outer.node.tag == section)
+    frame = model.frame_above(node)
+    if frame is not None and outer.node is not frame:
+        node = model.attachment_of(frame).container
+        if node is outer.node:
+            return True
+    return outer.node in node.iterancestors()
+
+
+def _attached_children(attachment: Attachment, query: Query) -> Iterator[Target]:
+    if not attachment.is_body:
+        yield from _top_level(attachment.child, query)
+    elif "body" in query.paths:
+        yield Target(attachment.parent, attachment.frame)
+
+
+def _top_level(model: Model, query: Query) -> Iterator[Target]:
+    for worldbody in model.unit.root.iterchildren(WORLD_SECTION):
+        yield from children(model, worldbody, query)
+
+
+def _in_section(model: Model, tag: str, query: Query, *, itself: bool = True) -> Iterator[Target]:
+    for section in model.unit.root.iterchildren(tag):
+        if itself and tag in query.paths:
+            yield Target(model, section)
+        if tag == WORLD_SECTION:
+            yield from _World(model, query).below(section)
+        else:
+            yield from _flat(model, section, tag, query)
+    if tag != WORLD_SECTION:
+        for attachment in model.attachments.values():
+            yield from _in_section(attachment.child, tag, query, itself=itself)
+
+
+def _flat(model: Model, node: Node, section: str, query: Query) -> Iterator[Target]:
+    """Yield the matches below a node, without those in attached models. This takes one pass in lxml."""
+    for each in node.iterdescendants(*query.tags) if query.tags else ():
+        parent = each.getparent()
+        if parent is not None and query.takes(section, str(parent.tag), str(each.tag)):
+            yield Target(model, each)
+
+
+class _World:
+    """Matches in the body tree of one model, with attached models at their places."""
+
+    def __init__(self, model: Model, query: Query) -> None:
+        self.model, self.query = model, query
+        self.hanging: dict[Node, list[Attachment]] = {}
+        self.leads_there: set[Node] = set()
+        for attachment in model.attachments.values():
+            container = attachment.container
+            self.hanging.setdefault(container, []).append(attachment)
+            self.leads_there.update([container, *container.iterancestors()])
+
+    def below(self, node: Node) -> Iterator[Target]:
+        if node not in self.leads_there:
+            yield from _flat(self.model, node, WORLD_SECTION, self.query)
+            return
+        for child in node.iterchildren("*"):
+            tag = str(child.tag)
+            if tag in self.query.tags and self.query.takes(WORLD_SECTION, str(node.tag), tag):
+                yield Target(self.model, child)
+            yield from self.below(child)
+        for attachment in self.hanging.get(node, ()):
+            if attachment.is_body and "body" in self.query.paths:
+                yield Target(self.model, attachment.frame)
+            yield from _frame_content(attachment, self.query)
+
+
+def _frame_content(attachment: Attachment, query: Query) -> Iterator[Target]:
+    """Yield the matches among the joints of a frame, then those in the worldbody of the child."""
+    for joint in attachment.frame.iterchildren(*query.tags) if query.tags else ():
+        if _taken(joint, query):
+            yield Target(attachment.parent, joint)
+    yield from _in_section(attachment.child, WORLD_SECTION, query, itself=False)
+
+
+def _taken(joint: Node, query: Query) -> bool:
+    return query.takes(WORLD_SECTION, "body", str(joint.tag))
+
+
+def _section_tags(model: Model) -> list[str]:
+    """Return the tags of the sections in a model and the models attached to it, the model's own first."""
+    tags = dict.fromkeys(str(section.tag) for section in model.unit.root.iterchildren("*"))
+    for attachment in model.attachments.values():
+        tags.update(dict.fromkeys(_section_tags(attachment.child)))
+    return list(tags)
+
+
+def _is_section(node: Node) -> bool:
+    parent = node.getparent()
+    return parent is not None and parent.tag == ROOT
+
+
+def first(here: Target, tag: str, name: str | None) -> Target | None:
+    """Return the first match below `here`, or the one with that name. See `Element.find`."""
+    from_root = _is_root(here)
+    wanted = _query(here, tag, from_root)
+    if name is None:
+        return next(_matches(here, wanted), None)
+    name = as_name("name", name)
+    for namespace in wanted.namespaces:
+        found = here.model.lookup(namespace, name)
+        if found is None:
+            continue
+        fits = kind_of(found.node).path in wanted.paths or (name == WORLD and namespace == "body")
+        if fits and (from_root or is_below(here, found)):
+            return found
+    return None
+
+
+def at_hand(model: Model, tag: str, name: str) -> Any:
+    """Return the Element with that name if it is the model's own and was accessed before, which is the common case."""
+    wanted = query(tag, None)
+    for namespace in wanted.namespaces:
+        names = model.names.declared.get(namespace)
+        node = None if names is None else names.get(name)
+        if node is not None:
+            found = model.views.get(node)
+            if found is not None and found._kind.path in wanted.paths:
+                return found
+    return None
+
+
+def every(here: Target, tag: str, immediate_children_only: bool) -> Iterator[Target]:
+    """Yield all matches below `here`. See `Element.find_all`."""
+    wanted = _query(here, tag, _is_root(here))
+    return children(*here, wanted) if immediate_children_only else _matches(here, wanted)
+
+
+def attached(model: Model, prefix: str) -> Model | None:
+    """Return the model attached under `prefix`, which ends in the separator, or None. See `Element.enter_scope`."""
+    for attachment, rest in model.split(prefix):
+        found = attached(attachment.child, rest) if rest else attachment.child
+        if found is not None:
+            return found
+    return None
+
+
+def _matches(here: Target, wanted: Query) -> Iterator[Target]:
+    return from_root(here.model, wanted) if _is_root(here) else below(*here, wanted)
+
+
+def _query(here: Target, tag: str, from_root: bool) -> Query:
+    wanted = query(tag, None if from_root else section_of(here.node)) if isinstance(tag, str) else None
+    if wanted is None or not (wanted.paths or query(tag, None).paths):
+        raise unknown_tag(tag, f"MJCF has no element `{tag}`", tags_of())
+    return wanted
+
+
+def _is_root(here: Target) -> bool:
+    return here.node is here.model.unit.root

@@ -1,0 +1,269 @@
+"""Values and references of attributes, from Python to MJCF and back."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from lxml.etree import _Element as Node
+
+from mjcompose.mjcf.model import Model, Target
+from mjcompose.model.classes import ORIENTATIONS
+from mjcompose.model.edit import assign
+from mjcompose.model.grammar import GRAMMAR, Attribute, number_text, to_text
+from mjcompose.model.names import UP, WORLD, word
+from mjcompose.model.select import kind_of
+from mjcompose.model.values import (
+    INT_MAX,
+    NOT_XML,
+    Refusal,
+    check_length,
+    check_python,
+    check_value,
+    expected,
+    items,
+    parse_real,
+    plain,
+)
+
+# Types of which text may be given as it stands in XML; of numbers too.
+_WRITTEN = ("bool", "keyword", "keywords", "references")
+# Where infinity has no meaning but makes every later number NaN; a range or a limit may be infinite.
+_FINITE = frozenset(
+    {"pos", "axis", "fromto", "size", "mass", "density", "diaginertia", "fullinertia", *ORIENTATIONS}
+    | {"scale", "vertex", "timestep", "gravity", "qpos", "qvel", "mpos", "mquat", "ref"}
+)
+# One number or several as almost everybody writes them.
+_DECIMALS = re.compile(
+    r"[ \t\n\r]*(?:[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?(?:[ \t\n\r]+|$))+", re.ASCII
+)
+_BOOLEANS = {True: "true", False: "false"}
+
+
+class BadValue(ValueError):
+    """A value is not accepted; the message continues the attribute's name."""
+
+    def __init__(self, refusal: Refusal | str) -> None:
+        super().__init__(refusal)
+        self.refusal = Refusal(refusal) if isinstance(refusal, str) else refusal
+
+
+def encode(attribute: Attribute, value: object) -> str:
+    """Return the MJCF text of a value. A value that is text must be valid MJCF. Raises `BadValue`.
+
+    Numbers are written so that they read back to the same bits. If the attribute has no fixed length, an array of
+    more than one dimension is written row by row.
+    """
+    quick = plain_text(attribute, value)
+    if quick is not None:
+        return quick
+    if isinstance(value, os.PathLike) and attribute.type == "file":
+        value = os.fspath(value)
+    if isinstance(value, str):
+        written = attribute.is_number or attribute.type in _WRITTEN
+        fault = check_value(attribute, value) if written else check_python(attribute, value)
+        text = value
+    else:
+        value = _flat(attribute, value)
+        fault = check_python(attribute, value)
+        text = "" if fault else to_text(attribute, value)
+    if fault is not None:
+        raise BadValue(fault)
+    if attribute.is_number:
+        _check_finite(attribute, text)
+    unwritable = NOT_XML.search(text)
+    if unwritable:
+        raise BadValue(f"has the character {unwritable.group()!r}, which XML cannot hold")
+    return text
+
+
+def decode(attribute: Attribute, text: str) -> object:
+    """Return the Python value of an attribute's text. Raises `BadValue` for text that MuJoCo would refuse.
+
+    One number is returned as a numpy scalar, several as an array of `float64` or `int64` with the shape `(n,)`. A
+    keyword is returned as text, a list of keywords as a list, and a boolean as a `bool`.
+    """
+    if attribute.type == "real" and _DECIMALS.fullmatch(text):
+        decimals = list(map(float, text.split()))
+        if check_length(attribute, len(decimals)) is None and not any(map(math.isinf, decimals)):
+            return np.float64(decimals[0]) if attribute.max_length == 1 else np.array(decimals)
+    fault = check_value(attribute, text)
+    if fault is not None:
+        raise BadValue(fault)
+    if attribute.type == "bool":
+        return text == "true"
+    if attribute.type == "keywords":
+        return items(text)
+    if not attribute.is_number:
+        return text
+    numbers = [parse_real(item) for item in items(text)]
+    array = np.array(numbers, dtype=np.int64 if attribute.type == "int" else np.float64)
+    return array[0] if attribute.max_length == 1 else array
+
+
+def plain_text(attribute: Attribute, value: object) -> str | None:
+    """Return the text of a value that is clearly valid, such as finite numbers, or None if it needs a full check."""
+    if attribute.type == "keyword":
+        return value if type(value) is str and value in attribute.keywords else None
+    if attribute.type == "bool":
+        return _BOOLEANS[value] if type(value) is bool else None
+    if not attribute.is_number:
+        return None
+    numbers: Any = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+    if type(numbers) is float or type(numbers) is int:
+        numbers = (numbers,)
+    elif (type(numbers) is not list and type(numbers) is not tuple) or attribute.max_length == 1:
+        return None
+    if check_length(attribute, len(numbers)) is not None:
+        return None
+    texts = []
+    for number in numbers:
+        if type(number) is int and -INT_MAX <= number <= INT_MAX:
+            texts.append(str(number))
+        elif type(number) is float and attribute.type == "real" and math.isfinite(number):
+            texts.append(number_text(number))
+        else:
+            return None
+    return " ".join(texts)
+
+
+def _check_finite(attribute: Attribute, text: str) -> None:
+    for item in items(text):
+        number = parse_real(item) or 0.0
+        if math.isnan(number):
+            raise BadValue("expects numbers, got `nan`")
+        if math.isinf(number) and attribute.name in _FINITE:
+            raise BadValue(f"expects finite numbers, got `{item}`")
+
+
+def _flat(attribute: Attribute, value: object) -> object:
+    """Return arrays and tuples as lists. If the attribute takes any number of items, join the rows."""
+    open_ended = attribute.is_number and attribute.max_length is None
+    shape = getattr(value, "shape", None)
+    if shape is not None and len(shape) > 1 and attribute.is_number:
+        if not open_ended:
+            raise BadValue(f"expects a flat array, got one of shape {tuple(shape)}")
+        value = np.asarray(value).reshape(-1)
+    if isinstance(value, bytes | bytearray):
+        raise BadValue(f"expects {expected(attribute)}, got `{value!r}`")
+    if isinstance(value, np.ndarray | np.generic) and value.dtype.kind == "f":
+        value = value.astype(np.float64)  # a `longdouble` is not a `float`
+    value = plain(value)
+    if not isinstance(value, list | tuple):
+        return value
+    flat = [plain(item) for item in value]
+    if open_ended and flat and all(isinstance(item, list | tuple) for item in flat):
+        if len({len(row) for row in flat if isinstance(row, list | tuple)}) > 1:
+            raise BadValue("expects rows of one length, got several")
+        return [plain(number) for row in flat if isinstance(row, list | tuple) for number in row]
+    return flat
+
+
+def refers(attribute: Attribute) -> bool:
+    """Return whether the attribute refers to elements of the model by name."""
+    if attribute.refers_by is not None:
+        return True
+    return attribute.is_reference and not (attribute.refers or "").startswith("attached:")
+
+
+def namespace_of(attribute: Attribute, written: Mapping[str, str]) -> str | None:
+    """Return the namespace of a reference, given all attributes of its element, or None if it is not known."""
+    if attribute.refers_by is not None:
+        return GRAMMAR.objtypes.get(written.get(attribute.refers_by, ""))
+    return attribute.refers
+
+
+def name_for(
+    model: Model, attribute: Attribute, target: Target, namespace: str | None, given: dict[Target, str]
+) -> str:
+    """Return the name that refers to `target` in `model`. Raises `BadValue` if there can be none.
+
+    A target without a name gets one in `given`, which the caller must write. The name in a model that is not in the
+    same composition yet is provisional, and the caller must note it in `awaited` of the model.
+    """
+    node = target.node
+    if not target.model.has(node):
+        raise BadValue(f"got {described(target)}, which was removed")
+    declared = target.model.declared(node)
+    kind = kind_of(node)
+    if namespace is not None and (declared[0] if declared else kind.family) != namespace:
+        raise BadValue(f"expects {word(namespace, article=True)}, got {described(target)}")
+    if declared is None and kind.family is None:
+        raise BadValue(f"got {described(target)}, which nothing can refer to")
+    if declared is None:
+        own = given.get(target) or _free_name(target, str(kind.family), given)
+        given[target] = own
+    else:
+        own = declared[1]
+    way = model.prefix_of(target.model)
+    if way is None and attribute.type != "references" and namespace != "default" and own != WORLD:
+        return f"{UP}{target.model.full_prefix or target.model.prefix}{own}"
+    if way is None:
+        raise BadValue(
+            f"got {described(target)} of the model `{target.model.name}`, which is not attached to `{model.name}`"
+        )
+    name = way + own if declared is None else target.model.seen_from(model, node)
+    if name is None:
+        raise BadValue(
+            f"got {described(target)} of the model `{target.model.name}`, which `{model.name}` cannot refer to"
+        )
+    if attribute.type == "references" and len(name.split()) != 1:
+        raise BadValue(f"got {described(target)}, but a list of names cannot hold one with a space")
+    return name
+
+
+def _free_name(target: Target, namespace: str, given: Mapping[Target, str]) -> str:
+    """Return an unused name in the style of `dm_control`, such as `unnamed_joint_0`."""
+    model = target.model
+    number = len(model.names.declared.get(namespace, ()))
+    while True:
+        name = f"unnamed_{namespace}_{number}"
+        if name not in given.values() and model.top.lookup(namespace, model.full_prefix + name) is None:
+            return name
+        number += 1
+
+
+def resolved(model: Model, attribute: Attribute, node: Node, text: str) -> list[Target | str]:
+    """Return the nodes that an attribute refers to: one, or one for each name in a list.
+
+    A name that does not exist is returned as it is. MuJoCo may still generate it (the copies of a `replicate`); if
+    not, it is reported when the model is written.
+    """
+    awaited = model.awaited.get((node, attribute.name))
+    if awaited is not None and awaited[1] == text:
+        return [awaited[0]]
+    written = {str(key): str(value) for key, value in node.items()}
+    namespace = namespace_of(attribute, written)
+    names = text.split() if attribute.type == "references" else [text]
+    return [(model.lookup(namespace, name) if namespace else None) or name for name in names]
+
+
+def settle(top: Model) -> None:
+    """Give the references to what has been attached since then its names in the models that refer to it."""
+    for model in top.composition():
+        for (node, attribute), (target, text) in [*model.awaited.items()]:
+            if not model.has(node) or node.get(attribute) != text:
+                del model.awaited[node, attribute]  # it was removed or written anew
+            elif model.prefix_of(target.model) is not None and target.model.has(target.node):
+                name = target.model.seen_from(model, target.node)
+                if name is not None:
+                    del model.awaited[node, attribute]
+                    assign(model, node, {attribute: name})
+
+
+def described(target: Target) -> str:
+    """Return the description of an element for messages. See `describe`."""
+    return describe(target.model, target.node)
+
+
+def describe(model: Model, node: Node) -> str:
+    """Return the description of an element for messages: its tag, and its name if it has one."""
+    if not model.has(node):
+        return f"`<{node.tag}>`" + (f" `{node.get('name')}`" if node.get("name") else "")
+    declared = model.declared(node)
+    named = f" `{declared[1]}`" if declared and declared[1] != WORLD else ""
+    return f"`<{node.tag}>`{named}"

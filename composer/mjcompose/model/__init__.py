@@ -1,0 +1,1 @@
+"""MJCF as a tree: the grammar, units, names, classes, selection and edits."""

@@ -1,0 +1,92 @@
+"""Settings on which parts agree, and what was read of a source that is not MJCF."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from typing import NamedTuple
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Span
+
+_NAMED = 4
+
+
+class Adopted(NamedTuple):
+    """The value of a setting that neither the base nor the recipe writes.
+
+    `path` is the path of the attribute (`option/cone`), `parts` are the prefixes of the parts that write it, and
+    `at` returns where the first of them does. A value equal to MuJoCo's default is not written into the model
+    (`is_written`); it counts only if the composition is itself a part.
+    """
+
+    path: str
+    value: str
+    parts: tuple[str, ...]
+    at: Callable[[], Span]
+    is_written: bool
+
+    @property
+    def span(self) -> Span:
+        return self.at()
+
+    def located(self) -> Adopted:
+        """Return the same with a known place, independent of the model's text."""
+        return self._replace(at=partial(known, self.span))
+
+    @property
+    def setting(self) -> str:
+        """Its name in messages: `option.cone`."""
+        return self.path.replace("/", ".")
+
+
+def known(span: Span) -> Span:
+    """Return the place itself; the counterpart of a function that looks it up."""
+    return span
+
+
+def in_words(adopted: Iterable[Adopted]) -> Iterator[str]:
+    """Yield the settings that are written into the model, a line for all with the same parts."""
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for each in adopted:
+        if each.is_written:
+            groups.setdefault(each.parts, []).append(f"{each.setting} {each.value}")
+    for parts, settings in groups.items():
+        yield f"{', '.join(settings)}, from {_few(parts)}"
+
+
+def _few(parts: tuple[str, ...]) -> str:
+    if len(parts) <= _NAMED:
+        return ", ".join(parts)
+    return f"{', '.join(parts[:_NAMED])} and {len(parts) - _NAMED} more"
+
+
+@dataclass(frozen=True, slots=True)
+class ReadRow:
+    """`count` elements of the kind `what`, with what they `became`, or `why` they are not in the model.
+
+    `what` is a path of tags, such as `joint/limit`, with an attribute behind it where only that is meant
+    (`joint/limit velocity`), or the tag that they lack (`link without inertial`). `span` is where the first of them
+    stands. A row that nearly every file has `is_minor`.
+    """
+
+    what: str
+    count: int
+    became: str
+    why: str
+    span: Span
+    is_minor: bool = False
+
+    @property
+    def called(self) -> str:
+        """Its name in messages.
+
+        >>> ReadRow("joint/limit velocity", 6, "", "", Span("arm.urdf", 1, 1)).called
+        '`<joint><limit>` `velocity` (6)'
+        >>> ReadRow("link without inertial", 1, "", "", Span("arm.urdf", 1, 1)).called
+        '`<link>` without `<inertial>` (1)'
+        """
+        tags, _, more = self.what.partition(" ")
+        lacks = more.removeprefix("without ")
+        inside = f" without `<{lacks}>`" if lacks != more else f" `{more}`" if more else ""
+        return f"`{''.join(f'<{tag}>' for tag in tags.split('/'))}`{inside} ({self.count})"

@@ -1,0 +1,237 @@
+"""Names, globs and regular expressions.
+
+Globs over names: `*` and `?` stop at the separator, `**` does not, `{a,b}` is a choice.
+
+Matching tracks the set of reachable positions in the name while it goes through the glob once. It never backtracks,
+so that no glob takes long for any name. The sets are bits of integers.
+
+Patterns over names: a name, a glob, or a regular expression.
+
+A regular expression may take time exponential in the length of a name, and Python's `re` cannot be interrupted. The
+package `regex` can. It is imported for a recipe with a regular expression only.
+"""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable, Collection
+from enum import Enum
+from functools import lru_cache
+
+_TOKENS = r"\*\*|\*|\?|\{[^{}]*\}|[^*?{]+|."
+_ONE = ord("1")
+
+
+class _Wild(Enum):
+    ONE = "?"
+    LEVEL = "*"
+    ALL = "**"
+    LEVELS = "**/"
+
+
+_Token = _Wild | str | list[list["_Token"]]
+"""A wildcard, literal text, or a choice."""
+
+
+def is_glob(name: str) -> bool:
+    """Return whether a text is a glob: plain names do not have these characters."""
+    return any(character in name for character in "*?{")
+
+
+def stray_brace(glob: str) -> int | None:
+    """Return the position of a brace that is not part of a choice; choices cannot be nested.
+
+    >>> stray_brace("{a,b}/*"), stray_brace("x{a"), stray_brace("a}"), stray_brace("{a,{b}}")
+    (None, 1, 1, 0)
+    """
+    found = re.search(r"[{}]", re.sub(r"\{[^{}]*\}", lambda choice: "-" * len(choice[0]), glob))
+    return found.start() if found else None
+
+
+@lru_cache(maxsize=256)
+def matcher(glob: str, separator: str = "/") -> Callable[[str], bool]:
+    """Return a function that says whether a name matches a glob.
+
+    >>> pads = matcher("gripper/*_pad?")
+    >>> pads("gripper/left_pad1"), pads("gripper/left/pad1"), matcher("**/{pad,tip}")("a/b/tip")
+    (True, False, True)
+    """
+    if not is_glob(glob):
+        return glob.__eq__
+    tokens = _tokens(glob, separator)
+    texts = [token for token in tokens if isinstance(token, str)]
+    stops = separator if _makes_levels(separator) else ""
+
+    def fits(name: str) -> bool:
+        # Most names lack a literal part of the glob, which is quick to see.
+        return all(text in name for text in texts) and _Name(name, stops).is_meant_by(tokens)
+
+    return fits
+
+
+def _tokens(glob: str, separator: str) -> list[_Token]:
+    levels = f"**{separator}" if _makes_levels(separator) else None
+    found: list[_Token] = []
+    for token in re.findall(rf"{re.escape(levels)}|{_TOKENS}" if levels else _TOKENS, glob, re.DOTALL):
+        if token == levels:
+            found.append(_Wild.LEVELS)
+        elif token in ("?", "*", "**"):
+            found.append(_Wild(token))
+        elif token[0] == "{" and len(token) > 1:
+            found.append([_tokens(each, separator) for each in token[1:-1].split(",")])
+        else:
+            found.append(token)
+    return found
+
+
+def _makes_levels(separator: str) -> bool:
+    """Return whether `*` stops at the separator: `_` is also part of names."""
+    return separator not in ("_", "__")
+
+
+class _Name:
+    """The name to match. Positions are bits: the lowest is before its first character."""
+
+    def __init__(self, name: str, stops: str) -> None:
+        self.name = name
+        self.end = 1 << len(name)
+        self.stops = 0
+        for character in stops:
+            self.stops |= self._at(character)
+        self.within = (self.end - 1) & ~self.stops
+
+    def _at(self, text: str) -> int:
+        """Return the positions before a text, without an integer for each, because a name may be long."""
+        found = bytearray(b"0" * (len(self.name) + 1))
+        place = self.name.find(text)
+        while place >= 0:
+            found[~place] = _ONE
+            place = self.name.find(text, place + 1)
+        return int(found, 2)
+
+    def is_meant_by(self, tokens: list[_Token]) -> bool:
+        return bool(self._reached(tokens, 1) & self.end)
+
+    def _reached(self, tokens: list[_Token], places: int) -> int:
+        """Return the positions after matching the tokens from each of these positions."""
+        for token in tokens:
+            if isinstance(token, str):
+                places = (places & self._at(token)) << len(token)
+            elif isinstance(token, list):
+                ends = 0
+                for each in token:
+                    ends |= self._reached(each, places)
+                places = ends
+            else:
+                places = self._behind(token, places)
+            if not places:
+                break
+        return places
+
+    def _behind(self, token: _Wild, places: int) -> int:
+        from_first = -(places & -places)
+        if token is _Wild.ONE:
+            return (places & self.within) << 1
+        if token is _Wild.LEVEL:  # the carry of the sum runs from each position to the end of its level
+            return (((places & self.within) + self.within) ^ self.within) | places
+        if token is _Wild.ALL:
+            return from_first & (2 * self.end - 1)
+        return places | (self.stops & from_first) << 1
+
+
+SECONDS = 2.0
+"""How much of the processor's time the names of a model may take with one expression."""
+_LONGEST = 10_000
+# Of what Python's `re` takes as text, and `regex` as errors in a name (`{e<=1}`) or a POSIX class.
+_MEANT_AS_TEXT = re.compile(r"(\\N\{[^}]*\}|\\.)|(\{(?!\d*,?\d*\})|(?<=\[)\[(?=:))", re.DOTALL)
+
+
+class BadPattern(Exception):
+    """An unusable pattern: `message` says why, `help` what to write; `is_slow` says that it took too long."""
+
+    def __init__(self, message: str, help: str | None = None, *, is_slow: bool = False) -> None:
+        super().__init__(message)
+        self.message, self.help, self.is_slow = message, help, is_slow
+
+
+def is_regular(pattern: str) -> bool:
+    """Return whether it is written as a regular expression, `/…/`."""
+    return len(pattern) > 2 and pattern.startswith("/") and pattern.endswith("/")
+
+
+def is_pattern(text: str) -> bool:
+    """Return whether a text is a glob or a regular expression, and not a single name."""
+    return is_glob(text) or is_regular(text)
+
+
+def fitter(pattern: str, names: Callable[[], Collection[str]], separator: str) -> Callable[[str], bool]:
+    """Return a function that says whether a name matches a pattern. Raises `BadPattern`.
+
+    A regular expression is matched with all the `names` at once, which have its time together.
+
+    >>> pads = fitter("*/pad?", list, "/")
+    >>> pads("left/pad1"), pads("pad1")
+    (True, False)
+    """
+    if (wrong := length_fault(pattern)) is not None:
+        raise BadPattern(wrong)
+    if not is_regular(pattern):
+        return matcher(pattern, separator)
+    return fitting(pattern[1:-1], names()).__contains__
+
+
+def length_fault(pattern: str) -> str | None:
+    """Return that a pattern is too long, or None if it is not.
+
+    >>> length_fault("{left,right}/*"), length_fault("*" * 10_001)
+    (None, 'a pattern of 10001 characters is too long; 10000 are allowed')
+    """
+    if len(pattern) <= _LONGEST:
+        return None
+    return f"a pattern of {len(pattern)} characters is too long; {_LONGEST} are allowed"
+
+
+def fault_of(pattern: str) -> str | None:
+    """Return the error in a regular expression, given without its slashes.
+
+    >>> fault_of("link[0-9]+"), fault_of("link[0-9")
+    (None, 'unterminated character set')
+    """
+    try:
+        re.compile(pattern)
+    except (re.error, OverflowError, RecursionError) as error:
+        return str(getattr(error, "msg", error))
+    return None
+
+
+def fitting(pattern: str, names: Collection[str], seconds: float = SECONDS) -> frozenset[str]:
+    """Return the names that the whole expression matches. Raises `BadPattern` if it is invalid, or after `seconds`.
+
+    >>> sorted(fitting("link[0-9]+|pad{e}", ["link1", "link12", "pad", "pad{e}"]))
+    ['link1', 'link12', 'pad{e}']
+    """
+    if (wrong := fault_of(pattern)) is not None:
+        raise BadPattern(f"the regular expression `/{pattern}/` is not valid: {wrong}")
+    import regex  # takes 40 ms
+
+    end = time.process_time() + seconds  # which `regex` measures, too
+    found = set()
+    try:
+        fits = regex.compile(_MEANT_AS_TEXT.sub(_escaped, pattern)).fullmatch
+        for name in names:
+            if fits(name, timeout=max(end - time.process_time(), 1e-6)):
+                found.add(name)
+    except regex.error as error:
+        raise BadPattern(f"the regular expression `/{pattern}/` is not valid: {error.msg}") from None
+    except (TimeoutError, MemoryError, RecursionError):
+        raise BadPattern(
+            f"the regular expression `/{pattern}/` takes longer than {seconds:g} seconds",
+            "write it without repetitions inside repetitions, or use a glob",
+            is_slow=True,
+        ) from None
+    return frozenset(found)
+
+
+def _escaped(found: re.Match[str]) -> str:
+    return found[1] or f"\\{found[2]}"

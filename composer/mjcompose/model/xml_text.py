@@ -1,0 +1,204 @@
+"""Start tags found in a text, and trees written as text.
+
+Find the start tag of an element in the text by the line that lxml keeps for it.
+
+lxml keeps the line on which a start tag ends. The text is searched only when a fault is reported.
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_right
+from collections.abc import Mapping
+from html import unescape
+from itertools import accumulate
+from typing import NamedTuple, TypeAlias
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_ATTRIBUTE = re.compile(r"""\s*([^\s=<>/"']+)\s*=\s*("[^"]*"|'[^']*')""")
+_ITEM = re.compile(r"\S+")
+_MOST_COMPARED = 500_000
+"""The maximum number of start tags compared for one text: one line may have many elements, all with faults."""
+_TAG_END = re.compile(r"\s*/?>")
+
+
+class Stretch(NamedTuple):
+    """Characters of one line: line and column from 1, the end exclusive."""
+
+    line: int
+    column: int
+    end_column: int
+
+
+class _StartTag(NamedTuple):
+    """A start tag: its start and end, and the positions of each attribute's name and value."""
+
+    start: int
+    end: int
+    names: Mapping[str, tuple[int, int]]
+    values: Mapping[str, tuple[int, int]]
+
+
+_Exact: TypeAlias = dict[frozenset[tuple[str, str]], _StartTag]
+
+
+def _decoded(data: bytes) -> str:
+    wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
+    return data.decode("utf-16" if wide else "utf-8-sig", "replace")
+
+
+def _blank(comment: re.Match[str]) -> str:
+    return "\n".join(" " * len(line) for line in comment.group().split("\n"))
+
+
+class SourceText:
+    """The text of an XML file, for finding where its elements are written. No I/O."""
+
+    def __init__(self, data: bytes | str) -> None:
+        text = data if isinstance(data, str) else _decoded(data)
+        self._text = text.replace("\r\n", "\n").replace("\r", "\n")
+        # Text in a comment is not an element, even if it looks like one.
+        self._bare = _COMMENT.sub(_blank, self._text)
+        # By tag and line: the start tags that end there, and the first one for each set of attributes.
+        self._ending: dict[tuple[str, int], tuple[list[_StartTag], _Exact]] = {}
+        self._compared = 0
+        lines = self._text.split("\n")
+        self._starts = list(map(sum, enumerate(accumulate(map(len, lines[:-1]), initial=0))))
+
+    @property
+    def text(self) -> str:
+        """All of it, with one kind of line end."""
+        return self._text
+
+    def element(self, tag: str, line: int, attributes: Mapping[str, str]) -> Stretch | None:
+        """Return `<tag` of the element whose start tag ends on `line`, or None if there is none.
+
+        If there are several, it is the one whose attributes are most similar to the given ones, which may have new
+        prefixes.
+        """
+        found = self._find(tag, line, attributes)
+        return None if found is None else self._stretch(found.start, found.start + 1 + len(tag))
+
+    def attribute(
+        self, tag: str, line: int, attributes: Mapping[str, str], name: str, *, key: bool = False
+    ) -> Stretch | None:
+        """Return the value of an attribute of that element, without its quotes, or with `key` its name.
+
+        Return None if the element does not have it on a single line.
+        """
+        found = self._find(tag, line, attributes)
+        if found is None or name not in found.values:
+            return None
+        start, end = (found.names if key else found.values)[name]
+        return self._stretch(start, end) if end > start and "\n" not in self._text[start:end] else None
+
+    def items(
+        self, tag: str, line: int, attributes: Mapping[str, str], name: str, first: int, last: int
+    ) -> tuple[Stretch, Stretch, str] | None:
+        """Return the positions of two items of an attribute, counted from 0, and the text from one to the other."""
+        found = self._find(tag, line, attributes)
+        if found is None or name not in found.values:
+            return None
+        items = [match.span() for match in _ITEM.finditer(self._text, *found.values[name])]
+        if last >= len(items):
+            return None
+        text = self._text[items[first][0] : items[last][1]]
+        return self._stretch(*items[first]), self._stretch(*items[last]), text
+
+    def _find(self, tag: str, line: int, attributes: Mapping[str, str]) -> _StartTag | None:
+        if not 1 <= line <= len(self._starts):
+            return None
+        if (tag, line) not in self._ending:
+            candidates = self._ending_on(tag, line)
+            exact = {self._written(each): each for each in reversed(candidates)}
+            self._ending[tag, line] = candidates, exact
+        candidates, exact = self._ending[tag, line]
+        # No other tag is more similar, and a program may write ten thousand elements on one line.
+        found = exact.get(frozenset(attributes.items()))
+        if found is not None:
+            return found
+        self._compared += len(candidates)
+        if self._compared > _MOST_COMPARED:
+            return None
+        return max(candidates, key=lambda each: self._likeness(each, attributes), default=None)
+
+    def _ending_on(self, tag: str, line: int) -> list[_StartTag]:
+        first = self._starts[line - 1]
+        last = self._starts[line] if line < len(self._starts) else len(self._text)
+        opening = re.compile(rf"<{re.escape(tag)}(?=[\s/>])")
+        candidates = []
+        at = last
+        while (at := self._bare.rfind(f"<{tag}", 0, at)) >= 0:
+            if not opening.match(self._bare, at):
+                continue
+            candidate = self._read(at, at + 1 + len(tag))
+            if candidate is not None and candidate.end < first:
+                break
+            if candidate is not None and candidate.end < last:
+                candidates.append(candidate)
+        candidates.reverse()
+        return candidates
+
+    def _written(self, candidate: _StartTag) -> frozenset[tuple[str, str]]:
+        values = candidate.values.items()
+        return frozenset((name, unescape(self._text[start:end])) for name, (start, end) in values)
+
+    def _read(self, start: int, at: int) -> _StartTag | None:
+        names, values = {}, {}
+        while attribute := _ATTRIBUTE.match(self._bare, at):
+            names[attribute[1]] = attribute.span(1)
+            values[attribute[1]] = (attribute.start(2) + 1, attribute.end(2) - 1)
+            at = attribute.end()
+        end = _TAG_END.match(self._bare, at)
+        return None if end is None else _StartTag(start, end.end() - 1, names, values=values)
+
+    def _likeness(self, candidate: _StartTag, attributes: Mapping[str, str]) -> int:
+        alike = 0
+        for name, (start, end) in candidate.values.items():
+            value = attributes.get(name)
+            written = unescape(self._text[start:end])
+            alike += -1 if value is None else 2 if value == written else 1 if value.endswith(written) else 0
+        return alike
+
+    def _stretch(self, start: int, end: int) -> Stretch:
+        line = bisect_right(self._starts, start)
+        first = self._starts[line - 1]
+        return Stretch(line, start - first + 1, end - first + 1)
+
+
+_FIRST = re.compile(r"<!\[CDATA\[(.*?)\]\]>", re.DOTALL)
+
+
+def take_cdata_in(root: Node, data: bytes) -> None:
+    """Move the CDATA section of every `<text>` without `data` into this attribute, for the later stages.
+
+    The parsed tree does not distinguish sections from plain text, which MuJoCo ignores, so `data` is parsed again.
+    """
+    parser = etree.XMLParser(
+        remove_blank_text=True, resolve_entities=False, no_network=True, huge_tree=True, strip_cdata=False,
+        recover=True,
+    )  # fmt: skip
+    texts = etree.fromstring(data, parser).iter("text")
+    for node, asked in zip(root.iter("text"), texts, strict=False):
+        found = _FIRST.search(etree.tostring(asked, encoding="unicode", with_tail=False))
+        if found is not None and node.get("data") is None:
+            node.set("data", found.group(1))
+            node.text = None
+
+
+def write(root: Node) -> bytes:
+    """Return the text of a `<mujoco>` tree: UTF-8, indented by two spaces, an element a line, a final newline."""
+    return to_text(root).encode()  # writing bytes directly is slower in lxml
+
+
+def to_text(root: Node) -> str:
+    """Return the text of a `<mujoco>` tree, not encoded."""
+    return etree.tostring(root, encoding="unicode", pretty_print=True)
+
+
+def as_it_is(node: Node) -> bytes:
+    """Return the text of a tree without a new line or space: two trees with the same text say the same."""
+    return etree.tostring(node, encoding="utf-8", with_tail=False)

@@ -1,0 +1,264 @@
+"""Pairs of bodies that need not collide, in the child process that has MuJoCo."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+ADJACENT, TOUCHING, NEVER = "adjacent", "touching", "never"
+_CLOSE = 1e-9
+_NEAR, _FAR = 0.002, 10.0
+"""Two bodies that come so near can touch: limits are soft, and a search takes steps."""
+_STARTS, _ROUNDS, _STEPS = 3, 3, 7
+
+
+def needless(mujoco: Any, model: Any, asked: dict[str, int]) -> list[dict[str, Any]]:
+    """For `mjcompose.mujoco.engine.call`: the pairs of bodies that MuJoCo checks and need not.
+
+    A joint connects the two (`adjacent`), they touch in the reference configuration or in a key (`touching`), or they
+    touch in none of so many `samples`, which a `seed` draws (`never`): every joint anywhere in its range, whatever
+    equalities say. What stands in the world itself is left out, and what can move away from the other without a limit
+    is no claim about `never`. Neither are two bodies that actuators move on separate branches, such as the jaws of a
+    gripper, or bodies that a search brings together: samples miss the one pose in which they close. Jaws that touch in
+    a key stay, too, unless they touch in every sample. Gives for each pair the names of its `bodies`, what to call
+    them, `why` and `where`.
+    """
+    off = int(mujoco.mjtDisableBit.mjDSBL_CONTACT) | int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    model.opt.disableflags &= ~off
+    rest = set(_checked(mujoco, model))
+    found: dict[tuple[int, int], tuple[str, str]] = {}
+    for pair in sorted(rest):
+        if int(model.body_parentid[pair[1]]) == pair[0] and not _is_free(mujoco, model, pair[1]):
+            found[pair] = ADJACENT, ""
+    for key in range(-1, model.nkey):
+        data = mujoco.MjData(model)
+        if key >= 0:
+            mujoco.mj_resetDataKeyframe(model, data, key)
+        where = "the reference configuration" if key < 0 else f"the key `{model.key(key).name}`"
+        for pair in sorted(_touched(mujoco, model, data) & rest):
+            if _is_tied(mujoco, model, pair, sliding=True):
+                found.setdefault(pair, (TOUCHING, where))
+    moved = _moved(mujoco, model)
+    jaws = {pair for pair in rest if _are_jaws(model, pair, moved)}
+    closing = {pair for pair, (why, _) in found.items() if why == TOUCHING and pair in jaws}
+    left = {
+        pair for pair in rest - jaws if pair not in found and _is_tied(mujoco, model, pair, sliding=False)
+    }
+    for pose in _poses(mujoco, model, asked["samples"], seed=asked["seed"]) if left or closing else ():
+        touched = _touched(mujoco, model, pose)
+        left -= touched
+        for pair in closing - touched:
+            del found[pair]
+        closing &= touched
+        if not (left or closing):
+            break
+    random = np.random.Generator(np.random.PCG64(asked["seed"]))
+    found |= {
+        pair: (NEVER, "") for pair in sorted(left) if _least(mujoco, model, pair, random=random) > _NEAR
+    }
+    return [
+        {
+            "bodies": [model.body(body).name for body in pair],
+            "called": [_called(model, body) for body in pair],
+            "why": why,
+            "where": where,
+        }
+        for pair, (why, where) in sorted(found.items())
+    ]
+
+
+def _checked(mujoco: Any, model: Any) -> Iterator[tuple[int, int]]:
+    """The pairs of bodies, without the world, whose geoms MuJoCo checks: as `mj_collision` filters them."""
+    types = {
+        body: [
+            (int(model.geom_contype[geom]), int(model.geom_conaffinity[geom]))
+            for geom in range(model.body_geomadr[body], model.body_geomadr[body] + model.body_geomnum[body])
+        ]
+        for body in range(1, model.nbody)
+        if model.body_geomnum[body]
+    }
+    excluded = {int(each) for each in model.exclude_signature}
+    filters = not int(model.opt.disableflags) & int(mujoco.mjtDisableBit.mjDSBL_FILTERPARENT)
+    welds = [int(each) for each in model.body_weldid]
+    above = [welds[int(model.body_parentid[each])] for each in welds]
+    for one, first in types.items():
+        for other, second in types.items():
+            # The signature has the first body in its upper 16 bits.
+            if other <= one or (one << 16) + other in excluded or (other << 16) + one in excluded:
+                continue
+            if welds[one] == welds[other]:
+                continue
+            # MuJoCo never filters what is welded to the world.
+            if (
+                filters
+                and welds[one]
+                and welds[other]
+                and (above[one] == welds[other] or above[other] == welds[one])
+            ):
+                continue
+            if any(a & d or c & b for a, b in first for c, d in second):
+                yield one, other
+
+
+def _touched(mujoco: Any, model: Any, data: Any) -> set[tuple[int, int]]:
+    mujoco.mj_fwdPosition(model, data)
+    found = set()
+    for contact in data.contact:
+        geoms = [int(each) for each in contact.geom]
+        if contact.dist <= _CLOSE and min(geoms) >= 0:
+            one, other = sorted(int(model.geom_bodyid[each]) for each in geoms)
+            found.add((one, other))
+    return found
+
+
+def _moved(mujoco: Any, model: Any) -> set[int]:
+    """Return the joints that actuators move, themselves or through equalities."""
+    data = mujoco.MjData(model)
+    mujoco.mj_fwdPosition(model, data)
+    dofs = data.moment_colind[: int(data.moment_rownnz.sum())]
+    moved = {int(model.dof_jntid[dof]) for dof in dofs}
+    coupled, kinds = [], mujoco.mjtEq
+    for each in range(model.neq):
+        one, other, kind = int(model.eq_obj1id[each]), int(model.eq_obj2id[each]), int(model.eq_type[each])
+        if kind == int(kinds.mjEQ_JOINT) and other >= 0:
+            coupled.append({one, other})
+        elif kind == int(kinds.mjEQ_TENDON) and other >= 0:
+            has = model if hasattr(model, "ten_J_rowadr") else data  # MuJoCo 3 has them in the data
+            rows = [
+                slice(has.ten_J_rowadr[n], has.ten_J_rowadr[n] + has.ten_J_rownnz[n]) for n in (one, other)
+            ]
+            coupled.append(
+                {int(model.dof_jntid[dof]) for row in rows for dof in has.ten_J_colind.ravel()[row]}
+            )
+        elif kind in (int(kinds.mjEQ_CONNECT), int(kinds.mjEQ_WELD)):
+            if int(model.eq_objtype[each]) == int(mujoco.mjtObj.mjOBJ_SITE):
+                one, other = (int(model.site_bodyid[site]) for site in (one, other))
+            coupled.append(set(_between(model, (one, other))))
+    for _ in coupled:
+        for group in coupled:
+            if group & moved:
+                moved |= group
+    return moved
+
+
+def _are_jaws(model: Any, pair: tuple[int, int], moved: set[int]) -> bool:
+    """Return whether neither body carries the other, and actuators move both from what carries them."""
+    sides = [set(_chain(model, body)) for body in pair]
+    return all(
+        any(joint in moved for body in one - other for joint in _joints(model, body))
+        for one, other in (sides, sides[::-1])
+    )
+
+
+def _between(model: Any, pair: tuple[int, int]) -> Iterator[int]:
+    """Yield the joints that move one of two bodies against the other."""
+    one, other = (set(_chain(model, body)) for body in pair)
+    return (joint for body in sorted(one ^ other) for joint in _joints(model, body))
+
+
+def _least(mujoco: Any, model: Any, pair: tuple[int, int], random: np.random.Generator) -> float:
+    """Return how near the two come where their joints are turned one after the other, from several poses."""
+    geoms = [
+        range(int(model.body_geomadr[body]), int(model.body_geomadr[body] + model.body_geomnum[body]))
+        for body in pair
+    ]
+    meant = [
+        (one, other)
+        for one in geoms[0]
+        for other in geoms[1]
+        if int(model.geom_contype[one]) & int(model.geom_conaffinity[other])
+        or int(model.geom_contype[other]) & int(model.geom_conaffinity[one])
+    ]
+    joints = [
+        (int(model.jnt_qposadr[joint]), *_ends(model, joint))
+        for joint in _between(model, pair)
+        if int(model.jnt_type[joint]) >= int(mujoco.mjtJoint.mjJNT_SLIDE)
+    ]
+    data = mujoco.MjData(model)
+
+    def apart() -> float:
+        mujoco.mj_kinematics(model, data)
+        return float(min(mujoco.mj_geomDistance(model, data, one, other, _FAR, None) for one, other in meant))
+
+    best = _FAR
+    for start in range(_STARTS):
+        for at, low, high in joints if start else ():
+            data.qpos[at] = low + random.random() * (high - low)
+        now = apart()
+        for _ in range(_ROUNDS):
+            before = now
+            for at, low, high in joints:
+                stays = data.qpos[at]
+                for value in np.linspace(low, high, _STEPS):
+                    data.qpos[at] = value
+                    there = apart()
+                    if there < now:
+                        now, stays = there, value
+                data.qpos[at] = stays
+            if now <= _NEAR or now >= before:
+                break
+        best = min(best, now)
+        if best <= _NEAR:
+            break
+    return best
+
+
+def _ends(model: Any, joint: int) -> tuple[float, float]:
+    low, high = model.jnt_range[joint] if model.jnt_limited[joint] else (-np.pi, np.pi)
+    return float(low), float(high)
+
+
+def _is_free(mujoco: Any, model: Any, body: int) -> bool:
+    return any(
+        int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_FREE) for joint in _joints(model, body)
+    )
+
+
+def _joints(model: Any, body: int) -> range:
+    start = int(model.body_jntadr[body])
+    return range(start, start + int(model.body_jntnum[body]))
+
+
+def _is_tied(mujoco: Any, model: Any, pair: tuple[int, int], *, sliding: bool) -> bool:
+    """Whether the two cannot go apart as far as they like; `sliding` says that slides without a range do not count."""
+    one, other = (set(_chain(model, body)) for body in pair)
+    free, slide = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_SLIDE)
+    for body in one ^ other:
+        for joint in _joints(model, body):
+            type = int(model.jnt_type[joint])
+            if type == free or (type == slide and not model.jnt_limited[joint] and not sliding):
+                return False
+    return all(int(model.body_mocapid[body]) < 0 for body in one ^ other)
+
+
+def _chain(model: Any, body: int) -> Iterator[int]:
+    while body:
+        yield body
+        body = int(model.body_parentid[body])
+
+
+def _poses(mujoco: Any, model: Any, count: int, seed: int) -> Iterator[Any]:
+    random = np.random.Generator(np.random.PCG64(seed))
+    data = mujoco.MjData(model)
+    kinds = mujoco.mjtJoint
+    for _ in range(count):
+        for joint in range(model.njnt):
+            type, at = int(model.jnt_type[joint]), int(model.jnt_qposadr[joint])
+            if type == int(kinds.mjJNT_BALL):
+                turn = random.standard_normal(4)
+                data.qpos[at : at + 4] = turn / np.linalg.norm(turn)
+            elif type == int(kinds.mjJNT_HINGE) or (
+                type == int(kinds.mjJNT_SLIDE) and model.jnt_limited[joint]
+            ):
+                low, high = _ends(model, joint)
+                data.qpos[at] = low + random.random() * (high - low)
+        yield data
+
+
+def _called(model: Any, body: int) -> str:
+    if name := model.body(body).name:
+        return f"`{name}`"
+    above = next((each for each in _chain(model, body) if model.body(each).name), 0)
+    return f"a body in `{model.body(above).name}`"

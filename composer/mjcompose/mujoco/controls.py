@@ -1,0 +1,336 @@
+"""Controls of a compiled model: their units and gains, and those that hold a pose.
+
+The gains of motors and servos, and their place in `mjModel`.
+
+MuJoCo computes force = gainprm[0] * input + biasprm[0] + biasprm[1] * length + biasprm[2] * velocity if the gain is
+fixed and the bias affine. The tags `motor`, `position` and `velocity` are special cases of that.
+
+The units of the controls and sensors of a compiled model. Runs in the child process; imports no MuJoCo.
+
+As in MuJoCo, angles are in radians and lengths in metres. The unit of a quaternion is the word itself; `1` is a
+plain number; None means that the unit depends on the model's author.
+
+Simulate for a while, whatever the model does.
+
+MuJoCo sets a simulation that diverges back to its beginning, with the time 0, and only counts a warning. So a loop that
+waits for a time may never end; this one counts its steps, and says which joint diverged.
+
+The controls that hold a pose, computed in MuJoCo's child process.
+
+The force of an actuator is `gain · control + bias`, where the bias of a servo is a spring to a position. The
+controls of servos that hold a pose produce no force there; those that balance gravity and contacts come from
+`mj_inverse`.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from mjcompose.mujoco.addresses import rows_of, span
+from mjcompose.mujoco.arrays import ANGLE, JOINT_TYPES, LENGTH
+from mjcompose.mujoco.attributes import Model, names
+from mjcompose.mujoco.references import ON_JOINTS, ON_TENDON
+
+FIXED, NO_BIAS, AFFINE = 0, 0, 1
+"""The first is a value of `actuator_gaintype`, the others are values of `actuator_biastype`."""
+
+GAINS: Mapping[tuple[str, str], tuple[tuple[str, int, int], ...]] = {
+    ("position", "kp"): (("actuator_gainprm", 0, 1), ("actuator_biasprm", 1, -1)),
+    ("position", "kv"): (("actuator_biasprm", 2, -1),),
+    ("velocity", "kv"): (("actuator_gainprm", 0, 1), ("actuator_biasprm", 2, -1)),
+}
+"""By tag and attribute: the arrays that store it, with column and sign."""
+
+
+def is_by_plugin(model: Model, actuator: int) -> bool:
+    """Return whether a plugin computes the force. MuJoCo 4.0 then stores the gain 1 and no bias, which mean nothing."""
+    return len(model.actuator_plugin) > 0 and int(model.actuator_plugin[actuator]) >= 0
+
+
+def servo(model: Model, actuator: int) -> dict[str, float] | None:
+    """Return the gains by name: `gain` of a motor, `kp` and `kv` of a position servo, `kv` of a velocity servo.
+
+    Return None for any other actuator. `kp` is in N/m or N·m/rad, `kv` in N·s/m or N·m·s/rad if the gear is 1.
+    """
+    if is_by_plugin(model, actuator):
+        return None
+    gain, bias = float(model.actuator_gainprm[actuator, 0]), model.actuator_biasprm[actuator, :3].tolist()
+    kinds = int(model.actuator_gaintype[actuator]), int(model.actuator_biastype[actuator])
+    if kinds == (FIXED, NO_BIAS):
+        return {"gain": gain}
+    if kinds != (FIXED, AFFINE) or bias[0]:
+        return None
+    if bias[1] == -gain and gain:
+        return {"kp": gain, "kv": -bias[2]}
+    if bias[1] == 0 and bias[2] == -gain:
+        return {"kv": gain}
+    return None
+
+
+FORCES = {ANGLE: "N m", LENGTH: "N"}
+"""The unit of the force along a coordinate with that unit."""
+
+_SENSORS = {
+    "touch": "N",
+    "accelerometer": "m/s^2",
+    "velocimeter": "m/s",
+    "gyro": "rad/s",
+    "force": "N",
+    "torque": "N m",
+    "camprojection": "px",
+    "tendonpos": "m",
+    "tendonvel": "m/s",
+    "tendonactuatorfrc": "N",
+    "ballquat": "quaternion",
+    "ballangvel": "rad/s",
+    "tendonlimitpos": "m",
+    "tendonlimitvel": "m/s",
+    "tendonlimitfrc": "N",
+    "framepos": "m",
+    "framequat": "quaternion",
+    "framexaxis": "1",
+    "frameyaxis": "1",
+    "framezaxis": "1",
+    "framelinvel": "m/s",
+    "frameangvel": "rad/s",
+    "framelinacc": "m/s^2",
+    "frameangacc": "rad/s^2",
+    "subtreecom": "m",
+    "subtreelinvel": "m/s",
+    "subtreeangmom": "kg m^2/s",
+    "insidesite": "1",
+    "distance": "m",
+    "normal": "1",
+    "fromto": "m",
+    "e_potential": "J",
+    "e_kinetic": "J",
+    "clock": "s",
+}
+_OF_JOINTS = {"pos": "{}", "vel": "{}/s", "frc": None}
+"""The quantities that sensors of joints and actuators measure, by the suffix of their tag."""
+
+
+def of_sensor(tag: str, dimension: int, about: str | None) -> str | None:
+    """Return the unit of a sensor; `about` is the unit of the coordinate of its joint or actuator."""
+    if tag == "rangefinder":
+        return LENGTH if dimension == 1 else None  # with more fields it is more than a distance
+    if not tag.startswith(("joint", "actuator")):
+        return _SENSORS.get(tag)
+    if about is None:
+        return None
+    form = _OF_JOINTS[tag[-3:]]
+    return FORCES[about] if form is None else form.format(about)
+
+
+def of_transmission(model: Model, row: int) -> str | None:
+    """Return the unit of an actuator's length: that of its coordinate, unless a gear scales it."""
+    kind, target = int(model.actuator_trntype[row]), int(model.actuator_trnid[row, 0])
+    scale, *others = model.actuator_gear[rows_of(model, "actuator", "actuator_gear", index=row).start]
+    if abs(scale) != 1 or any(others):
+        return None
+    if kind == ON_TENDON:
+        return LENGTH
+    if kind in ON_JOINTS:
+        return JOINT_TYPES[int(model.jnt_type[target])].coordinate
+    return None
+
+
+def of_control(model: Model, mujoco: Any, row: int) -> str | None:
+    """Return the unit of an actuator's only control, derived from MuJoCo's computations with it.
+
+    A servo takes a position or a velocity, a motor a force or torque, a muscle an activation.
+    """
+    dynamics = int(model.actuator_dyntype[row])
+    if dynamics == int(mujoco.mjtDyn.mjDYN_MUSCLE):
+        return "1"
+    about = of_transmission(model, row)
+    gains = servo(model, row)
+    if about is None or gains is None or dynamics >= int(mujoco.mjtDyn.mjDYN_USER):
+        return None
+    rate = "/s" if dynamics == int(mujoco.mjtDyn.mjDYN_INTEGRATOR) else ""
+    if gains.get("kp", 0) > 0:
+        return about + rate
+    if rate:
+        return None
+    if gains.get("kv", 0) > 0:
+        return f"{about}/s"
+    return FORCES[about] if gains.get("gain") == 1 else None
+
+
+_MOST = 10**9
+_WARNINGS = (
+    ("mjWARN_BADQPOS", "qpos", "position"),
+    ("mjWARN_BADQVEL", "qvel", "velocity"),
+    ("mjWARN_BADQACC", "qvel", "acceleration"),
+)
+
+
+def steps_in(model: Model, seconds: float) -> int:
+    """Return how many steps a time takes: at least one, and a limited number however short they are."""
+    timestep = float(model.opt.timestep)
+    return max(1, round(seconds / timestep)) if timestep * _MOST > seconds else _MOST
+
+
+class Divergence:
+    """Looks at the warnings of a simulation, which MuJoCo counts from its beginning."""
+
+    def __init__(self, mujoco: Any, model: Model, data: Any) -> None:
+        self.model = model
+        self._warnings = [data.warning[int(getattr(mujoco.mjtWarning, name))] for name, _, _ in _WARNINGS]
+
+    def __bool__(self) -> bool:
+        return any(each.number for each in self._warnings)
+
+    def __str__(self) -> str:
+        """Say which number became NaN, infinite, or larger than MuJoCo accepts."""
+        number, (_, vector, word) = next(
+            (each.lastinfo, row) for each, row in zip(self._warnings, _WARNINGS, strict=True) if each.number
+        )
+        where = f"number {number} of {vector}"
+        for joint, name in enumerate(names(self.model, "joint")):
+            if number in span(self.model, vector, joint):
+                where = f"joint `{name}`" if name else f"joint {joint}, which has no name"
+        return f"NaN or a huge {word} in {where}"
+
+
+def advance(
+    mujoco: Any, model: Model, data: Any, end: float, begun: float = 0.0, most: float = math.inf
+) -> str | None:
+    """Step until `end` seconds after the time `begun`, or for `most` seconds of this machine's time.
+
+    Return why the simulation cannot go on, or None.
+    """
+    if not model.opt.timestep > 0:
+        return "the timestep of the model is 0, so no time passes"
+    divergence, latest = Divergence(mujoco, model, data), time.monotonic() + most
+    for _ in range(steps_in(model, end - (data.time - begun)) + 1):
+        if data.time - begun >= end or time.monotonic() > latest:
+            break
+        now = data.time - begun
+        mujoco.mj_step(model, data)
+        if divergence:
+            return f"unstable: {divergence} after {now + model.opt.timestep:.4g} s"
+    return None
+
+
+_CLOSE, _NOISE, _DIGITS = 1e-6, 1e-9, 12
+_POSITION = 1  # the first bit of `actuator_ctrlspec`
+_SETPOINTS = 7  # its bits of position, velocity and force; a higher bit is a voltage, or a form of rotation
+
+
+def hold(mujoco: Any, model: Any, question: dict[str, Any]) -> dict[str, Any]:
+    """Return the controls and activations that hold the pose of the key `key`; runs under
+    `mjcompose.mujoco.engine.call`.
+
+    With `forces`, the actuators balance the forces on the model there. The answer has `ctrl` and `act`, each None
+    where nothing holds; `unlike`, the kind of the actuators without such a control, by the address of their
+    control; `unknown`, the controls of actuators whose law only a plugin or a program knows; and `left`, the force or
+    torque in N or N m that they cannot balance.
+    """
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, question["key"])
+    data.qvel[:] = 0
+    data.qacc[:] = 0
+    mujoco.mj_fwdPosition(model, data)
+    laws = [_Law(mujoco, model, data, index=index) for index in range(_count(model))]
+    forces, left = np.zeros(len(laws)), 0.0
+    if question["forces"]:
+        mujoco.mj_inverse(model, data)
+        forces, left = _balance(mujoco, model, data, laws=[law for law in laws if law.gain], count=len(laws))
+    ctrl: list[float | None] = [None] * model.nu
+    act: list[float | None] = [None] * model.na
+    for law, force in zip(laws, forces, strict=True):
+        law.write(float(force), ctrl, act)
+    unlike = {
+        str(law.control): law.kind for law in laws if law.kind and not (question["forces"] and law.gain)
+    }
+    unknown = [law.control for law in laws if law.is_unknown and law.count]
+    return {"ctrl": ctrl, "act": act, "unlike": unlike, "unknown": unknown, "left": left}
+
+
+def _count(model: Any) -> int:
+    return len(model.actuator_gaintype)
+
+
+class _Law:
+    """One actuator at the pose: `kind` names its type if no control holds the pose, and is empty otherwise."""
+
+    def __init__(self, mujoco: Any, model: Any, data: Any, index: int) -> None:
+        gains, biases, dynamics = mujoco.mjtGain, mujoco.mjtBias, mujoco.mjtDyn
+        self.index = index
+        self.control = int(model.actuator_ctrladr[index]) if hasattr(model, "actuator_ctrladr") else index
+        self.count = int(model.actuator_ctrlnum[index]) if hasattr(model, "actuator_ctrlnum") else 1
+        self.state, self.states = int(model.actuator_actadr[index]), int(model.actuator_actnum[index])
+        output = int(model.actuator_outadr[index]) if hasattr(model, "actuator_outadr") else index
+        self.length = float(data.actuator_length[output])
+        self.output = output
+        gain, bias, dynamic = (
+            int(getattr(model, f"actuator_{name}type")[index]) for name in ("gain", "bias", "dyn")
+        )
+        gainprm, biasprm = model.actuator_gainprm[index], model.actuator_biasprm[index]
+        by_plugin = is_by_plugin(model, index)
+        self.spec = 0
+        if hasattr(model, "actuator_ctrlspec") and gain in (int(gains.mjGAIN_PID), int(gains.mjGAIN_DCMOTOR)):
+            self.spec = int(model.actuator_ctrlspec[index]) & _SETPOINTS
+        self.integrates = dynamic == int(dynamics.mjDYN_INTEGRATOR)
+        self.filters = dynamic in (int(dynamics.mjDYN_FILTER), int(dynamics.mjDYN_FILTEREXACT))
+        is_affine = not by_plugin and gain in (int(gains.mjGAIN_FIXED), int(gains.mjGAIN_AFFINE)) and bias in (
+            int(biases.mjBIAS_NONE), int(biases.mjBIAS_AFFINE),
+        )  # fmt: skip
+        plain = dynamic == int(dynamics.mjDYN_NONE) or self.integrates or self.filters
+        self.gain = self.bias = 0.0
+        if is_affine and plain:
+            self.gain = float(gainprm[0])
+            if gain == int(gains.mjGAIN_AFFINE):
+                self.gain += float(gainprm[1]) * self.length
+            if bias == int(biases.mjBIAS_AFFINE):
+                self.bias = float(biasprm[0] + biasprm[1] * self.length)
+        spring = bias == int(biases.mjBIAS_AFFINE) and biasprm[1] != 0
+        self.kind = ""
+        if not self.spec and not (self.gain and spring):
+            self.kind = "a motor" if self.gain and not np.any(biasprm[:3]) else "no servo for positions"
+        user = (int(gains.mjGAIN_USER), int(biases.mjBIAS_USER), int(dynamics.mjDYN_USER))
+        self.is_unknown = by_plugin or any(map(int.__eq__, (gain, bias, dynamic), user))
+        if self.is_unknown:
+            self.kind = "a plugin" if by_plugin else "an actuator of a user's own type"
+
+    def write(self, force: float, ctrl: list[float | None], act: list[float | None]) -> None:
+        if self.spec:
+            at = self.control
+            for bit in range(3):
+                if self.spec >> bit & 1:
+                    ctrl[at] = self.length if 1 << bit == _POSITION else 0.0
+                    at += 1
+            return
+        value = (force - self.bias) / self.gain if self.gain else 0.0
+        if force:
+            value = float(f"{value:.{_DIGITS}g}")
+        for at in range(self.control, self.control + self.count):
+            ctrl[at] = 0.0 if self.integrates else value
+        if self.gain and self.states and (self.integrates or self.filters):
+            act[self.state + self.states - 1] = value
+
+
+def _balance(mujoco: Any, model: Any, data: Any, laws: list[_Law], count: int) -> tuple[np.ndarray, float]:
+    """Return the actuator forces that balance `qfrc_inverse` on the dofs that they move, and the remaining force."""
+    moments = np.zeros((len(data.moment_rownnz), model.nv))
+    mujoco.mju_sparse2dense(
+        moments, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind
+    )
+    rows = moments[[law.output for law in laws]]
+    moved = np.flatnonzero(np.abs(rows).max(axis=0, initial=0) > 0)
+    found = np.zeros(count)
+    if not len(moved):
+        return found, 0.0
+    wanted = data.qfrc_inverse[moved]
+    solved = np.linalg.lstsq(rows[:, moved].T, wanted, rcond=None)[0]
+    for law, force in zip(laws, solved, strict=True):
+        # Solved values differ in their last digits between machines, and models must not.
+        found[law.index] = 0.0 if abs(force) < _NOISE else float(f"{force:.{_DIGITS}g}")
+    rest = float(np.abs(rows[:, moved].T @ solved - wanted).max(initial=0))
+    return found, rest if rest > _CLOSE * max(1.0, float(np.abs(wanted).max(initial=0))) else 0.0

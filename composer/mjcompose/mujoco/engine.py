@@ -1,0 +1,550 @@
+"""Requests to MuJoCo in a child process with limits, and its answers."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import queue
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import field
+from functools import lru_cache
+from pathlib import Path
+from types import TracebackType
+from typing import IO, TYPE_CHECKING, Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.files import untrusted_for_temporary
+from mjcompose.base.limits import GIB, in_force
+from mjcompose.base.processes import Process, module_path
+from mjcompose.base.scratch import scratch
+from mjcompose.model.grammar import version_key
+
+if TYPE_CHECKING:
+    import numpy
+
+    from mjcompose.mujoco.index import Index
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Limits of one request; the defaults are those in force.
+
+    `seconds` is wall-clock time per request, without the start of Python and the import of MuJoCo. `memory` is in
+    bytes and applies on POSIX only.
+    """
+
+    seconds: float = field(default_factory=lambda: in_force().time)
+    memory: int = field(default_factory=lambda: in_force().memory)
+
+    @property
+    def step(self) -> float:
+        """Seconds that the first step of a model may compute (POSIX).
+
+        A slower model cannot be simulated in practice.
+        """
+        return self.seconds / 20
+
+    def __post_init__(self) -> None:
+        if not self.seconds > 0 or not self.memory > 0:
+            raise ValueError("limits must be greater than zero")
+
+
+WANTS = frozenset({"forward", "index", "names"})
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """Compile `folder/model` and report on it.
+
+    `wants` lists what the answer has besides sizes and warnings: `index` (joints, actuators, sensors with their
+    addresses), `names` (of every kind of object), `forward` (one mj_forward at the reference configuration).
+    `arrays` are attributes of mjModel, or of mjData after mj_forward if written `data.NAME`. `mjb` is the path for
+    the compiled model. `keep` is a name under which a session's child keeps the compiled model for `Session.call`.
+    `text`, if given, replaces the file's content; the file need not exist then, and relative paths in the text
+    still start at its folder. `stands` says that only the model in `folder` ever changes, so that MuJoCo may reuse
+    the other files.
+    """
+
+    folder: Path
+    model: str = "model.xml"
+    wants: tuple[str, ...] = ()
+    arrays: tuple[str, ...] = ()
+    mjb: Path | None = None
+    text: str | None = None
+    keep: str | None = None
+    stands: bool = False
+
+    def __post_init__(self) -> None:
+        unknown = set(self.wants) - WANTS
+        if unknown:
+            raise ValueError(f"unknown wants {sorted(unknown)}; there are {sorted(WANTS)}")
+
+    def to_json(self, arrays_file: Path, step: float = 0) -> str:
+        """Return one line of JSON. All paths in it are absolute, because the child works in another folder.
+
+        `step` is the limit for the forward step in seconds; 0 is no limit.
+        """
+        return json.dumps(
+            {
+                "folder": str(self.folder.absolute()),
+                "model": self.model,
+                "wants": self.wants,
+                "arrays": self.arrays,
+                "arrays_file": str(arrays_file),
+                "mjb": None if self.mjb is None else str(self.mjb.absolute()),
+                "text": self.text,
+                "keep": self.keep,
+                "step": step,
+                "stands": self.stands,
+            },
+            ensure_ascii=False,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Compiled:
+    """A model that compiled, or why it did not.
+
+    `error` is MuJoCo's own text, or one sentence if MuJoCo gave none; paths in it are relative to the folder.
+    `crash` is set if there is no verdict on the model: `timeout`, `memory`, `signal N`, `exit N`, `missing` (no
+    MuJoCo in this Python) or `start` (no child process). `forward` is the error in one mj_forward at the reference
+    configuration; None if all numbers are finite, or if it was not requested. `sizes` are all integer sizes of
+    mjModel (nq, nv, nu, na, nbody, ...) and `nactuator`, which counts actuators while `nu` counts controls.
+    """
+
+    ok: bool
+    error: str | None = None
+    crash: str | None = None
+    warnings: tuple[str, ...] = ()
+    mujoco_version: str | None = None
+    sizes: Mapping[str, int] = field(default_factory=dict)
+    forward: str | None = None
+    index: Index | None = None
+    names: Mapping[str, tuple[str, ...]] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """A compiled model with some of its arrays.
+
+    `arrays` has the requested attributes that this version of MuJoCo has, sizes as arrays of one; it is empty if
+    `compiled.ok` is false. `names` has for each kind of object (body, joint, geom, site, camera, light, mesh, ...)
+    the names in the order of the arrays' rows.
+    """
+
+    compiled: Compiled
+    arrays: Mapping[str, numpy.ndarray]
+
+    @property
+    def names(self) -> Mapping[str, tuple[str, ...]]:
+        return self.compiled.names or {}
+
+
+@dataclass(frozen=True, slots=True)
+class Called:
+    """The result of a function that ran in the child; `value` is JSON data, None unless `ok`.
+
+    `error` and `crash` are as in `Compiled`; an exception of the function is an `error`.
+    """
+
+    ok: bool
+    value: Any = None
+    error: str | None = None
+    crash: str | None = None
+    warnings: tuple[str, ...] = ()
+
+
+STARTUP_SECONDS = 120.0
+OLDEST = "3.12.0"
+"""Older versions of MuJoCo lack features that are used here; bundles can still be loaded with them."""
+_LAST_WORDS = 4096
+
+
+class Session:
+    """Runs MuJoCo in a child process, which starts with the first request and again after a crash.
+
+    Use it as a context manager, from one thread at a time. Nothing in the child reaches the caller except the
+    answer: no exception, no output, no file. `rendering` lets the child use OpenGL. A session that `remembers` gets
+    almost the same model again and again: it has a standing folder (`standing`).
+    """
+
+    def __init__(
+        self, limits: Limits | None = None, *, rendering: bool = False, remembers: bool = False
+    ) -> None:
+        self.limits = limits or Limits()
+        self.rendering, self.remembers = rendering, remembers
+        self.no_opengl: str | None = None
+        """What MuJoCo said where it could not be imported with OpenGL; it then works without."""
+        self.mujoco_version: str | None = None
+        self._process: Process | None = None
+        self._is_greeted = self._is_over = False
+        self._lines: queue.Queue[str | None] = queue.Queue()
+        self._folder: Path | None = None
+        self._shelf: Path | None = None
+        self._held = contextlib.ExitStack()
+        self._count = 0
+        self._index: str | None = None
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def begin(self) -> None:
+        """Start the child process without waiting for it, so that it imports MuJoCo in parallel."""
+        if self._process is None:
+            with contextlib.suppress(OSError, ValueError):  # reported with the first request
+                self._spawn()
+
+    def ask(self, request: Request) -> tuple[dict[str, Any], Path]:
+        """Return the child's answer, or {"ok": False, "error", "crash"} in its place, and the file of its arrays.
+
+        The arrays' file exists only if the answer says so; it belongs to the session.
+        """
+        failure = self._start()
+        arrays_file = (self._folder or Path()) / f"arrays-{self._count}.npz"
+        self._count += 1
+        if failure is not None:
+            return failure, arrays_file
+        answer = self._exchange(request.to_json(arrays_file, self.limits.step), self.limits.seconds)
+        if answer is None:
+            return self._crashed(), arrays_file
+        if "index" in answer:  # None for the same as before
+            self._index = answer["index"] = answer["index"] or self._index
+        return answer, arrays_file
+
+    def call(self, function: Callable[..., Any], models: Sequence[str], argument: Any) -> dict[str, Any]:
+        """Run `function(mujoco, *models, argument)` in the child, on mjModels that requests kept by name.
+
+        `function` is defined at the top of a module; `argument` and its result are JSON data. It is for anything
+        that needs the compiled model itself, such as simulating it. The kept models are lost with a crash.
+        """
+        name = f"{function.__module__}:{function.__qualname__}"
+        line = json.dumps(
+            {"function": name, "models": list(models), "argument": argument}, ensure_ascii=False
+        )
+        answer = self._start() or self._exchange(line, self.limits.seconds)
+        return self._crashed() if answer is None else answer
+
+    def standing(self, name: str) -> Path:
+        """Return the folder for files that `name` identifies by their bytes; remove those of other names.
+
+        Raises OSError. The name is in their paths, by which MuJoCo identifies them. The folder does not exist until
+        it has files.
+        """
+        if self._shelf is None:
+            self._shelf = self._held.enter_context(scratch("standing"))
+        for other in self._shelf.iterdir():
+            if other.name != name:
+                shutil.rmtree(other, ignore_errors=True)
+        return self._shelf / name
+
+    def close(self) -> None:
+        """End the child process and remove its folder."""
+        self._stop()
+        self._folder = self._shelf = None
+        self._held.close()
+
+    def end(self) -> None:
+        """Kill the child process, from any thread: whoever waits for it gets a failure, and so does who asks later."""
+        self._is_over = True
+        if (process := self._process) is not None:
+            process.end()
+
+    def _start(self) -> dict[str, Any] | None:
+        """Return None if a child is ready, otherwise the answer that says why there is none."""
+        if self._is_over:
+            return _failure("MuJoCo was stopped", "stopped")
+        if self._process is not None and self._is_greeted:
+            return None
+        try:
+            if self._process is None:
+                self._spawn()
+        except (OSError, ValueError) as error:
+            return _failure(f"cannot start a process for MuJoCo: {error}", "start")
+        hello = self._receive(STARTUP_SECONDS)
+        self._is_greeted = hello is not None
+        if hello is None:
+            return self._crashed()
+        if "missing" in hello:
+            self._stop()
+            if self.rendering and self.no_opengl is None:
+                self.no_opengl = hello["missing"]
+                return self._start()
+            return _failure(f"MuJoCo cannot be imported in {sys.executable}: {hello['missing']}", "missing")
+        if version_key(hello["mujoco"]) < version_key(OLDEST):
+            self._stop()
+            message = (
+                f"MuJoCo {hello['mujoco']} builds no models here, it only loads them: {OLDEST} or newer does"
+            )
+            return _failure(message, "missing")
+        self.mujoco_version = hello["mujoco"]
+        return None
+
+    def _spawn(self) -> None:
+        if self._folder is None:
+            if (why := untrusted_for_temporary()) is not None:
+                folder = tempfile.gettempdir()
+                raise OSError(f"the folder for temporary files, `{folder}`, is not trusted: {why}")
+            self._folder = self._held.enter_context(scratch("engine"))
+        work = self._folder / f"work-{self._count}"
+        work.mkdir(exist_ok=True)
+        environment = dict(os.environ)
+        # threads of linear algebra would only count against the memory limit
+        environment |= {"MUJOCO_GL": self._graphics(), "OPENBLAS_NUM_THREADS": "1"}
+        if not sys.executable:
+            raise ValueError("this Python does not know its own executable")
+        with (self._folder / "log").open("wb") as log:
+            self._process = Process(
+                [sys.executable, "-I", "-X", "utf8", str(Path(__file__).with_name("child.py"))],
+                watches=True,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=log,
+                cwd=work,
+                env=environment,
+                encoding="utf-8",
+                errors="surrogateescape",  # file names are bytes: the child's are UTF-8 whatever ours are
+            )
+        self._lines = queue.Queue()
+        assert self._process.stdout is not None
+        threading.Thread(target=_forward_lines, args=(self._process.stdout, self._lines), daemon=True).start()
+        self._is_greeted = False
+        settings = {"path": module_path(), "seconds": self.limits.seconds, "memory": self.limits.memory}
+        with contextlib.suppress(OSError):  # a child that has ended gives no answer, which is reported
+            self._send(json.dumps(settings))
+
+    def _graphics(self) -> str:
+        """Return MuJoCo's graphics backend: none, the user's choice, or one that needs no display."""
+        if not self.rendering or self.no_opengl is not None:
+            return "disable"
+        return os.environ.get("MUJOCO_GL") or ("egl" if sys.platform == "linux" else "glfw")
+
+    def _exchange(self, line: str, seconds: float) -> dict[str, Any] | None:
+        """Send one line and wait for one; return None if the child ended."""
+        try:
+            self._send(line)
+        except OSError:
+            return None
+        except BaseException:
+            self.close()  # interrupted: the line may or may not be sent
+            raise
+        return self._receive(seconds)
+
+    def _send(self, line: str) -> None:
+        process = self._process
+        if process is None or process.stdin is None or process.stdin.closed:  # ended by another thread
+            raise BrokenPipeError
+        process.stdin.write(line + "\n")
+        process.stdin.flush()
+
+    def _receive(self, seconds: float) -> dict[str, Any] | None:
+        """Wait for one line; return None if the child ended.
+
+        A child that takes too long is killed, which is the answer.
+        """
+        latest = time.monotonic() + seconds
+        try:
+            received = self._lines.get(timeout=min(seconds, threading.TIMEOUT_MAX))
+            if received is not None and time.monotonic() > latest:
+                raise queue.Empty  # a late answer is too late, however this process was scheduled
+        except queue.Empty:
+            self._stop()
+            return _failure(f"MuJoCo did not finish within {seconds:g} s", "timeout")
+        except BaseException:
+            self.close()  # interrupted: the child may be in the middle of anything
+            raise
+        if received is None:
+            return None
+        answer: dict[str, Any] = json.loads(received)
+        if answer.get("crash") == "memory":
+            self._stop()  # the next request starts with a fresh process
+            return self._out_of_memory(answer["error"])
+        return answer
+
+    def _crashed(self) -> dict[str, Any]:
+        """Return why the child ended without an answer."""
+        process, folder = self._process, self._folder
+        if self._is_over or process is None or folder is None:  # ended by another thread
+            return _failure("MuJoCo was stopped", "stopped")
+        status = process.wait()
+        self._stop()
+        words = _last_words(folder / "log")
+        if "bad_alloc" in words or "MemoryError" in words:
+            return self._out_of_memory(words)
+        if status >= 0:
+            return _failure(f"MuJoCo's process ended with status {status}{_quoted(words)}", f"exit {status}")
+        number = -status
+        if number == getattr(signal, "SIGXCPU", None):
+            return _failure("MuJoCo used up its processor time", "timeout")
+        if number == getattr(signal, "SIGPROF", None):
+            message = f"MuJoCo's first step of the model takes longer than {self.limits.step:g} s to compute"
+            return _failure(message, "timeout")
+        names = {entry.value: f" ({entry.name})" for entry in signal.Signals}
+        text = f"MuJoCo crashed with signal {number}{names.get(number, '')}{_quoted(words)}"
+        return _failure(text, f"signal {number}")
+
+    def _out_of_memory(self, words: str) -> dict[str, Any]:
+        allowed = f"{self.limits.memory / GIB:.3g} GiB"
+        return _failure(f"MuJoCo ran out of the {allowed} of memory it was given{_quoted(words)}", "memory")
+
+    def _stop(self) -> None:
+        process, self._process = self._process, None
+        if process is None:
+            return
+        process.end()
+        for pipe in (process.stdin, process.stdout):
+            if pipe is not None:
+                with contextlib.suppress(OSError):  # what was not yet sent has no receiver any more
+                    pipe.close()
+
+
+def _failure(error: str, crash: str) -> dict[str, Any]:
+    return {"ok": False, "error": error, "crash": crash}
+
+
+def _last_words(log: Path) -> str:
+    """Return the end of the child's output."""
+    with log.open("rb") as file:
+        file.seek(max(0, file.seek(0, os.SEEK_END) - _LAST_WORDS))
+        return file.read().decode("utf-8", "replace")
+
+
+def _quoted(words: str) -> str:
+    """Return the last line of `words`, if any."""
+    lines = words.strip().splitlines()
+    return f": {lines[-1].strip()[:200]}" if lines else ""
+
+
+def _forward_lines(pipe: IO[str], lines: queue.Queue[str | None]) -> None:
+    """Move lines from the pipe to the queue, then None. Runs in a thread, because pipes have no timeouts."""
+    with contextlib.suppress(OSError, ValueError):  # closed from this side
+        for line in pipe:
+            lines.put(line)
+    lines.put(None)
+
+
+def compile(
+    folder: Path,
+    model: str = "model.xml",
+    *,
+    wants: tuple[str, ...] = (),
+    mjb: Path | None = None,
+    text: str | None = None,
+    keep: str | None = None,
+    stands: bool = False,
+    limits: Limits | None = None,
+    session: Session | None = None,
+) -> Compiled:
+    """Compile `folder/model`, run one mj_forward, and write an MJB to `mjb` if that is given.
+
+    Never raises for faults of the model. `limits` apply only without a `session`, which has its own.
+    """
+    request = Request(folder, model, wants=(*wants, "forward"), mjb=mjb, text=text, keep=keep, stands=stands)
+    return _run([request], limits, session)[0].compiled
+
+
+def measure(
+    folder: Path,
+    model: str = "model.xml",
+    arrays: tuple[str, ...] = (),
+    *,
+    text: str | None = None,
+    limits: Limits | None = None,
+    session: Session | None = None,
+) -> Measured:
+    """Compile `folder/model` and return arrays of mjModel (or `data.NAME` of mjData) with all names.
+
+    Units and shapes are MuJoCo's own: radians, metres, one row per object.
+    """
+    request = Request(folder, model, wants=("names",), arrays=arrays, text=text)
+    return _run([request], limits, session)[0]
+
+
+def run_many(requests: Iterable[Request], *, limits: Limits | None = None) -> list[Measured]:
+    """Answer several requests with one start of MuJoCo; a crash does not affect the others."""
+    return _run(requests, limits, None)
+
+
+def call(session: Session, function: Callable[..., Any], models: Sequence[str], argument: Any) -> Called:
+    """Run `function(mujoco, *models, argument)` in the session's child on models kept there by name."""
+    answer = session.call(function, models, argument)
+    return Called(
+        ok=answer["ok"],
+        value=answer.get("value"),
+        error=answer.get("error"),
+        crash=answer.get("crash"),
+        warnings=_distinct(answer.get("warnings", ())),
+    )
+
+
+def _run(requests: Iterable[Request], limits: Limits | None, session: Session | None) -> list[Measured]:
+    if session is not None:
+        return [_ask(session, request) for request in requests]
+    with Session(limits) as own:
+        return [_ask(own, request) for request in requests]
+
+
+def _ask(session: Session, request: Request) -> Measured:
+    answer, arrays_file = session.ask(request)
+    arrays = _load_arrays(arrays_file) if answer.get("arrays") else {}
+    return Measured(_compiled(answer, request, session.mujoco_version), arrays)
+
+
+def _compiled(answer: dict[str, Any], request: Request, version: str | None) -> Compiled:
+    def relative(text: str | None) -> str | None:
+        return None if text is None else without_folder(text, request.folder)
+
+    names = answer.get("names")
+    return Compiled(
+        ok=answer["ok"],
+        error=relative(answer.get("error")),
+        crash=answer.get("crash"),
+        warnings=_distinct(without_folder(text, request.folder) for text in answer.get("warnings", ())),
+        mujoco_version=version,
+        sizes=answer.get("sizes", {}),
+        forward=relative(answer.get("forward")),
+        index=_index(answer["index"]) if "index" in answer else None,
+        names=None if names is None else {kind: tuple(found) for kind, found in names.items()},
+    )
+
+
+@lru_cache(maxsize=4)
+def _index(text: str) -> Index:
+    """Return the index for its JSON text. Samples of a model have the same, which is read once."""
+    from mjcompose.mujoco.index import Index
+
+    return Index.from_data(json.loads(text))
+
+
+def without_folder(text: str, folder: Path) -> str:
+    """Return `text` with paths below `folder` made relative to it, because the folder is not the reader's."""
+    for form in (str(folder.absolute()), os.path.realpath(folder)):
+        text = text.replace(form.rstrip("/\\") + "/", "").replace(form.rstrip("/\\") + "\\", "")
+    return text
+
+
+def _distinct(warnings: Iterable[str]) -> tuple[str, ...]:
+    """Return each warning once, in order; MuJoCo logs the first line of some that it reports in full elsewhere."""
+    found = list(dict.fromkeys(text.strip() for text in warnings if text.strip()))
+    return tuple(text for text in found if not any(other.startswith(text + "\n") for other in found))
+
+
+def _load_arrays(path: Path) -> dict[str, numpy.ndarray]:
+    import numpy
+
+    with numpy.load(path, allow_pickle=False) as stored:
+        arrays = {name: stored[name] for name in stored.files}
+    path.unlink()
+    return arrays

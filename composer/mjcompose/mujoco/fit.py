@@ -1,0 +1,392 @@
+"""Shapes that stand for a mesh: made, simplified and measured, in the child process.
+
+How far shapes are from the mesh that they stand for.
+
+`beyond` is how far the shapes reach out of the mesh at most, `short` how far the mesh reaches out of the shapes; the
+greater of the two is the Hausdorff distance of the two solids. `uncovered` is the share of the mesh's surface that is
+outside of all shapes, `volume` that of all shapes together by that of the mesh. All of it is measured at points that a
+fixed seed chooses, and at all vertices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from importlib import metadata
+from typing import Any
+
+import numpy
+
+from mjcompose.mujoco.shapes import (
+    Hull,
+    Mesh,
+    Primitive,
+    Shape,
+    UnusableError,
+    hull_of,
+    in_solid,
+    on_surface,
+    rounded,
+    with_faces,
+)
+
+_POINTS = 4000
+_ROUNDS = 20
+
+
+def spheres(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Primitive]:
+    """So many balls, or fewer where one would be empty: each is the smallest around the surface nearest to it."""
+    from trimesh.nsphere import minimum_nsphere
+
+    points = numpy.vstack((mesh.vertices, on_surface(mesh.solid, _POINTS, wanted["seed"])))
+    centres = _apart(points, wanted["count"])
+    nearest = numpy.zeros(len(points), dtype=int)
+    for _ in range(_ROUNDS):
+        nearest = _nearest(points, centres)
+        centres = numpy.array([points[nearest == each].mean(axis=0) for each in numpy.unique(nearest)])
+    found = []
+    for each in numpy.unique(nearest):
+        own = points[nearest == each]
+        centre = numpy.asarray(minimum_nsphere(own)[0]) if len(own) > 4 else own.mean(axis=0)
+        radius = float(numpy.linalg.norm(own - centre, axis=1).max())
+        found.append(Primitive("sphere", (radius,), centre, turn=numpy.eye(3)))
+    return found
+
+
+def _apart(points: numpy.ndarray, count: int) -> numpy.ndarray:
+    """Points far from one another: each is the one that is farthest from those before it."""
+    chosen = [int(numpy.linalg.norm(points - points.mean(axis=0), axis=1).argmax())]
+    away = numpy.full(len(points), numpy.inf)
+    for _ in range(count - 1):
+        away = numpy.minimum(away, numpy.linalg.norm(points - points[chosen[-1]], axis=1))
+        chosen.append(int(away.argmax()))
+    return points[chosen].copy()
+
+
+def _nearest(points: numpy.ndarray, centres: numpy.ndarray) -> numpy.ndarray:
+    from scipy.spatial import cKDTree
+
+    return numpy.asarray(cKDTree(centres).query(points)[1])
+
+
+PRIMITIVES = ("box", "sphere", "capsule", "cylinder")
+BEST = "best"
+_LEAST = 1e-4
+"""The half length of a capsule that would be a ball, by its radius: MuJoCo wants it to be greater than zero."""
+
+
+def fit(mesh: Mesh, wanted: str) -> Primitive:
+    """The primitive of that type, or with `best` the one of the least volume."""
+    points = hull_of(mesh.vertices).vertices
+    types = PRIMITIVES if wanted == BEST else (wanted,)
+    return min((_fitted(each, points) for each in types), key=lambda each: each.volume)
+
+
+def _fitted(type: str, points: numpy.ndarray) -> Primitive:
+    if type == "sphere":
+        centre, radius = _ball(points)
+        return Primitive("sphere", (radius,), centre, turn=numpy.eye(3))
+    turn, low, high = _box(points)
+    if type == "box":
+        return Primitive("box", tuple((high - low) / 2), turn @ ((low + high) / 2), turn=turn)
+    found = []
+    for axes in ((1, 2, 0), (2, 0, 1), (0, 1, 2)):
+        turned = turn[:, axes]
+        inner = points @ turned
+        centre, radius = _ball(inner[:, :2])
+        apart = numpy.linalg.norm(inner[:, :2] - centre, axis=1)
+        along = inner[:, 2]
+        if type == "capsule":
+            spare = numpy.sqrt(numpy.maximum(radius**2 - apart**2, 0))
+            bottom, top = (along + spare).min(), (along - spare).max()
+            if top < bottom:
+                bottom = top = (bottom + top) / 2
+            half = max((top - bottom) / 2, _LEAST * radius)
+        else:
+            bottom, top = along.min(), along.max()
+            half = (top - bottom) / 2
+        pos = turned @ numpy.array([*centre, (bottom + top) / 2])
+        found.append(Primitive(type, (float(radius), float(half)), pos, turn=turned))
+    return min(found, key=lambda each: each.volume)
+
+
+def _box(points: numpy.ndarray) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
+    """The axes of the smallest box around points, as the columns of a rotation, and its two corners along these."""
+    from trimesh.bounds import oriented_bounds
+
+    into, _ = oriented_bounds(points)
+    turn = into[:3, :3].T
+    if numpy.linalg.det(turn) < 0:
+        turn = turn * numpy.array([1, 1, -1])
+    inner = points @ turn
+    return turn, inner.min(axis=0), inner.max(axis=0)
+
+
+def _ball(points: numpy.ndarray) -> tuple[numpy.ndarray, float]:
+    """The smallest ball, or circle, around points."""
+    from trimesh.nsphere import minimum_nsphere
+
+    centre: numpy.ndarray = numpy.array(minimum_nsphere(points)[0], numpy.float64)
+    return centre, float(numpy.linalg.norm(points - centre, axis=1).max())
+
+
+def decompose(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Hull]:
+    """The pieces, in CoACD's order, which a seed decides."""
+    import coacd
+    from scipy.spatial import QhullError
+
+    coacd.set_log_level("error")
+    found = coacd.run_coacd(
+        coacd.Mesh(mesh.vertices, mesh.faces),
+        threshold=wanted["threshold"],
+        max_convex_hull=-1 if wanted["parts"] is None else wanted["parts"],
+        seed=wanted["seed"],
+        decimate=True,
+        max_ch_vertex=wanted["vertices"],
+    )
+    pieces = []
+    for vertices, _ in found:
+        try:
+            pieces.append(hull_of(vertices))
+        except QhullError:
+            continue  # a sliver without volume, which touches nothing that its neighbours do not
+    if not pieces:
+        raise UnusableError("CoACD makes nothing of it")
+    return pieces
+
+
+_BOLDNESS = (2, 3, 4, 5, 6, 7)
+"""How much an edge may be off to be taken away, by fast-simplification's measure: the careful ones first."""
+_PASSES = 3
+
+
+def simplify(mesh: Mesh, faces: int) -> Mesh:
+    """The mesh with so many faces at most; itself where it has no more. Raises UnusableError."""
+    if len(mesh.faces) <= faces:
+        return mesh
+    fewest = len(mesh.faces)
+    for found in _tries(mesh, faces):
+        # What was closed and has a hole now was torn.
+        if len(found.faces) and (found.is_closed or not mesh.is_closed):
+            fewest = min(fewest, len(found.faces))
+            if 4 <= len(found.faces) <= faces:
+                return found
+    raise UnusableError(
+        f"it cannot be simplified to {faces} faces without being torn: {fewest} is the fewest"
+    )
+
+
+def _tries(mesh: Mesh, faces: int) -> Iterator[Mesh]:
+    import fast_simplification
+    import trimesh
+
+    for boldness in _BOLDNESS:
+        found = mesh
+        for _ in range(_PASSES):
+            if len(found.faces) <= faces:
+                break
+            points, triangles = fast_simplification.simplify(
+                found.vertices.astype(numpy.float32),
+                found.faces.astype(numpy.int32),
+                target_count=faces,
+                agg=boldness,
+            )[:2]
+            solid = trimesh.Trimesh(points, triangles, process=True)
+            solid.update_faces(solid.nondegenerate_faces())
+            solid.remove_unreferenced_vertices()
+            found = Mesh(numpy.asarray(solid.vertices), numpy.asarray(solid.faces), solid)
+            yield found
+
+
+_VERTICES = 20_000
+_NEAR = 1e-4
+"""By the size of the mesh: a surface that is no farther outside counts as covered."""
+_BEHIND = 2e-3
+"""By the size of the mesh: how far behind the surface of a piece another piece begins that it was cut from."""
+_AT_ONCE = 64
+
+
+def measured(mesh: Mesh, shapes: Sequence[Shape]) -> dict[str, Any]:
+    """The errors of shapes, in metres and shares; `volume` is None for a mesh that is open."""
+    surface = on_surface(mesh.solid, _POINTS)
+    corners = _some(mesh.vertices)
+    away = _outside(shapes, numpy.vstack((surface, corners)))
+    beyond, points = _beyond(mesh, shapes)
+    return {
+        **_distances(beyond, float(away.max())),
+        "uncovered": rounded(float((away[: len(surface)] > _NEAR * mesh.size).mean())),
+        "volume": _volume(shapes) / abs(float(mesh.solid.volume)) if mesh.is_closed else None,
+        "samples": len(surface) + len(corners) + points,
+    }
+
+
+def measure_surfaces(mesh: Mesh, other: Mesh) -> dict[str, Any]:
+    """The same of a mesh that takes the place of another: how far each surface is from the other."""
+    sides = []
+    for one, two in ((other, mesh), (mesh, other)):
+        points = numpy.vstack((on_surface(one.solid, _POINTS), _some(one.vertices)))
+        sides.append((float(_to_surface(two, points).max()), len(points)))
+    closed = mesh.is_closed and other.is_closed
+    return {
+        **_distances(sides[0][0], sides[1][0]),
+        "uncovered": None,
+        "volume": abs(float(other.solid.volume)) / abs(float(mesh.solid.volume)) if closed else None,
+        "samples": sides[0][1] + sides[1][1],
+    }
+
+
+def _distances(beyond: float, short: float) -> dict[str, float]:
+    # A nanometre is less than the arithmetic can tell.
+    beyond, short = round(beyond, 9), round(short, 9)
+    return {"hausdorff": max(beyond, short), "beyond": beyond, "short": short}
+
+
+def _some(vertices: numpy.ndarray) -> numpy.ndarray:
+    """All of them, or of very many every so many."""
+    return vertices[:: max(1, -(-len(vertices) // _VERTICES))]
+
+
+def _outside(shapes: Sequence[Shape], points: numpy.ndarray) -> numpy.ndarray:
+    """How far points are from the nearest shape; zero where they are in one."""
+    found = numpy.zeros(len(points))
+    rest = numpy.arange(len(points))
+    for shape in shapes:
+        rest = rest[~shape.contains(points[rest])]
+        if not len(rest):
+            return found
+    # A shape is convex: the nearest point of one that a point is outside of is on its surface.
+    found[rest] = numpy.min([shape.distance(points[rest]) for shape in shapes], axis=0)
+    return found
+
+
+def _beyond(mesh: Mesh, shapes: Sequence[Shape]) -> tuple[float, int]:
+    """How far the outer surface of the shapes is from a mesh that it is outside of, and at how many points."""
+    each = max(_POINTS // len(shapes), 200)
+    outer = []
+    for number, shape in enumerate(shapes):
+        points, normals = _with_normals(shape.solid, each)
+        # Pieces that were cut apart do not quite touch: a point is inside if there is another piece behind it.
+        behind = points + _BEHIND * mesh.size * normals
+        for other in (*shapes[:number], *shapes[number + 1 :]):
+            free = ~(other.contains(behind) | other.contains(points))
+            points, behind = points[free], behind[free]
+        outer.append(points)
+    points = numpy.vstack(outer)
+    if not len(points):
+        return 0.0, 0
+    away = _to_surface(mesh, points)
+    order = numpy.argsort(-away, kind="stable")
+    for start in range(0, len(order), _AT_ONCE):
+        some = order[start : start + _AT_ONCE]
+        out = _winding(mesh, points[some]) < 0.5
+        if out.any():
+            return float(away[some[out.argmax()]]), len(points)
+    return 0.0, len(points)
+
+
+def _with_normals(solid: Any, count: int) -> tuple[numpy.ndarray, numpy.ndarray]:
+    """Points on a surface and all its corners, with the directions out of it."""
+    points, faces = with_faces(solid, count)
+    corners = _some(solid.triangles.reshape(-1, 3))
+    every = _some(numpy.repeat(numpy.arange(len(solid.faces)), 3))
+    return numpy.vstack((points, corners)), solid.face_normals[numpy.concatenate((faces, every))]
+
+
+def _to_surface(mesh: Mesh, points: numpy.ndarray) -> numpy.ndarray:
+    from trimesh.proximity import closest_point
+
+    return numpy.asarray(closest_point(mesh.solid, points)[1])
+
+
+def _winding(mesh: Mesh, points: numpy.ndarray) -> numpy.ndarray:
+    """How often the surface goes around points: one inside, zero outside, between the two near a hole."""
+    found = numpy.empty(len(points))
+    for number, point in enumerate(points):
+        one, two, three = (mesh.solid.triangles[:, at] - point for at in range(3))
+        lengths = [numpy.linalg.norm(side, axis=1) for side in (one, two, three)]
+        triple = (one * numpy.cross(two, three)).sum(axis=1)
+        below = lengths[0] * lengths[1] * lengths[2]
+        below += (one * two).sum(axis=1) * lengths[2]
+        below += (two * three).sum(axis=1) * lengths[0] + (three * one).sum(axis=1) * lengths[1]
+        found[number] = numpy.arctan2(triple, below).sum() / (2 * numpy.pi)
+    # A mesh may be inside out as a whole.
+    return numpy.abs(found)
+
+
+def _volume(shapes: Sequence[Shape]) -> float:
+    """Of all shapes together: what several have is counted once."""
+    if len(shapes) == 1:
+        return shapes[0].volume
+    whole = 0.0
+    for shape in shapes:
+        points = in_solid(shape, _POINTS)
+        shared = sum(other.contains(points).astype(float) for other in shapes)
+        whole += shape.volume * float((1 / numpy.maximum(shared, 1)).mean()) if len(points) else shape.volume
+    return whole
+
+
+NEEDS = {
+    "hull": ("trimesh", "scipy", "rtree"),
+    "fit": ("trimesh", "scipy", "rtree"),
+    "decompose": ("trimesh", "scipy", "rtree", "coacd"),
+    "spheres": ("trimesh", "scipy", "rtree"),
+    "simplify": ("trimesh", "scipy", "rtree", "fast-simplification"),
+}
+"""The distributions that each method imports."""
+
+
+def make(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
+    """For `mjcompose.mujoco.engine.call`: what comes of a mesh.
+
+    The argument has the attributes of the `mesh`, the `method`, what is `wanted` of it, and `most_faces`. The answer
+    has `missing` where a package is not installed, `unusable` where nothing can be made of the mesh, and otherwise what
+    `mjcompose.build.compose.shape_store` keeps.
+    """
+    method, wanted = argument["method"], argument["wanted"]
+    versions = {}
+    for name in NEEDS[method]:
+        try:
+            versions[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            return {"missing": name}
+    from mjcompose.mujoco.shapes import check_thick, read_mesh
+
+    try:
+        mesh = read_mesh(mujoco, argument["mesh"], argument["most_faces"])
+        if method != "simplify":
+            check_thick(mesh)
+        return {
+            **_made(mesh, method, wanted),
+            "mesh": {
+                "faces": len(mesh.faces),
+                "closed": mesh.is_closed,
+                "size": float(f"{mesh.size:.4g}"),
+                "mapped": mesh.is_mapped,
+            },
+            "made_with": {name: versions[name] for name in sorted(versions)},
+        }
+    except UnusableError as error:
+        return {"unusable": str(error), "limit": error.limit}
+
+
+def _made(mesh: Any, method: str, wanted: Any) -> dict[str, Any]:
+
+    if method == "simplify":
+        smaller = simplify(mesh, wanted["faces"])
+        found = Hull(smaller.vertices, smaller.faces)
+        return {"shapes": [found.to_data()], "error": _digits(measure_surfaces(mesh, smaller))}
+    if method == "hull":
+        shapes: list[Any] = [hull_of(mesh.vertices, wanted["vertices"])]
+    elif method == "fit":
+        shapes = [fit(mesh, wanted)]
+    elif method == "decompose":
+        shapes = list(decompose(mesh, wanted))
+    else:
+        shapes = list(spheres(mesh, wanted))
+    return {"shapes": [shape.to_data() for shape in shapes], "error": _digits(measured(mesh, shapes))}
+
+
+def _digits(error: dict[str, Any]) -> dict[str, Any]:
+    """Four digits, so that they are the same on other machines."""
+    return {
+        name: float(f"{value:.4g}") if isinstance(value, float) else value for name, value in error.items()
+    }

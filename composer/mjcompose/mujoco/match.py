@@ -1,0 +1,574 @@
+"""The element of a composition for each element of a part, and elements that are missing or foreign.
+
+Find the element of a composition for each element of a part.
+
+Named elements are found by their name with the part's prefix. Unnamed ones are found by order: on a body among the
+unnamed elements of that body, elsewhere among those that refer only to the part. If the composition has more of
+them than the part, the most similar ones are taken first, so that a change shows as a change of a field.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from typing import TypeAlias
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, normalise
+from mjcompose.mujoco.addresses import runs
+from mjcompose.mujoco.attributes import HOLDERS, KINDS, ON_BODIES, Model, NameTable
+from mjcompose.mujoco.references import UNORDERED, Link, World, links, row_key
+
+Value: TypeAlias = bool | int | float | str | tuple["Value", ...] | None
+
+MISSING = "missing"
+EXTRA = "extra"
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """A field of an element that differs.
+
+    ``kind`` is MJCF's word for the element, ``name`` its name in the composition; an unnamed one is reported by its
+    place. ``field`` is the array of `mjModel`, with an index if only one entry is shown, or ``missing`` for an
+    element that the composition lacks, ``extra`` for one that the part lacks. ``expected`` is the value in the part
+    alone, ``actual`` the one in the composition; references are names. ``why`` says in words where MuJoCo itself makes
+    the difference.
+    """
+
+    kind: str
+    name: str
+    field: str
+    expected: Value
+    actual: Value
+    why: str = ""
+
+    @property
+    def array(self) -> str:
+        """The array of `mjModel`, without the index or the element of a key's entry."""
+        return re.split(r"[\[, ]", self.field, maxsplit=1)[0]
+
+    def __str__(self) -> str:
+        subject = f"{self.kind} {self.name}" if self.name.startswith("#") else f"{self.kind} `{self.name}`"
+        if self.field == MISSING:
+            return f"{subject} is missing"
+        if self.field == EXTRA:
+            return f"{subject} is not in the part alone"
+        why = f" ({self.why})" if self.why else ""
+        return (
+            f"{subject}: `{self.field}` is {_number(self.actual)}, alone it is {_number(self.expected)}{why}"
+        )
+
+
+def _number(value: Value) -> str:
+    if isinstance(value, tuple):
+        return "[" + ", ".join(_number(item) for item in value) + "]"
+    if isinstance(value, str):
+        return f"`{value}`"
+    if value is None:
+        return "none"
+    return repr(value)
+
+
+def distinguishes(link: Link) -> bool:
+    """Return whether a reference helps to identify an element: not its place, nor elements that are matched later."""
+    return link.kind != "plugin" and link.world is World.WORLD and link.field != "jnt_actuatorid"
+
+
+def raw(model: Model, kind: str, index: int) -> Hashable:
+    """Return the references of an element of the composition, comparable with the translated ones of the part."""
+    targets = [(link.kind, link.index) for link in links(model, kind, index) if distinguishes(link)]
+    return tuple(sorted(targets)) if kind in UNORDERED else tuple(targets)
+
+
+def values(model: Model, kind: str, index: int) -> Hashable:
+    """Return all values of an element, without its place and references."""
+    data = tuple((name, array.tobytes()) for name, array in runs(model, kind, index) if kind != "flex")
+    return row_key(model, kind, index), data
+
+
+def shape(model: Model, kind: str, index: int) -> Hashable:
+    """Return what rarely changes of an element: its type; for a body, its joints and the number of its geoms."""
+    if kind == "body":
+        first, number = int(model.body_jntadr[index]), int(model.body_jntnum[index])
+        types = tuple(model.jnt_type[first : first + number].tolist()) if number else ()
+        return types, int(model.body_geomnum[index])
+    types_of = getattr(model, f"{KINDS[kind].arrays}_type", None)
+    return None if types_of is None else int(types_of[index])
+
+
+AT_ORIGIN = Pose()
+
+
+@dataclass(frozen=True, slots=True)
+class Mount:
+    """The body that replaces the part's world in a composition, and the pose of the part in it.
+
+    ``body`` is a name in the composition, the id of an unnamed body, or None for the world. ``pose=None`` means
+    that the pose is unknown: it is then taken from the first element at the part's root, and all others must have
+    moved with it.
+    """
+
+    body: str | int | None = None
+    pose: Pose | None = AT_ORIGIN
+
+    @property
+    def is_in_place(self) -> bool:
+        """Whether the part has the same pose in the composition as alone."""
+        return self.body is None and self.pose is not None and self.pose.is_identity
+
+    @classmethod
+    def of(
+        cls,
+        composed: Model,
+        *,
+        site: str | None = None,
+        body: str | None = None,
+        pos: Vec3 = ORIGIN,
+        quat: Quat = IDENTITY_QUAT,
+    ) -> Mount:
+        """Return the mount for a place in a recipe: a site, a body or the world, with an offset.
+
+        ``pos`` is in metres, in the frame of the place. Raises KeyError for an unknown site.
+        """
+        offset = Pose(pos, normalise(quat))
+        if site is None:
+            return cls(body, offset)
+        roster = NameTable(composed)
+        index = roster.ids["site"][site]
+        place = _pose(composed.site_pos[index], composed.site_quat[index])
+        owner = int(composed.site_bodyid[index])
+        return cls(owner or None, place @ offset)
+
+    def index(self, roster: NameTable) -> int:
+        """Return the id of the body in the composition. Raises KeyError for an unknown body."""
+        if self.body is None:
+            return 0
+        return self.body if isinstance(self.body, int) else roster.ids["body"][self.body]
+
+
+def _pose(pos: Model, quat: Model) -> Pose:
+    x, y, z = pos.tolist()
+    w, a, b, c = quat.tolist()
+    return Pose((x, y, z), (w, a, b, c))
+
+
+_ASSETS = ("texture", "material", "mesh", "hfield")
+_GLOBAL = (
+    "skin",
+    "flex",
+    "tendon",
+    "equality",
+    "pair",
+    "exclude",
+    "sensor",
+    "actuator",
+    "numeric",
+    "text",
+    "tuple",
+)
+
+ABSENT = -1
+
+_SAME_PLACE = 1e-6
+"""Metres; elements that are closer are distinguished by their order."""
+
+
+class Correspondence:
+    """For every element of the part alone, the id of its counterpart, or ``ABSENT``.
+
+    With ``by_order=False`` unnamed elements are paired by similarity even if both models have the same number. Keys
+    are not matched here, because they may be merged, kept apart or left out. With ``cut`` what names the world may
+    name it in both.
+    """
+
+    def __init__(
+        self,
+        alone: NameTable,
+        composed: NameTable,
+        *,
+        prefix: str,
+        mount: Mount,
+        renamed: Mapping[str, Mapping[str, str]],
+        by_order: bool = True,
+        cut: bool = False,
+    ) -> None:
+        self.by_order, self.cut = by_order, cut
+        self.alone, self.composed = alone, composed
+        self.prefix, self.renamed = prefix, renamed
+        self.ids: dict[str, list[int]] = {kind: [ABSENT] * alone.count(kind) for kind in KINDS}
+        self.mount, self.pose = mount.index(composed), mount.pose
+        self.taken: dict[str, set[int]] = {kind: set() for kind in KINDS}
+        self.ids["body"][0] = self.mount
+        self.worlds = {self.mount}
+        self._match_named()
+        for kind in _ASSETS:
+            self._match_global(kind)
+        self.worlds = self._frame_bodies()
+        self._match_bodies()
+        for kind in ON_BODIES:
+            self._match_on_bodies(kind)
+        for kind in _GLOBAL:
+            self._match_global(kind)
+        self._match_plugins()
+
+    def name(self, kind: str, name: str) -> str:
+        """Return the name in the composition of the part's ``name``."""
+        given = self.renamed.get(kind, {}).get(name)
+        return self.prefix + name if given is None else given
+
+    def pairs(self, kind: str) -> list[tuple[int, int]]:
+        """Return the ids, alone and composed, of every element with a counterpart, except the world."""
+        first = 1 if kind == "body" else 0
+        return [(i, j) for i, j in enumerate(self.ids[kind]) if j != ABSENT and i >= first]
+
+    def targets(self, link: Link) -> set[int]:
+        """Return the possible ids in the composition of a reference's target; none if its target is missing."""
+        if link.index < 0:
+            return {link.index}  # no target; -2 means several
+        if link.kind == "body" and link.index == 0:
+            either = link.world is World.EITHER or (link.world is World.WORLD and self.cut)
+            return {0, *self.worlds} if either else self.worlds
+        target = self.ids[link.kind][link.index]
+        return set() if target == ABSENT else {target}
+
+    def _match_named(self) -> None:
+        for kind in KINDS:
+            if kind == "key":
+                continue
+            there = self.composed.ids[kind]
+            for index, name in enumerate(self.alone.names[kind]):
+                target = there.get(self.name(kind, name)) if name else None
+                if target is not None and not (kind == "body" and index == 0):
+                    self._take(kind, index, target)
+
+    def _take(self, kind: str, index: int, target: int) -> None:
+        self.ids[kind][index] = target
+        self.taken[kind].add(target)
+
+    def _frame_bodies(self) -> set[int]:
+        """Return the mount, and bodies without joints that a composition may have put between it and the part."""
+        worlds = {self.mount}
+        if not self.prefix:
+            return worlds
+        taken = self.taken["body"]
+        model = self.composed.model
+        for index, name in enumerate(self.composed.names["body"]):
+            if (
+                index not in taken
+                and int(model.body_parentid[index]) in worlds
+                and not model.body_jntnum[index]
+                and name.startswith(self.prefix)
+            ):
+                worlds.add(index)
+        return worlds
+
+    def _match_bodies(self) -> None:
+        found = self.ids["body"]
+        self._owners = {
+            kind: (getattr(self.alone.model, array).tolist(), getattr(self.composed.model, array).tolist())
+            for kind, array in HOLDERS.items()
+        }
+        self._loads: dict[int, list[tuple[str, int]]] = {}
+        for kind, (owners, _) in self._owners.items():
+            for index, owner in enumerate(owners):
+                if self.alone.names[kind][index]:
+                    self._loads.setdefault(owner, []).append((kind, index))
+        here, there = _children(self.alone.model), _children(self.composed.model)
+        for parent in range(self.alone.count("body")):
+            if found[parent] == ABSENT:
+                continue
+            children = [i for i in here.get(parent, ()) if not self.alone.names["body"][i]]
+            if not children:
+                continue
+            parents = sorted(self.worlds) if parent == 0 else [found[parent]]
+            taken = self.taken["body"]
+            candidates = [
+                i
+                for p in parents
+                for i in there.get(p, ())
+                if not self.composed.names["body"][i] and i not in taken
+            ]
+            children, candidates = self._match_by_load(children, candidates)
+            self._assign("body", children, candidates)
+
+    def _match_by_load(self, mine: list[int], theirs: list[int]) -> tuple[list[int], list[int]]:
+        """Match unnamed bodies by the named elements on them; return the others."""
+        for index in mine:
+            owners = {
+                int(self._owners[kind][1][self.ids[kind][i]])
+                for kind, i in self._loads.get(index, ())
+                if self.ids[kind][i] != ABSENT
+            }
+            target = next((j for j in theirs if j in owners and j not in self.taken["body"]), None)
+            if target is not None:
+                self._take("body", index, target)
+        left = [i for i in mine if self.ids["body"][i] == ABSENT]
+        return left, [j for j in theirs if j not in self.taken["body"]]
+
+    def _match_on_bodies(self, kind: str) -> None:
+        here = _unnamed_by_body(self.alone, kind)
+        there = _unnamed_by_body(self.composed, kind)
+        for body, children in here.items():
+            target = self.ids["body"][body]
+            if target != ABSENT:
+                bodies = sorted(self.worlds) if body == 0 else [target]
+                self._assign(kind, children, [i for b in bodies for i in there.get(b, ())])
+
+    def _match_global(self, kind: str) -> None:
+        children = [
+            i for i, name in enumerate(self.alone.names[kind]) if not name and self.ids[kind][i] == ABSENT
+        ]
+        if not children:
+            return
+        images = self.taken | {"body": {*self.taken["body"], 0, *self.worlds}}
+        taken = self.taken[kind]
+        owned = [
+            i
+            for i, name in enumerate(self.composed.names[kind])
+            if not name
+            and i not in taken
+            and all(
+                link.index < 0 or link.index in images[link.kind]
+                for link in links(self.composed.model, kind, i)
+                if link.kind != "plugin"
+            )
+        ]
+        self._assign(kind, children, owned, ordered=kind not in UNORDERED)
+
+    def _match_plugins(self) -> None:
+        """Match unnamed plugin instances, which belong to the element that uses them."""
+        found, names = self.ids["plugin"], self.composed.names["plugin"]
+        for kind in ("body", "geom", "actuator", "sensor"):
+            for index, target in enumerate(self.ids[kind]):
+                if target == ABSENT or (kind == "body" and index == 0):
+                    continue
+                pairs = zip(
+                    links(self.alone.model, kind, index),
+                    links(self.composed.model, kind, target),
+                    strict=False,
+                )
+                for mine, theirs in pairs:
+                    if (
+                        mine.kind == theirs.kind == "plugin"
+                        and mine.index >= 0
+                        and theirs.index >= 0
+                        and found[mine.index] == ABSENT
+                        and not self.alone.names["plugin"][mine.index]
+                        and not names[theirs.index]
+                    ):
+                        self._take("plugin", mine.index, theirs.index)
+        self._match_global("plugin")
+
+    def _assign(self, kind: str, mine: list[int], theirs: list[int], *, ordered: bool = True) -> None:
+        """Pair ``mine`` with ``theirs``: by order if there are as many, else by similarity."""
+        found = self.ids[kind]
+        if ordered and self.by_order and len(mine) == len(theirs):
+            for i, j in zip(mine, theirs, strict=True):
+                self._take(kind, i, j)
+            return
+        alone, composed = self.alone.model, self.composed.model
+        likenesses: tuple[tuple[Callable[[int], Hashable], Callable[[int], Hashable]], ...] = (
+            (
+                lambda i: (values(alone, kind, i), self._translated(kind, i)),
+                lambda j: (values(composed, kind, j), raw(composed, kind, j)),
+            ),
+            (
+                lambda i: (shape(alone, kind, i), self._translated(kind, i)),
+                lambda j: (shape(composed, kind, j), raw(composed, kind, j)),
+            ),
+            (lambda i: shape(alone, kind, i), lambda j: shape(composed, kind, j)),
+            (lambda i: None, lambda j: None),
+        )
+        for number, (of_mine, of_theirs) in enumerate(likenesses):
+            waiting: dict[Hashable, list[int]] = {}
+            for j in theirs:
+                waiting.setdefault(of_theirs(j), []).append(j)
+            for i in mine:
+                alike = waiting.get(of_mine(i), [])
+                if alike and number == 0 and all(self._apart(kind, i, j) for j in alike):
+                    continue  # an equal element elsewhere belongs to another part
+                if alike:
+                    nearest = (
+                        min(alike, key=lambda j: self._apart(kind, i, j)) if len(alike) > 1 else alike[0]
+                    )
+                    alike.remove(nearest)
+                    self._take(kind, i, nearest)
+            mine = [i for i in mine if found[i] == ABSENT]
+            theirs = [j for j in theirs if j not in self.taken[kind]]
+
+    def _apart(self, kind: str, index: int, target: int) -> float:
+        """Return the distance of ``target`` from the expected position of ``index`` in metres; 0 if unknown."""
+        positions = f"{KINDS[kind].arrays}_pos"
+        if kind not in HOLDERS or kind == "joint":
+            return 0.0
+        x, y, z = getattr(self.alone.model, positions)[index].tolist()
+        expected = Pose((x, y, z))
+        parents = f"{KINDS[kind].arrays}_{'parentid' if kind == 'body' else 'bodyid'}"
+        if int(getattr(self.alone.model, parents)[index]) == 0:
+            if self.pose is None:
+                return 0.0
+            expected = self.pose @ expected
+        distance = math.dist(expected.pos, getattr(self.composed.model, positions)[target].tolist())
+        return distance if distance > _SAME_PLACE else 0.0
+
+    def _translated(self, kind: str, index: int) -> Hashable:
+        targets = [
+            (link.kind, min(self.targets(link), default=-2))
+            for link in links(self.alone.model, kind, index)
+            if distinguishes(link)
+        ]
+        return tuple(sorted(targets)) if kind in UNORDERED else tuple(targets)
+
+
+def _children(model: Model) -> dict[int, list[int]]:
+    children: dict[int, list[int]] = {}
+    for index, parent in enumerate(model.body_parentid.tolist()):
+        if index:
+            children.setdefault(parent, []).append(index)
+    return children
+
+
+def _unnamed_by_body(roster: NameTable, kind: str) -> dict[int, list[int]]:
+    on_body: dict[int, list[int]] = {}
+    bodies: Iterable[int] = getattr(roster.model, ON_BODIES[kind]).tolist()
+    for index, (body, name) in enumerate(zip(bodies, roster.names[kind], strict=True)):
+        if not name:
+            on_body.setdefault(body, []).append(index)
+    return on_body
+
+
+def presence_differences(
+    matching: Correspondence, others: Sequence[tuple[str, Model]] | None
+) -> list[Difference]:
+    """Return missing elements; with ``others``, extra ones as well. ``keyframes`` handles keys."""
+    rosters = None if others is None else [(prefix, NameTable(model)) for prefix, model in others]
+    found: list[Difference] = []
+    for kind in KINDS:
+        if kind == "key":
+            continue
+        found += _missing(matching, kind)
+        if rosters is not None and matching.prefix:
+            found += _extra(matching, kind, rosters)
+    return found
+
+
+def _missing(matching: Correspondence, kind: str) -> list[Difference]:
+    """Return missing elements; an unnamed element on a missing body is not reported again."""
+    roster, bodies = matching.alone, matching.ids["body"]
+    owners = getattr(roster.model, ON_BODIES[kind]).tolist() if kind in ON_BODIES else None
+    found: list[Difference] = []
+    for index, target in enumerate(matching.ids[kind]):
+        name = roster.names[kind][index]
+        if target != ABSENT or (owners is not None and not name and bodies[owners[index]] == ABSENT):
+            continue
+        shown = matching.name(kind, name) if name else roster.describe(kind, index)
+        found.append(Difference(kind, shown, MISSING, expected=True, actual=False))
+    return found
+
+
+def _extra(matching: Correspondence, kind: str, others: Iterable[tuple[str, NameTable]]) -> list[Difference]:
+    prefix = matching.prefix
+    theirs = {other + name for other, roster in others for name in roster.names[kind] if name}
+    return [
+        Difference(kind, name, EXTRA, expected=False, actual=True)
+        for index, name in enumerate(matching.composed.names[kind])
+        if name.startswith(prefix)
+        and name != prefix
+        and name not in theirs
+        and index not in matching.taken[kind]
+        and not (kind == "body" and index in matching.worlds)
+    ]
+
+
+def reference_differences(matching: Correspondence) -> list[Difference]:
+    """Return changed references; one whose target is missing is not reported again."""
+    found: list[Difference] = []
+    for kind in KINDS:
+        if kind != "key":
+            for index, target in matching.pairs(kind):
+                found += _of_one(matching, kind, index, target=target)
+    return found
+
+
+def _of_one(matching: Correspondence, kind: str, index: int, target: int) -> list[Difference]:
+    mine = links(matching.alone.model, kind, index)
+    theirs = links(matching.composed.model, kind, target)
+    if kind in UNORDERED:
+        theirs = _in_order_of(matching, mine, theirs)
+    found: list[Difference] = []
+    for a, b in zip(mine, theirs, strict=False):
+        allowed = matching.targets(a)
+        if a.kind != b.kind or (allowed and b.index not in allowed):
+            name = matching.composed.describe(kind, target)
+            found.append(
+                Difference(
+                    kind,
+                    name,
+                    a.field,
+                    expected=_expected(matching, a),
+                    actual=_shown_references(matching.composed, b),
+                )
+            )
+    return found
+
+
+def _in_order_of(matching: Correspondence, mine: Sequence[Link], theirs: Sequence[Link]) -> list[Link]:
+    first, second = theirs
+    return [second, first] if second.index in matching.targets(mine[0]) else [first, second]
+
+
+def _expected(matching: Correspondence, link: Link) -> Value:
+    name = matching.alone.names[link.kind][link.index] if link.index >= 0 else ""
+    if not name or (link.kind == "body" and link.index == 0):
+        return _shown_references(matching.alone, link)
+    return matching.name(link.kind, name)
+
+
+def _shown_references(roster: NameTable, link: Link) -> Value:
+    return None if link.index < 0 else roster.describe(link.kind, link.index)
+
+
+class Coupling:
+    """Bodies of a part, by their ids in the part alone, that the rest of the composition affects.
+
+    ``hosts`` carry geoms of other parts, which contribute to their mass and inertia. ``carriers`` have elements of
+    other parts on them or below them. ``trees`` are the root bodies of kinematic trees with fixed elements of other
+    parts, or on a moving body: the inertia at their joints is not only their own. If the part is ``cut`` out of the
+    other model, this holds for all trees, because a removed tendon may have had an armature.
+    """
+
+    def __init__(self, matching: Correspondence, mount: Mount, *, cut: bool = False) -> None:
+        alone, composed = matching.alone.model, matching.composed.model
+        bodies = matching.ids["body"]
+        self.in_place = mount.is_in_place and matching.worlds == {0}
+        self.moving = bool(composed.body_weldid[matching.mount])
+
+        mine = {target: body for body, target in enumerate(bodies) if body and target != ABSENT}
+        geoms: dict[int, int] = {}
+        for target in matching.ids["geom"]:
+            if target != ABSENT:
+                owner = int(composed.geom_bodyid[target])
+                geoms[owner] = geoms.get(owner, 0) + 1
+        number = composed.body_geomnum
+        self.hosts = {body for target, body in mine.items() if int(number[target]) > geoms.get(target, 0)}
+
+        foreign = [i for i in range(1, len(number)) if i not in mine and i not in matching.worlds]
+        starts = [int(composed.body_parentid[i]) for i in foreign] + [bodies[body] for body in self.hosts]
+        self.carriers: set[int] = set()
+        for target in starts:
+            while target and target in mine and mine[target] not in self.carriers:
+                self.carriers.add(mine[target])
+                target = int(composed.body_parentid[target])
+        roots = alone.body_rootid.tolist()
+        self.trees = set(roots) if self.moving or cut else {roots[body] for body in self.carriers}
+        self._roots = roots
+
+    def acts_on(self, body: int) -> bool:
+        """Return whether the kinematic tree of this body of the part is shared."""
+        return self._roots[body] in self.trees
+
+    @property
+    def anywhere(self) -> bool:
+        return bool(self.trees)

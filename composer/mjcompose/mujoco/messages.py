@@ -1,0 +1,469 @@
+"""MuJoCo's error messages as diagnostics for the author of the element."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from enum import Enum
+from pathlib import PurePath
+from typing import TYPE_CHECKING, NamedTuple
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Cause, Diagnostic, Note, Span
+from mjcompose.base.suggest import did_you_mean, exists_note
+from mjcompose.base.suggest import unknown_attribute as no_attribute
+from mjcompose.model.classes import Level, levels, own
+from mjcompose.model.grammar import GRAMMAR, ElementType, version_key
+from mjcompose.model.history import Span as HistorySpan
+from mjcompose.model.history import place, spans
+from mjcompose.model.unit import Unit
+from mjcompose.sources.context import Context
+from mjcompose.sources.reference import FORMATS
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+_UNKNOWN_ATTRIBUTE = re.compile(r"unrecognized attribute: '(?P<name>[^']*)'")
+_UNKNOWN_ELEMENT = re.compile(r"unrecognized (?:model )?element")
+_ATTRIBUTE = re.compile(r"attribute '(?P<name>[^']*)'")
+_MISSING = re.compile(r"missing element: '(?P<tag>[^']*)'|attribute missing: '(?P<name>[^']*)'")
+_SIZE = re.compile(r"^size (?P<index>\d) must be positive")
+_PLUGIN = re.compile(r"failed for plugin id (?P<id>\d+)")
+_ARRAY = re.compile(r"^Invalid model: (?P<name>[a-z]+_\w+)")
+_WORD = re.compile(r"\w+")
+_QUOTED = re.compile(r"'([^'\n]+)'")
+# Messages about settings of the whole model, for which MuJoCo knows no line.
+_SECTIONS = {
+    "size": re.compile(r"<size |arena memory|mj_stackAlloc"),
+    "option": re.compile(r"\bintegrator='"),
+}
+
+
+class Topic(Enum):
+    """The topic of a message of MuJoCo; the value is the pattern that recognizes it."""
+
+    MASS = r"mass and inertia of moving bodies"
+    GEOM_SIZE = r"^size \d must be positive in geom"
+    SIZE = r"^size \d must be positive"
+    NEGATIVE = r"are negative in geom"
+    FREE_JOINT = r"^free joint can only be used on top level"
+    MOCAP = r"^mocap body .* is not a fixed child of world"
+    WRAP = r"is not sphere or cylinder"
+    VERTICES = r"vertices required"
+    MESH_FILE = r"^invalid header in|^stl_decoder: |^obj_decoder: "
+    PICTURE = r"PNG"
+    TRANSMISSION = r"^missing transmission target"
+    MESH_FORMAT = r"no decoder found"
+    FLEX_UNPINNED = r"has joints but no flex vertices/nodes are pinned"
+    PLUGIN_INSTANCE = r"actuator not found for plugin instance"
+    DOFS = r"^more than 6 dofs"
+    FLAT = r"has coplanar vertices|^qhull error"
+    FORMAT = r"^bad format in attribute"
+    INERTIA = r"A \+ B >= C|^error 'inertia must have positive eigenvalues'"
+    FRAMEBUFFER = r"framebuffer"
+    URDF_GEOMETRY = r"geometry specification"
+    URDF_REPEATED = r"^repeated URDF name|^repeated name '.*' in joint"
+    URDF_RING = r"^URDF body not found$"
+    URDF_PARENTS = r"has multiple parents"
+    URDF_LINK = r"^URDF joint parent or child missing$"
+    URDF_JOINT_TYPE = r"^invalid joint type"
+
+
+@dataclass(frozen=True, slots=True)
+class Sentence:
+    """A parsed message of MuJoCo; no other code in this package parses messages.
+
+    `attribute` is the one that it names, `unknown_attribute` one that MJCF does not have there, `missing_attribute`
+    and `missing_element` are required ones; `names` are the names in quotes. `size_index` is the size that must be
+    positive, `plugin` the number of the plugin that failed, `section` the section with the faulty setting, `array`
+    the faulty array of the compiled model.
+    """
+
+    topic: Topic | None = None
+    attribute: str | None = None
+    unknown_attribute: str | None = None
+    is_unknown_element: bool = False
+    missing_attribute: str | None = None
+    missing_element: str | None = None
+    names: tuple[str, ...] = ()
+    words: frozenset[str] = frozenset()
+    size_index: int | None = None
+    plugin: int | None = None
+    section: str | None = None
+    array: str | None = None
+
+
+def read_sentence(message: str) -> Sentence:
+    """Parse a message of MuJoCo.
+
+    >>> read_sentence("required attribute missing: 'pos'").missing_attribute
+    'pos'
+    """
+    attribute, unknown = _ATTRIBUTE.search(message), _UNKNOWN_ATTRIBUTE.search(message)
+    array = _ARRAY.search(message)
+    missing, size, plugin = _MISSING.search(message), _SIZE.search(message), _PLUGIN.search(message)
+    return Sentence(
+        next((topic for topic in Topic if re.search(topic.value, message)), None),
+        attribute["name"] if attribute else None,
+        unknown["name"] if unknown else None,
+        is_unknown_element=_UNKNOWN_ELEMENT.search(message) is not None,
+        missing_attribute=missing["name"] if missing else None,
+        missing_element=missing["tag"] if missing else None,
+        names=tuple(_QUOTED.findall(message)),
+        words=frozenset(_WORD.findall(message)),
+        size_index=int(size["index"]) if size else None,
+        plugin=int(plugin["id"]) if plugin else None,
+        section=next((section for section, said in _SECTIONS.items() if said.search(message)), None),
+        array=array["name"] if array else None,
+    )
+
+
+CRASHES = {"timeout": "mujoco-timeout", "missing": "mujoco-missing"}
+"""The diagnostic codes for a `crash` of `engine.Compiled`; every other crash is `mujoco-crash`."""
+
+_CRASH_HELP = {
+    "mujoco-timeout": "give it more time with `--timeout`, or look for huge counts in `replicate` and `flexcomp`",
+    "mujoco-missing": "install it: `python -m pip install --upgrade mujoco`; or do without it: `--no-verify`",
+    "mujoco-crash": "load each part alone in MuJoCo to find the one at fault",
+}
+
+_PREFIX = re.compile(r"^(?:(?:XML )?Error: |ParseXML: )+")
+# "Element name 'left/X', id 0, line 38": from the compiler, about an object of the model
+_OBJECT = re.compile(
+    r"\s*^Element name '(?P<name>.*)', id (?P<id>-?\d+)(?:, line (?P<line>-?\d+))?[ \t]*$", re.M | re.S
+)
+# "Element 'geom', line 3, column 7": from the reader, about an element of the file
+_ELEMENT = re.compile(
+    r"\s*^Element '(?P<element>[^'\n]*)', line (?P<line>-?\d+)(?:, column (?P<column>-?\d+))?\s*\Z", re.M
+)
+# precedes that line if a `<flexcomp>` cannot be created: there is no object yet
+_NO_OBJECT = re.compile(r"^Element name '', id -1[ \t]*\n(?=Element ')", re.M)
+# TinyXML's message about a file that is not well-formed
+_XML = re.compile(
+    r"^XML parse error (?P<number>\d+):\s*Error=(?P<error>\w+).*?"
+    r"Line number=(?P<line>\d+)(?::\s*(?P<rest>.*))?\Z",
+    re.S,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """One message of MuJoCo, split into its parts.
+
+    `message` is its text without the other fields, which are None if MuJoCo does not name them. `line` (and
+    `column`) count from 1, in the bundle's MJCF. `element` is the tag, `name` the object's name.
+    """
+
+    message: str
+    line: int | None = None
+    column: int | None = None
+    element: str | None = None
+    name: str | None = None
+
+
+def crash_help(code: str) -> str | None:
+    """Return advice for the case that MuJoCo gave no verdict."""
+    return _CRASH_HELP.get(code)
+
+
+def parse(text: str) -> Fault:
+    r"""Split one message of MuJoCo into its parts.
+
+    >>> parse("Error: size 0 must be positive in geom\nElement name 'left/pad', id 3, line 38")
+    Fault(message='size 0 must be positive in geom', line=38, column=None, element=None, name='left/pad')
+    """
+    text = _NO_OBJECT.sub("", text.strip())
+    broken = _XML.match(text)
+    if broken:
+        return _not_well_formed(broken)
+    trailer = _OBJECT.search(text) or _ELEMENT.search(text)
+    if trailer is None:
+        return Fault(_PREFIX.sub("", text).strip())
+    fields = trailer.groupdict()
+    message = _PREFIX.sub("", text[: trailer.start()]).strip()
+    if rest := text[trailer.end() :].strip():  # MuJoCo 3.12 puts the reason why a file cannot be read last
+        message = f"{message}: {rest}"
+    return Fault(
+        message,
+        line=_positive(fields["line"]),
+        column=_positive(fields.get("column")),
+        element=fields.get("element") or None,
+        name=fields.get("name") or None,
+    )
+
+
+def _not_well_formed(found: re.Match[str]) -> Fault:
+    what = found["error"].removeprefix("XML_ERROR_").replace("_", " ").lower()
+    rest = " ".join((found["rest"] or "").split())
+    element = re.fullmatch(r"XMLElement name=(\S+)", rest)
+    detail = f": {rest}" if rest and not element else ""
+    return Fault(
+        f"not well-formed XML: {what}{detail}",
+        _positive(found["line"]),
+        element=element[1] if element else None,
+    )
+
+
+def _positive(number: str | None) -> int | None:
+    """Return a line or column from MuJoCo, which writes 0 or -1 for an unknown one."""
+    return int(number) if number is not None and int(number) > 0 else None
+
+
+Unread = tuple["Node", str | None]
+"""An element, or an attribute of it, that this MuJoCo does not read."""
+
+
+def version_of(found: Iterable[Unread]) -> str | None:
+    """Return a version that reads all of these, as far as one is known: the last one before the first of them ended."""
+    known = [span for element, name in found if (span := _span(element, name)) is not None]
+    ended = [until for _, until in known if until is not None]
+    begun = [since for since, _ in known if since is not None]
+    return min(ended, key=version_key) if ended else max(begun, key=version_key, default=None)
+
+
+def of_other_version(
+    element: Node, name: str | None, file: str | None, version: str | None = None
+) -> Diagnostic | None:
+    """Return the error for an attribute, or for the element, that another MuJoCo has in this place, else None.
+
+    `file` is the model in which it is written, and `version` a MuJoCo that reads all of that. `mjcompose migrate`
+    writes it for this MuJoCo.
+
+    >>> from lxml import etree
+    >>> option = etree.fromstring('<mujoco><option mpr_iterations="20"/></mujoco>')[0]
+    >>> found = of_other_version(option, "mpr_iterations", "old.xml")
+    >>> found.message, found.notes[0].message
+    ('this MuJoCo has no attribute `mpr_iterations` of `<option>`', 'it existed up to MuJoCo 3.2.2')
+    """
+    known = _span(element, name)
+    if known is None:
+        return None
+    since, until = known
+    what = f"`<{element.tag}>`" if name is None else f"attribute `{name}` of `<{element.tag}>`"
+    return Diagnostic(
+        "unknown-element" if name is None else "unknown-attribute",
+        f"this MuJoCo has no {what}",
+        notes=(Note(f"it existed up to MuJoCo {until}" if until else f"it exists since MuJoCo {since}"),),
+        help=None if file is None or _is_recipe(file) else
+        f"`mjcompose migrate {file} --from {version or until or since} -o NEW` writes the model for this MuJoCo",
+    )  # fmt: skip
+
+
+def _span(element: Node, name: str | None) -> HistorySpan | None:
+    return spans().get(place(element) + ("" if name is None else f"@{name}"))
+
+
+def _is_recipe(file: str) -> bool:
+    return FORMATS.get(PurePath(file).suffix.lower()) == "recipe"
+
+
+_ADVICE = {
+    Topic.MASS: "give the body a geom that has mass, or an `inertial`",
+    Topic.GEOM_SIZE: "a sphere has one size, a capsule or cylinder two, a box or ellipsoid three",
+    Topic.NEGATIVE: "write a number above 0, or 0 for a geom without mass",
+    Topic.FREE_JOINT: "put a body with a free joint into the world: `to: world`",
+    Topic.MOCAP: "put a mocap body into the world, without joints: `to: world`",
+    Topic.WRAP: "a tendon wraps around spheres and cylinders only",
+    Topic.VERTICES: "a mesh file needs at least four points that do not lie in one plane",
+    Topic.MESH_FILE: "export the file again, as binary STL or OBJ",
+    Topic.PICTURE: "export the picture again, as PNG",
+    Topic.TRANSMISSION: "say what it moves: `joint: NAME`, or `tendon`, `site` or `body`",
+    Topic.MESH_FORMAT: "a mesh is a file that ends in .stl, .obj or .msh",
+    Topic.FLEX_UNPINNED: "attach the flex to what does not move, or give it a `<pin>`",
+    Topic.PLUGIN_INSTANCE: "let an actuator have it: `type: plugin, plugin: …, instance: …`, or take the instance out",
+    Topic.DOFS: "spread the joints over several bodies, one inside the other",
+    Topic.FORMAT: "write numbers, parted by spaces",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Translation:
+    """A diagnostic without its place, and facts about the place.
+
+    `attribute` is the element's faulty attribute, if it is known; with `key` the fault is in its name. `topic` is
+    the topic of MuJoCo's message.
+    """
+
+    diagnostic: Diagnostic
+    attribute: str | None = None
+    key: bool = False
+    topic: Topic | None = None
+
+
+def translate(message: str, element: Node | None) -> Translation:
+    """Return what to report if MuJoCo refuses a model with `message`, which is about `element`."""
+    said = read_sentence(message)
+    advice = None if said.topic is None else _ADVICE.get(said.topic)
+    if element is None:
+        rejected = Diagnostic("mujoco-rejects", f"MuJoCo rejects the model: {message}", help=advice)
+        return Translation(rejected, topic=said.topic)
+    if said.unknown_attribute is not None:
+        return unknown_attribute(element, said.unknown_attribute)
+    if said.is_unknown_element:
+        return unknown_element(element)
+    subject = f"the {element.tag} `{element.get('name')}`" if element.get("name") else f"this {element.tag}"
+    attribute = _attribute(said, element)
+    diagnostic = Diagnostic(
+        "mujoco-rejects",
+        f"MuJoCo rejects {subject}: {message}",
+        notes=_keywords(element, attribute),
+        help=_not_positive(said, element) or advice,
+    )
+    return Translation(diagnostic, attribute, topic=said.topic)
+
+
+def unknown_attribute(
+    element: Node, name: str, file: str | None = None, version: str | None = None
+) -> Translation:
+    """Return the translation for an attribute that MJCF does not have in that place.
+
+    `file` is the model in which it is written, and `version` a MuJoCo that reads it, if these are known.
+    """
+    found = of_other_version(element, name, file, version=version)
+    if found is None:
+        kind = kind_of(element)
+        known = list(kind.attributes) if kind is not None else []
+        found = no_attribute(name, f"`<{element.tag}>`", known, otherwise=f"take `{name}` out")
+    return Translation(found, name, key=True)
+
+
+def unknown_element(element: Node, file: str | None = None, version: str | None = None) -> Translation:
+    """Return the translation for an element that MJCF does not have in that place."""
+    if (other := of_other_version(element, None, file, version=version)) is not None:
+        return Translation(other)
+    parent = element.getparent()
+    kind = kind_of(parent) if parent is not None else None
+    known = list(kind.children) if kind is not None else []
+    holder = f"`<{parent.tag}>`" if parent is not None else "a model"
+    return Translation(
+        Diagnostic(
+            "unknown-element",
+            f"`<{element.tag}>` cannot stand in {holder}",
+            notes=(exists_note("element", known, str(element.tag)),) if known else (),
+            help=did_you_mean(str(element.tag), known, "<{}>"),
+        )
+    )
+
+
+def _versions(since: str | None, until: str | None) -> tuple[Note, ...]:
+    """Return which versions of MuJoCo have a word that this one lacks."""
+    if until is not None:
+        return (Note(f"it existed up to MuJoCo {until}"),)
+    return (Note(f"it exists since MuJoCo {since}"),) if since is not None else ()
+
+
+def kind_of(element: Node) -> ElementType | None:
+    """Return the element type at the element's place in MJCF, or None if its tag is not allowed there."""
+    tags = [str(each.tag) for each in element.iterancestors()]
+    found: ElementType | None = GRAMMAR.root
+    for tag in [*reversed(tags), str(element.tag)][1:]:
+        found = found.children.get(tag) if found is not None else None
+    return found
+
+
+def _attribute(said: Sentence, element: Node) -> str | None:
+    named = said.attribute or said.missing_attribute
+    if named is not None:
+        return named if element.get(named) is not None else None
+    holders = [str(name) for name, value in element.items() if name != "name" and value in said.names]
+    if len(holders) == 1:
+        return holders[0]
+    kind = kind_of(element)
+    spoken_of = {word for word in said.words if kind is not None and word in kind.attributes}
+    return spoken_of.pop() if len(spoken_of) == 1 else None
+
+
+def _keywords(element: Node, attribute: str | None) -> tuple[Note, ...]:
+    kind = kind_of(element)
+    known = kind.attributes.get(attribute) if kind is not None and attribute is not None else None
+    if known is None or known.type not in ("keyword", "keywords") or element.get(known.name) is None:
+        return ()
+    text = str(element.get(known.name))
+    if (versions := known.keyword_versions.get(text)) is not None:
+        return _versions(*versions)
+    return () if text in known.keywords else (exists_note("keyword", known.keywords, text),)
+
+
+def _not_positive(said: Sentence, element: Node) -> str | None:
+    """Return the advice for a size that is written and not positive; a missing size has another advice."""
+    if (index := said.size_index) is None:
+        return None
+    sizes = str(element.get("size") or "").split()
+    return f"`{sizes[index]}` is not above 0: sizes are lengths in metres" if index < len(sizes) else None
+
+
+_MASSES = {"inertial": ("mass", "diaginertia", "fullinertia"), "geom": ("mass", "density")}
+
+
+class FaultLocation(NamedTuple):
+    """The place to show, and notes about other places."""
+
+    span: Span
+    notes: tuple[Note, ...] = ()
+
+
+def locate_fault(said: Translation, element: Node, model: Unit) -> FaultLocation:
+    """Return the place of a fault; a value from the recipe comes first, because its author can change it."""
+    span = model.origins.span(element, model.file, said.attribute, key=said.key)
+    if said.attribute is None:
+        masses = _masses(element, model) if said.topic is Topic.MASS else ()
+        written = next((each for each in masses if _in_recipe(each)), None)
+        return (
+            FaultLocation(span)
+            if written is None
+            else FaultLocation(written, (Note("the body stands here", span),))
+        )
+    level = _class_level(said.attribute, element, model)
+    if level is None or level.writer is None:
+        return FaultLocation(span)
+    there = model.origins.span(level.writer, model.file, said.attribute)
+    if _in_recipe(there):
+        return FaultLocation(
+            there, (Note(f"the default class `{level.name}` gives it to this {element.tag}", span),)
+        )
+    return FaultLocation(
+        span, (Note(f"`{said.attribute}` is that of the default class `{level.name}`", there),)
+    )
+
+
+def _class_level(attribute: str, element: Node, model: Unit) -> Level | None:
+    """Return the class that sets an attribute which the element does not write."""
+    kind = kind_of(element)
+    known = kind.attributes.get(attribute) if kind is not None else None
+    if kind is None or known is None or element.get(attribute) is not None:
+        return None
+    given = (
+        level for level in levels(element, kind, known, classes=model.classes) if level.taken or level.text
+    )
+    nearest = next(given, None)
+    return nearest if nearest is not None and nearest.kind == "class" else None
+
+
+def _masses(element: Node, model: Unit) -> Iterator[Span]:
+    """Yield where the masses of a body are written, in its `<inertial>` or else in its geoms."""
+    for child in own(element, "inertial") or own(element, "geom"):
+        for name in _MASSES[str(child.tag)]:
+            if child.get(name) is not None:
+                yield model.origins.span(child, model.file, name)
+
+
+def _in_recipe(span: Span) -> bool:
+    return FORMATS.get(PurePath(span.file).suffix.lower()) == "recipe"
+
+
+def report(
+    said: Translation,
+    element: Node | None,
+    model: Unit,
+    context: Context,
+    cause: Cause | None = None,
+    at: Span | None = None,
+) -> None:
+    """Report an error at the element, or at its faulty attribute; without an element, at the place `at`."""
+    if element is None:
+        context.sink.add(replace(said.diagnostic, span=at))
+        return
+    found = locate_fault(said, element, model)
+    notes = (*found.notes, *said.diagnostic.notes)
+    context.sink.add(replace(said.diagnostic, span=found.span, notes=notes), cause)

@@ -1,0 +1,347 @@
+"""What an element of a compiled model refers to, as kinds and ids."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterator
+from enum import StrEnum
+from functools import cache
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.mujoco.arrays import Rule, Treatment, rule
+from mjcompose.mujoco.attributes import KINDS, OF_OBJECT_TYPE, Model
+
+Array = NDArray[np.generic]
+
+DOF = "dof"
+"""Not a kind of element: the rows belong to joints."""
+
+
+@cache
+def _arrays_of(model_type: Hashable) -> dict[str, tuple[str, ...]]:
+    """Return the attributes of a class of models by the word they begin with: that of a kind, or ``dof``."""
+    words = {kind.arrays: word for word, kind in KINDS.items()} | {DOF: DOF}
+    found: dict[str, list[str]] = {}
+    for attribute in sorted(dir(model_type)):
+        word = words.get(attribute.split("_", 1)[0])
+        if word is not None and not attribute.startswith("_"):
+            found.setdefault(word, []).append(attribute)
+    return {word: tuple(names) for word, names in found.items()}
+
+
+def arrays(model: Model, kind: str) -> Iterator[tuple[str, Array, Rule | None]]:
+    """Yield the arrays of one kind with one row for each element (or dof), sorted by name.
+
+    The shapes are (n,) or (n, width). An array that happens to be as long as the number of elements is included:
+    `fields` says how it is compared.
+    """
+    count = len(model.dof_bodyid) if kind == DOF else len(getattr(model, KINDS[kind].addresses))
+    for name in _arrays_of(cast("Hashable", type(model))).get(kind, ()):
+        array = getattr(model, name)
+        if isinstance(array, np.ndarray) and array.ndim and array.shape[0] == count:
+            yield name, array, rule(name)
+
+
+def row_key(model: Model, kind: str, index: int) -> bytes:
+    """Return the plain values of one element as bytes, without its place and references."""
+    return b"".join(
+        array[index].tobytes()
+        for _, array, how in arrays(model, kind)
+        if how is None or (kind == "body" and how.treatment is Treatment.HOST)
+    )
+
+
+def unequal(expected: Array, actual: Array, tolerance: float = 0.0) -> NDArray[np.bool_]:
+    """Return where two arrays of one shape differ, bit for bit; zeros and NaNs are equal whatever their sign.
+
+    ``tolerance`` is relative to the larger of 1 and the expected value.
+    """
+    different = expected != actual
+    if different.any() and np.issubdtype(expected.dtype, np.floating):
+        a, b = expected.astype(np.float64), actual.astype(np.float64)
+        different &= ~(np.isnan(a) & np.isnan(b))
+        if tolerance > 0:
+            with np.errstate(invalid="ignore"):
+                near = np.abs(a - b) <= tolerance * np.maximum(1.0, np.abs(a))
+            different &= ~(near & np.isfinite(a))  # everything is near an infinite number
+    return np.asarray(different, dtype=np.bool_)
+
+
+def same_width(a: Array, b: Array) -> tuple[Array, Array]:
+    """Return two tables, shape (n, width), with the narrower one padded with columns of zeros."""
+    width = max(a.shape[1], b.shape[1])
+    return _widened(a, width), _widened(b, width)
+
+
+def _widened(array: Array, width: int) -> Array:
+    return np.pad(array, ((0, 0), (0, width - array.shape[1])))
+
+
+class World(StrEnum):
+    """What a reference to body 0 of the part means in the composition."""
+
+    MOUNT = "mount"
+    """The parent of the part's roots."""
+    WORLD = "world"
+    """An element names the world: the parent of the part's roots, too."""
+    EITHER = "either"
+    """Both: vertices and bones pinned to the part's world."""
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A reference. ``index`` is -1 for an empty field."""
+
+    field: str
+    kind: str
+    index: int
+    world: World = World.WORLD
+
+
+def links(model: Model, kind: str, index: int) -> list[Link]:
+    """Return the references of one element, always the same fields in the same order.
+
+    A material has one for each role of a texture, an actuator one for each id in `actuator_trnid` that its
+    transmission uses. A geom that was fitted to a mesh has none to it, although MuJoCo 3 leaves the id there.
+    """
+    reader = _READERS.get(kind)
+    return list(reader(model, index)) if reader else []
+
+
+def _one(model: Model, array: str, kind: str, index: int, world: World = World.WORLD) -> Iterator[Link]:
+    values = getattr(model, array, None)
+    if values is not None:
+        yield Link(array, kind, int(values[index]), world=world)
+
+
+def _body(model: Model, index: int) -> Iterator[Link]:
+    # MuJoCo 4.0 puts the bodies in which a rod is twisted into the world, wherever its `<flexcomp>` is.
+    world = World.EITHER if twists_a_rod(model, index) else World.MOUNT
+    yield from _one(model, "body_parentid", "body", index=index, world=world)
+    yield from _one(model, "body_plugin", "plugin", index=index)
+
+
+def _joint(model: Model, index: int) -> Iterator[Link]:
+    yield from _one(model, "jnt_bodyid", "body", index=index, world=World.MOUNT)
+    yield from _one(model, "jnt_actuatorid", "actuator", index=index)
+
+
+_HFIELD, _MESH, _SDF = 1, 7, 8
+
+
+def _geom(model: Model, index: int) -> Iterator[Link]:
+    yield from _one(model, "geom_bodyid", "body", index=index, world=World.MOUNT)
+    # MuJoCo 3 leaves the mesh id in primitives that were fitted to it, where it has no meaning.
+    shape = int(model.geom_type[index])
+    data = int(model.geom_dataid[index]) if shape in (_HFIELD, _MESH, _SDF) else -1
+    yield Link("geom_dataid", "hfield" if shape == _HFIELD else "mesh", data)
+    yield from _one(model, "geom_matid", "material", index=index)
+    yield from _one(model, "geom_plugin", "plugin", index=index)
+
+
+def _site(model: Model, index: int) -> Iterator[Link]:
+    yield from _one(model, "site_bodyid", "body", index=index, world=World.MOUNT)
+    yield from _one(model, "site_dataid", "mesh", index=index)
+    yield from _one(model, "site_matid", "material", index=index)
+
+
+def _camera(model: Model, index: int) -> Iterator[Link]:
+    yield from _one(model, "cam_bodyid", "body", index=index, world=World.MOUNT)
+    yield from _one(model, "cam_targetbodyid", "body", index=index)
+
+
+def _light(model: Model, index: int) -> Iterator[Link]:
+    yield from _one(model, "light_bodyid", "body", index=index, world=World.MOUNT)
+    yield from _one(model, "light_targetbodyid", "body", index=index)
+    yield from _one(model, "light_texid", "texture", index=index)
+
+
+def _material(model: Model, index: int) -> Iterator[Link]:
+    for role, texture in enumerate(model.mat_texid[index].tolist()):
+        yield Link(f"mat_texid[{role}]", "texture", texture)
+
+
+def _skin(model: Model, index: int) -> Iterator[Link]:
+    yield from _one(model, "skin_matid", "material", index=index)
+    first = int(model.skin_boneadr[index])
+    bones = model.skin_bonebodyid[first : first + int(model.skin_bonenum[index])].tolist()
+    for place, body in enumerate(bones):
+        yield Link(f"skin_bonebodyid[{place}]", "body", body, world=World.EITHER)
+
+
+def _flex(model: Model, index: int) -> Iterator[Link]:
+    yield from _flex_materials(model, index)
+    for array, first, number in (
+        ("flex_vertbodyid", "flex_vertadr", "flex_vertnum"),
+        ("flex_nodebodyid", "flex_nodeadr", "flex_nodenum"),
+    ):
+        start = int(getattr(model, first)[index])
+        bodies = getattr(model, array)[start : start + int(getattr(model, number)[index])].tolist()
+        for place, body in enumerate(bodies):
+            yield Link(f"{array}[{place}]", "body", body, world=World.EITHER)
+    rows = bending(model, index)
+    if rows is not None:
+        for place in twists(rows):
+            yield Link(f"flex_bending[{place}]", "joint", int(rows[place]))
+
+
+BEND = 10
+"""The numbers of one bend of a rod, a flex of one dimension, in `flex_bending` since MuJoCo 4.0."""
+_NO_VERTEX, _TWIST = 3, 7
+
+
+def twists(bending: Array) -> list[int]:
+    """Return the places in a rod's `flex_bending` where the id of a joint stands: that of a bend's second twist."""
+    # Their number comes first, then for each bend of three vertices the vertices, -1, a stiffness and two angles, the
+    # joint (-1 if the rod is not twisted), and a stiffness and an angle for the twist. Bends of four vertices have no
+    # joint: those of `<flexcomp type="circle" count="5 1 1" dim="1" …/>` begin with 3 0 1 2.
+    rows = bending.ravel()
+    if not len(rows) or len(rows) != 1 + BEND * int(rows[0]):
+        return []
+    return [at + _TWIST for at in range(1, len(rows), BEND) if rows[at + _NO_VERTEX] == -1]
+
+
+def bending(model: Model, index: int) -> Array | None:
+    """Return the bends of a flex if it is a rod, else None."""
+    addresses = getattr(model, "flex_bendingadr", None)
+    if addresses is None or model.flex_dim[index] != 1 or addresses[index] < 0:
+        return None
+    later = addresses[addresses > addresses[index]]
+    rows: Array = model.flex_bending.ravel()[addresses[index] : int(later.min()) if len(later) else None]
+    return rows
+
+
+def twists_a_rod(model: Model, body: int) -> bool:
+    """Return whether a body is one of those in which a rod is twisted."""
+    if not model.nflex or model.body_parentid[body] or model.body_jntnum[body] != 1:
+        return False
+    joint = int(model.body_jntadr[body])
+    for flex in range(model.nflex):
+        rows = bending(model, flex)
+        if rows is not None:
+            seconds = {int(rows[at]) for at in twists(rows)} - {-1}
+            if joint in seconds or joint + 1 in seconds:  # the twist of the first edge is right before
+                return True
+    return False
+
+
+def _flex_materials(model: Model, index: int) -> Iterator[Link]:
+    """Yield materials: since MuJoCo 4 those of a flex's elements, before that the flex's."""
+    if len(model.flex_matid) != model.nflexelem:
+        yield from _one(model, "flex_matid", "material", index=index)
+        return
+    first = int(model.flex_elemadr[index])
+    materials = model.flex_matid[first : first + int(model.flex_elemnum[index])].tolist()
+    for place, material in enumerate(materials):
+        yield Link(f"flex_matid[{place}]", "material", material)
+
+
+WRAP_JOINT, WRAP_SITE = 1, 3
+"""Values of `wrap_type` for which `wrap_objid` is the id of a joint or a site."""
+WRAPS_A_GEOM = (4, 5)
+"""The values of `wrap_type` whose `wrap_prm` is the id of a side site."""
+
+
+def _tendon(model: Model, index: int) -> Iterator[Link]:
+    yield from _one(model, "tendon_matid", "material", index=index)
+    yield from _one(model, "tendon_actuatorid", "actuator", index=index)
+    first = int(model.tendon_adr[index])
+    for place in range(int(model.tendon_num[index])):
+        at = first + place
+        wrapped, target = int(model.wrap_type[at]), int(model.wrap_objid[at])
+        if wrapped == WRAP_JOINT:
+            yield Link(f"wrap_objid[{place}]", "joint", target)
+        elif wrapped == WRAP_SITE:
+            yield Link(f"wrap_objid[{place}]", "site", target)
+        elif wrapped in WRAPS_A_GEOM:
+            yield Link(f"wrap_objid[{place}]", "geom", target)
+            yield Link(f"wrap_prm[{place}]", "site", int(model.wrap_prm[at]))
+
+
+_CONSTRAINED = {2: "joint", 3: "tendon", 4: "flex", 5: "flex", 6: "flex", 7: "geom"}
+
+
+def _equality(model: Model, index: int) -> Iterator[Link]:
+    by_type = _CONSTRAINED.get(int(model.eq_type[index]))
+    kind = by_type or OF_OBJECT_TYPE.get(int(model.eq_objtype[index]), "body")
+    yield from _one(model, "eq_obj1id", kind, index=index)
+    yield from _one(model, "eq_obj2id", kind, index=index)
+
+
+def _pair(model: Model, index: int) -> Iterator[Link]:
+    geoms = sorted((int(model.pair_geom1[index]), int(model.pair_geom2[index])))
+    for place, geom in enumerate(geoms):
+        yield Link(f"geom{place + 1}", "geom", geom)
+
+
+def _exclude(model: Model, index: int) -> Iterator[Link]:
+    signature = int(model.exclude_signature[index])
+    for place, body in enumerate(sorted((signature >> 16, signature & 0xFFFF))):
+        yield Link(f"body{place + 1}", "body", body)
+
+
+ON_JOINTS, ON_TENDON = (0, 1), 3
+"""Values of `actuator_trntype`: on a joint, in its own frame or in its parent's, and on a tendon."""
+
+_TARGETS = {
+    **dict.fromkeys(ON_JOINTS, ("joint", None)),
+    2: ("site", "site"),
+    ON_TENDON: ("tendon", None),
+    4: ("site", "site"),
+    5: ("body", None),
+}
+_ROTATION = 6
+"""The value of `actuator_trntype` for a ball joint or, with a second id, for a site relative to another."""
+
+
+def _actuator(model: Model, index: int) -> Iterator[Link]:
+    transmission = int(model.actuator_trntype[index])
+    targets: tuple[str | None, str | None] = _TARGETS.get(transmission, (None, None))
+    if transmission == _ROTATION:
+        targets = ("site", "site") if model.actuator_trnid[index, 1] >= 0 else ("joint", None)
+    for place, kind in enumerate(targets):
+        if kind is not None:
+            yield Link(f"actuator_trnid[{place}]", kind, int(model.actuator_trnid[index, place]))
+    yield from _one(model, "actuator_plugin", "plugin", index=index)
+
+
+def _sensor(model: Model, index: int) -> Iterator[Link]:
+    for array, typed in (("sensor_objid", "sensor_objtype"), ("sensor_refid", "sensor_reftype")):
+        kind = OF_OBJECT_TYPE.get(int(getattr(model, typed)[index]))
+        if kind is not None:
+            yield from _one(model, array, kind, index=index)
+    yield from _one(model, "sensor_plugin", "plugin", index=index)
+
+
+def _tuple(model: Model, index: int) -> Iterator[Link]:
+    first = int(model.tuple_adr[index])
+    for place in range(int(model.tuple_size[index])):
+        kind = OF_OBJECT_TYPE.get(int(model.tuple_objtype[first + place]))
+        if kind is not None:
+            yield Link(f"tuple_objid[{place}]", kind, int(model.tuple_objid[first + place]))
+
+
+_READERS: dict[str, Callable[[Model, int], Iterator[Link]]] = {
+    "body": _body,
+    "joint": _joint,
+    "geom": _geom,
+    "site": _site,
+    "camera": _camera,
+    "light": _light,
+    "material": _material,
+    "skin": _skin,
+    "flex": _flex,
+    "tendon": _tendon,
+    "equality": _equality,
+    "pair": _pair,
+    "exclude": _exclude,
+    "actuator": _actuator,
+    "sensor": _sensor,
+    "tuple": _tuple,
+}
+
+UNORDERED = frozenset({"pair", "exclude"})
+"""Kinds whose two references are a set, stored by MuJoCo in the order of ids."""

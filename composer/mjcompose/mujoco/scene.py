@@ -1,0 +1,439 @@
+"""A compiled model as data for a page in the browser."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mjcompose.mujoco.attributes import NameTable
+from mjcompose.mujoco.facts import place
+from mjcompose.mujoco.film import png
+
+_DIGITS = 24
+
+
+class Blobs:
+    """Writes each content once to a file of `folder`, named by its hash; those in `known` are not even encoded."""
+
+    def __init__(self, folder: Path, known: Collection[str] = ()) -> None:
+        self.folder, self.known = folder, set(known)
+        self.used: dict[str, None] = {}
+
+    def put(self, form: str, arrays: Iterable[Any], encode: Callable[[], bytes]) -> str:
+        """Return the hash of some arrays in the format `form`; `encode` returns their bytes if they are new."""
+        digest = hashlib.sha256(form.encode())
+        for each in arrays:
+            array = np.ascontiguousarray(each)
+            digest.update(f"{array.dtype}{array.shape}".encode())
+            digest.update(array.data)
+        name = digest.hexdigest()[:_DIGITS]
+        if name not in self.used and name not in self.known:
+            (self.folder / name).write_bytes(encode())
+        self.used[name] = None
+        return name
+
+
+def packed(*arrays: Any) -> bytes:
+    """Concatenate arrays, each padded so that the next one begins at a multiple of four bytes."""
+    found = bytearray()
+    for each in arrays:
+        found += np.ascontiguousarray(each).tobytes()
+        found += bytes(-len(found) % 4)
+    return bytes(found)
+
+
+def steps(values: Any, bits: int = 16) -> tuple[Any, list[float], list[float]]:
+    """Quantize rows of numbers between the least and the greatest of each column.
+
+    Return the steps, the least and the step.
+    """
+    low, high = values.min(axis=0), values.max(axis=0)
+    most = (1 << bits) - 1
+    step = np.where(high > low, (high - low) / most, 1.0)
+    whole = np.rint((values - low) / step).astype(np.uint16 if bits == 16 else np.uint8)
+    return whole, short(low), short(step)
+
+
+def short(values: Any) -> list[Any]:
+    """Return numbers with nine digits, which is all that single precision has, as a flat list."""
+    flat = np.asarray(values).ravel()
+    if flat.dtype.kind != "f":
+        return flat.astype(int).tolist() if flat.dtype.kind == "b" else flat.tolist()
+    return [float(f"{each:.9g}") for each in flat.tolist()]
+
+
+COLUMNS: dict[str, dict[str, str]] = {
+    "body": {
+        "parent": "body_parentid", "pos": "body_pos", "quat": "body_quat", "mass": "body_mass",
+        "inertia": "body_inertia", "ipos": "body_ipos", "iquat": "body_iquat", "mocap": "body_mocapid",
+    },
+    "joint": {
+        "body": "jnt_bodyid", "type": "jnt_type", "pos": "jnt_pos", "axis": "jnt_axis", "range": "jnt_range",
+        "limited": "jnt_limited", "qpos": "jnt_qposadr", "group": "jnt_group",
+    },
+    "geom": {
+        "body": "geom_bodyid", "type": "geom_type", "pos": "geom_pos", "quat": "geom_quat", "size": "geom_size",
+        "data": "geom_dataid", "material": "geom_matid", "rgba": "geom_rgba", "group": "geom_group",
+        "contype": "geom_contype", "conaffinity": "geom_conaffinity",
+    },
+    "site": {
+        "body": "site_bodyid", "type": "site_type", "pos": "site_pos", "quat": "site_quat", "size": "site_size",
+        "material": "site_matid", "rgba": "site_rgba", "group": "site_group",
+    },
+    "camera": {
+        "body": "cam_bodyid", "mode": "cam_mode", "target": "cam_targetbodyid", "pos": "cam_pos", "quat": "cam_quat",
+        "fovy": "cam_fovy", "pos0": "cam_pos0", "mat0": "cam_mat0", "poscom0": "cam_poscom0",
+    },
+    "light": {
+        "body": "light_bodyid", "type": "light_type", "pos": "light_pos", "dir": "light_dir",
+        "active": "light_active", "shadow": "light_castshadow", "ambient": "light_ambient",
+        "diffuse": "light_diffuse", "specular": "light_specular", "cutoff": "light_cutoff",
+        "exponent": "light_exponent", "attenuation": "light_attenuation",
+    },
+    "material": {
+        "rgba": "mat_rgba", "repeat": "mat_texrepeat", "uniform": "mat_texuniform", "emission": "mat_emission",
+        "specular": "mat_specular", "shininess": "mat_shininess", "reflectance": "mat_reflectance",
+    },
+    "tendon": {
+        "first": "tendon_adr", "count": "tendon_num", "rgba": "tendon_rgba", "material": "tendon_matid",
+        "width": "tendon_width", "group": "tendon_group", "range": "tendon_range", "limited": "tendon_limited",
+    },
+    "actuator": {
+        "transmission": "actuator_trntype", "target": "actuator_trnid", "gear": "actuator_gear",
+    },
+    "key": {"time": "key_time", "qpos": "key_qpos", "ctrl": "key_ctrl", "mpos": "key_mpos", "mquat": "key_mquat"},
+}  # fmt: skip
+"""A kind's names are added as `name`; every column is one flat list."""
+
+
+def columns(model: Any) -> dict[str, dict[str, list[Any]]]:
+    """Return the columns of every kind."""
+    table = NameTable(model)
+    found = {
+        kind: {
+            "name": table.names[kind],
+            **{name: short(getattr(model, array)) for name, array in arrays.items()},
+        }
+        for kind, arrays in COLUMNS.items()
+    }
+    found["actuator"] |= _controls(model)
+    found["exclude"] = _excludes(model)
+    return found
+
+
+def _excludes(model: Any) -> dict[str, list[Any]]:
+    """Return the bodies whose contacts are excluded, in pairs. MuJoCo keeps both in one number."""
+    signatures = [int(each) for each in model.exclude_signature]
+    return {"body1": [each >> 16 for each in signatures], "body2": [each & 0xFFFF for each in signatures]}
+
+
+def _controls(model: Any) -> dict[str, list[Any]]:
+    """Return the addresses of an actuator's controls: one each before MuJoCo 4.0."""
+    count = len(model.actuator_trntype)
+    first = getattr(model, "actuator_ctrladr", None)
+    return {
+        "control": list(range(count)) if first is None else short(first),
+        "range": short(model.actuator_ctrlrange),
+        "limited": short(model.actuator_ctrllimited),
+    }
+
+
+def meshes(model: Any, blobs: Blobs) -> list[str]:
+    """Return the hash of each mesh's bytes.
+
+    These are a head of three uint32 (vertices, triangles, whether there are texture coordinates) and six float32
+    (the least vertex and the step), then vertices (three uint16 each), normals (two int8 each, octahedral), texture
+    coordinates (two float32 each) and triangles (three uint32, or uint16 if there are fewer vertices than that).
+    """
+    return [_mesh(model, number, blobs) for number in range(model.nmesh)]
+
+
+def _mesh(model: Any, number: int, blobs: Blobs) -> str:
+    def rows(values: Any, first: Any, count: Any) -> Any:
+        return values[int(first[number]) : int(first[number]) + int(count[number])]
+
+    corners = rows(model.mesh_vert, model.mesh_vertadr, model.mesh_vertnum)
+    normals = rows(model.mesh_normal, model.mesh_normaladr, model.mesh_normalnum)
+    faces = rows(model.mesh_face, model.mesh_faceadr, model.mesh_facenum)
+    of_normals = rows(model.mesh_facenormal, model.mesh_faceadr, model.mesh_facenum)
+    flat, of_flat = None, None
+    if model.mesh_texcoordadr[number] >= 0:
+        flat = rows(model.mesh_texcoord, model.mesh_texcoordadr, model.mesh_texcoordnum)
+        of_flat = rows(model.mesh_facetexcoord, model.mesh_faceadr, model.mesh_facenum)
+    mapping = [] if flat is None else [flat, of_flat]
+    return blobs.put(
+        "mesh 1", [corners, normals, faces, of_normals, *mapping],
+        lambda: _encoded(corners, normals, faces, of_normals=of_normals, flat=flat, of_flat=of_flat),
+    )  # fmt: skip
+
+
+def _encoded(corners: Any, normals: Any, faces: Any, of_normals: Any, flat: Any, of_flat: Any) -> bytes:
+    index, (corner, normal, *texture) = _unified([faces, of_normals, *([] if flat is None else [of_flat])])
+    whole, low, step = steps(corners)
+    triangles = index.astype(np.uint16 if len(corner) <= 1 << 16 else np.uint32)
+    return packed(
+        np.array([len(corner), len(faces), flat is not None], np.uint32),
+        np.array([*low, *step], np.float32),
+        whole[corner],
+        _octahedral(normals[normal]),
+        *([] if flat is None else [flat[texture[0]].astype(np.float32)]),
+        triangles,
+    )
+
+
+def _unified(faces: list[Any]) -> tuple[Any, list[Any]]:
+    """Return one number for each combination of vertex, normal and texture coordinate that a triangle uses.
+
+    The result has the triangles in these numbers, and for each number the rows of vertices, normals and texture
+    coordinates.
+    """
+    flat = [each.ravel().astype(np.int64) for each in faces]
+    if all((each == flat[0]).all() for each in flat[1:]):
+        used = np.arange(int(flat[0].max()) + 1 if len(flat[0]) else 0)
+        return flat[0], [used] * len(flat)
+    key = flat[0]
+    for each in flat[1:]:
+        key = key * (int(each.max()) + 1) + each
+    _, first, index = np.unique(key, return_index=True, return_inverse=True)
+    return index.ravel(), [each[first] for each in flat]
+
+
+def _octahedral(directions: Any) -> Any:
+    """Return unit vectors in two bytes each, by folding the sphere into a square."""
+    length = np.abs(directions).sum(axis=1, keepdims=True)
+    flat = directions[:, :2] / np.maximum(length, 1e-12)
+    turned = (1 - np.abs(flat[:, ::-1])) * np.where(flat >= 0, 1, -1)
+    folded = np.where(directions[:, 2:] < 0, turned, flat)
+    return np.rint(np.clip(folded, -1, 1) * 127).astype(np.int8)
+
+
+def height_fields(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
+    """Return each height field: rows times columns of uint16, where 65535 is its full height."""
+    found = []
+    for number in range(model.nhfield):
+        rows, columns, first = (
+            int(each[number]) for each in (model.hfield_nrow, model.hfield_ncol, model.hfield_adr)
+        )
+        heights = model.hfield_data[first : first + rows * columns]
+
+        def encode(heights: Any = heights) -> bytes:
+            return packed(np.rint(np.clip(heights, 0, 1) * 65535).astype(np.uint16))
+
+        blob = blobs.put("heights 1", [heights], encode)
+        size = short(model.hfield_size[number])
+        found.append({"blob": blob, "rows": rows, "columns": columns, "size": size})
+    return found
+
+
+FLAT, CUBE, SKY = 0, 1, 2
+_KINDS = {FLAT: "2d", CUBE: "cube", SKY: "skybox"}
+# mjTEXROLE_RGB and mjTEXROLE_RGBA.
+_COLOUR_ROLES = (1, 8)
+
+
+def textures(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
+    """Return each texture; the faces of a cube are below each other: right, left, up, down, front, back."""
+    found = []
+    for number in range(model.ntex):
+        width, height = int(model.tex_width[number]), int(model.tex_height[number])
+        channels, first = int(model.tex_nchannel[number]), int(model.tex_adr[number])
+        pixels = model.tex_data[first : first + width * height * channels].reshape(height, width, channels)
+
+        def encode(pixels: Any = pixels, channels: int = channels) -> bytes:
+            shown = pixels if channels in (3, 4) else np.repeat(pixels[:, :, :1], 3, axis=2)
+            return png(shown)
+
+        found.append({
+            "blob": blobs.put("texture 1", [pixels], encode), "kind": _KINDS[int(model.tex_type[number])],
+            "width": width, "height": height,
+        })  # fmt: skip
+    return found
+
+
+def of_materials(model: Any) -> list[int]:
+    """Return the texture for the colour of each material, -1 for none."""
+    roles: Any = np.asarray(model.mat_texid).reshape(model.nmat, -1) if model.nmat else []
+    return [next((int(row[role]) for role in _COLOUR_ROLES if row[role] >= 0), -1) for row in roles]
+
+
+def skins(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
+    """Return each skin: its bones, and bytes with vertices, triangles, and for each bone its vertices and weights."""
+    return [_skin(model, number, blobs) for number in range(model.nskin)]
+
+
+def _skin(model: Any, number: int, blobs: Blobs) -> dict[str, Any]:
+    def rows(values: Any, first: Any, count: Any, at: int = number) -> Any:
+        return values[int(first[at]) : int(first[at]) + int(count[at])]
+
+    corners = rows(model.skin_vert, model.skin_vertadr, model.skin_vertnum)
+    faces = rows(model.skin_face, model.skin_faceadr, model.skin_facenum)
+    mapped = bool(model.skin_texcoordadr[number] >= 0)
+    first, count = int(model.skin_boneadr[number]), int(model.skin_bonenum[number])
+    bones = range(first, first + count)
+    moved = [
+        rows(model.skin_bonevertid, model.skin_bonevertadr, model.skin_bonevertnum, at=bone) for bone in bones
+    ]
+    weights = [
+        rows(model.skin_bonevertweight, model.skin_bonevertadr, model.skin_bonevertnum, at=bone)
+        for bone in bones
+    ]
+    flat = (
+        rows(model.skin_texcoord, model.skin_texcoordadr, model.skin_vertnum) if mapped else np.zeros((0, 2))
+    )
+    arrays = [
+        corners.astype(np.float32), faces.astype(np.uint32), flat.astype(np.float32),
+        np.concatenate([*moved, np.zeros(0)]).astype(np.uint32),
+        np.concatenate([*weights, np.zeros(0)]).astype(np.float32),
+    ]  # fmt: skip
+    return {
+        "blob": blobs.put("skin 1", arrays, lambda: packed(*arrays)), "count": len(corners), "triangles": len(faces),
+        "mapped": mapped, "material": int(model.skin_matid[number]), "rgba": short(model.skin_rgba[number]),
+        "group": int(model.skin_group[number]), "inflate": float(model.skin_inflate[number]),
+        "bones": short(model.skin_bonebodyid[first : first + count]), "moved": [len(each) for each in moved],
+        "pos": short(model.skin_bonebindpos[first : first + count]),
+        "quat": short(model.skin_bonebindquat[first : first + count]),
+    }  # fmt: skip
+
+
+def flexes(model: Any, data: Any, blobs: Blobs) -> list[dict[str, Any]]:
+    """Return each flex at rest: its vertices in the frames of their bodies, and the drawn parts.
+
+    `shell` are triangles: the elements of a two-dimensional flex, the surface of a three-dimensional one. A
+    one-dimensional flex has only `edges`. `nodes` are the bodies of a flex that MuJoCo interpolates; it is drawn at
+    rest.
+    """
+    return [_flex(model, data, number, blobs=blobs) for number in range(model.nflex)]
+
+
+def _flex(model: Any, data: Any, number: int, blobs: Blobs) -> dict[str, Any]:
+    def rows(values: Any, first: Any, count: Any) -> Any:
+        return values[int(first[number]) : int(first[number]) + int(count[number])]
+
+    dimensions = int(model.flex_dim[number])
+    world = rows(data.flexvert_xpos.reshape(-1, 3), model.flex_vertadr, model.flex_vertnum)
+    bodies = rows(model.flex_vertbodyid, model.flex_vertadr, model.flex_vertnum)
+    interpolated = bool(model.flex_interp[number]) or bool((bodies < 0).any())
+    bodies = np.zeros_like(bodies) if interpolated else bodies
+    turned = data.xmat[bodies].reshape(-1, 3, 3)
+    local = np.einsum("nji,nj->ni", turned, world - data.xpos[bodies])
+    edges = rows(model.flex_edge, model.flex_edgeadr, model.flex_edgenum)
+    elements = model.flex_elem[int(model.flex_elemdataadr[number]) :][
+        : int(model.flex_elemnum[number]) * (dimensions + 1)
+    ]
+    if dimensions == 3:
+        shell = model.flex_shell[int(model.flex_shelldataadr[number]) :][
+            : int(model.flex_shellnum[number]) * 3
+        ]
+    else:
+        shell = elements if dimensions == 2 else np.zeros(0)
+    arrays = [
+        local.astype(np.float32), bodies.astype(np.uint32), np.asarray(shell).astype(np.uint32), edges.astype(np.uint32)
+    ]  # fmt: skip
+    return {
+        "blob": blobs.put("flex 1", arrays, lambda: packed(*arrays)), "count": len(world), "dimensions": dimensions,
+        "triangles": len(arrays[2]) // 3, "edges": len(edges), "radius": float(model.flex_radius[number]),
+        "material": int(model.flex_matid[number]), "rgba": short(model.flex_rgba[number]),
+        "group": int(model.flex_group[number]),
+    }  # fmt: skip
+
+
+def wraps(model: Any) -> dict[str, list[Any]]:
+    """Return the path of spatial tendons: sites, geoms, pulleys and joints, and their parameters."""
+    return {
+        "type": short(model.wrap_type), "object": short(model.wrap_objid),
+        "parameter": [float(each) for each in model.wrap_prm],
+    }  # fmt: skip
+
+
+_MOST_CONTACTS = 500
+# The value of `wrap_obj` for a pulley, which cuts a tendon's path.
+_PULLEY = -2
+
+
+def poses(mujoco: Any, model: Any, data: Any) -> Iterator[dict[str, Any]]:
+    """Yield contacts and tendon paths at the reference configuration, then at each keyframe.
+
+    `data` is at the reference configuration again afterwards.
+    """
+    for key in (None, *range(model.nkey)):
+        if key is not None:
+            mujoco.mj_resetDataKeyframe(model, data, key)
+        place(mujoco, model, data)
+        yield {"contacts": contacts(data), "tendons": _ways(data)}
+    mujoco.mj_resetData(model, data)
+    place(mujoco, model, data)
+
+
+def contacts(data: Any) -> list[list[Any]]:
+    """Return each contact: its two geoms, its position and its normal; a flex is geom -1."""
+    shown = min(int(data.ncon), _MOST_CONTACTS)
+    return [
+        [*(int(geom) for geom in each.geom), *short(each.pos), *short(each.frame[:3])]
+        for each in (data.contact[number] for number in range(shown))
+    ]
+
+
+def _ways(data: Any) -> list[list[float]]:
+    """Return the straight segments of each tendon, from and to: six numbers each."""
+    points, objects = data.wrap_xpos.reshape(-1, 3), data.wrap_obj.ravel()
+    found = []
+    for first, count in zip(data.ten_wrapadr, data.ten_wrapnum, strict=True):
+        ends = [
+            [*short(points[at]), *short(points[at + 1])]
+            for at in range(int(first), int(first) + int(count) - 1)
+            if objects[at] != _PULLEY and objects[at + 1] != _PULLEY
+        ]
+        found.append([number for end in ends for number in end])
+    return found
+
+
+FORMAT = 1
+FILE = "scene.json"
+
+
+def describe(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> dict[str, Any]:
+    """Write `scene.json` and its blobs into ``folder``; runs under `mjcompose.mujoco.engine.call`.
+
+    The answer's `blobs` are all that it refers to; those in ``known`` are not written again. Lengths are in metres,
+    angles in radians, quaternions are w x y z, and elements on a body are in its frame, as in `mjModel`. Equal
+    models give equal bytes.
+    """
+    folder = Path(asked["folder"])
+    blobs = Blobs(folder, asked.get("known", ()))
+    data = mujoco.MjData(model)
+    place(mujoco, model, data)
+    found: dict[str, Any] = {"format": FORMAT, **columns(model)}
+    found["material"]["texture"] = of_materials(model)
+    found["mesh"] = meshes(model, blobs)
+    found["hfield"] = height_fields(model, blobs)
+    found["texture"] = textures(model, blobs)
+    found["skin"] = skins(model, blobs)
+    found["flex"] = flexes(model, data, blobs)
+    found["wrap"] = wraps(model)
+    found["poses"] = list(poses(mujoco, model, data))
+    found["qpos0"] = short(model.qpos0)
+    found["timestep"] = float(model.opt.timestep)
+    found["look"] = _look(model)
+    text = json.dumps(found, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    (folder / FILE).write_text(text, encoding="utf-8")
+    return {"blobs": list(blobs.used)}
+
+
+def _look(model: Any) -> dict[str, Any]:
+    """Return the view that the author of the model has set."""
+    settings, light = model.vis.global_, model.vis.headlight
+    return {
+        "center": short(model.stat.center), "extent": float(model.stat.extent), "azimuth": float(settings.azimuth),
+        "elevation": float(settings.elevation), "fovy": float(settings.fovy),
+        "headlight": {
+            "active": bool(light.active), "ambient": short(light.ambient), "diffuse": short(light.diffuse),
+            "specular": short(light.specular),
+        },
+        "haze": short(model.vis.rgba.haze), "jointwidth": float(model.vis.scale.jointwidth),
+        "framewidth": float(model.vis.scale.framewidth), "meansize": float(model.stat.meansize),
+    }  # fmt: skip

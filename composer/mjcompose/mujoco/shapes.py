@@ -1,0 +1,377 @@
+"""Meshes and convex shapes, points on them, and whether a mesh can be what was meant.
+
+Whether a mesh can be what was meant: enormous or in millimetres, flat, open. One judgement for all who read meshes.
+
+`measures` and `is_flat` run in the child process, where the vertices are; `doubts` judges their answer here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from typing import Any
+from xml.sax.saxutils import quoteattr
+
+import numpy
+
+from mjcompose.base.dataclass import dataclass
+
+
+class UnusableError(Exception):
+    """Why nothing can be made of a mesh, as the end of a sentence, and the `limit` that it goes beyond, if so."""
+
+    def __init__(self, why: str, limit: str | None = None) -> None:
+        super().__init__(why)
+        self.limit = limit
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Vertices in metres and triangles by their numbers. `solid` is the same as trimesh has it.
+
+    `is_mapped` says whether it says where a texture goes.
+    """
+
+    vertices: numpy.ndarray
+    faces: numpy.ndarray
+    solid: Any
+    is_mapped: bool = False
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether it has an inside: every edge has two triangles, which turn the same way."""
+        return bool(self.solid.is_watertight and self.solid.is_winding_consistent)
+
+    @property
+    def size(self) -> float:
+        """The diagonal of the box around it."""
+        return float(numpy.linalg.norm(numpy.ptp(self.vertices, axis=0)))
+
+
+def read_mesh(mujoco: Any, attributes: dict[str, str], most_faces: int) -> Mesh:
+    """The mesh that an element `<mesh>` with these attributes is. Raises UnusableError."""
+    import trimesh
+
+    # As a shell it may be open or flat. A geom that touches nothing needs no hull, which a flat mesh does not have.
+    given = {**attributes, "name": "mesh", "inertia": "shell"}
+    text = " ".join(f"{name}={quoteattr(value)}" for name, value in given.items())
+    model_text = (
+        f'<mujoco><asset><mesh {text}/></asset><worldbody><geom type="mesh" mesh="mesh" contype="0"'
+        ' conaffinity="0"/></worldbody></mujoco>'
+    )
+    try:
+        model = mujoco.MjModel.from_xml_string(model_text)
+    except ValueError as error:
+        raise UnusableError(f"MuJoCo cannot read it: {' '.join(str(error).split())}") from error
+    faces = numpy.array(model.mesh_face, dtype=numpy.int64)
+    if len(faces) > most_faces:
+        raise UnusableError(f"it has {len(faces)} faces, and {most_faces} are allowed", "mesh-faces")
+    turn = numpy.zeros(9)
+    mujoco.mju_quat2Mat(turn, model.mesh_quat[0])
+    vertices = numpy.array(model.mesh_vert, dtype=float) @ turn.reshape(3, 3).T + model.mesh_pos[0]
+    solid = trimesh.Trimesh(vertices, faces, process=True)
+    mapped = bool(model.mesh_texcoordnum[0] > 0)
+    return Mesh(numpy.asarray(solid.vertices), numpy.asarray(solid.faces), solid, is_mapped=mapped)
+
+
+def check_thick(mesh: Mesh) -> None:
+    """Raises UnusableError for a mesh that is a point, a line or flat."""
+    if is_flat(mesh.vertices):
+        raise UnusableError("it is flat")
+
+
+def on_surface(solid: Any, count: int, seed: int = 0) -> numpy.ndarray:
+    """So many points, as many on each part of the surface as it is large."""
+    return with_faces(solid, count, seed)[0]
+
+
+def with_faces(solid: Any, count: int, seed: int = 0) -> tuple[numpy.ndarray, numpy.ndarray]:
+    """The same, with the face that each is on."""
+    random = numpy.random.Generator(numpy.random.PCG64(seed))
+    ends = numpy.cumsum(solid.area_faces)
+    faces = numpy.searchsorted(ends, random.random(count) * ends[-1])
+    faces = numpy.minimum(faces, len(ends) - 1)
+    corners = solid.triangles[faces]
+    one, other = random.random((2, count, 1))
+    over = one + other > 1
+    one, other = numpy.where(over, 1 - one, one), numpy.where(over, 1 - other, other)
+    first = corners[:, 0]
+    return numpy.asarray(first + one * (corners[:, 1] - first) + other * (corners[:, 2] - first)), faces
+
+
+def in_solid(shape: Any, count: int, seed: int = 0) -> numpy.ndarray:
+    """Points in the box around a shape, as many as it takes for so many to be inside, or nearly; those inside."""
+    random = numpy.random.Generator(numpy.random.PCG64(seed))
+    low, high = shape.solid.bounds
+    share = max(shape.volume / float(numpy.prod(high - low)), 0.05)
+    points = low + random.random((int(count / share), 3)) * (high - low)
+    return numpy.asarray(points[shape.contains(points)])
+
+
+_ON = 1e-9
+_FINE = 4
+"""How often the triangles of a ball are divided: its surface is off by 0.2 % of the radius then."""
+
+
+def rounded(number: float) -> float:
+    """A number as MuJoCo keeps it in a mesh, which has seven digits; the same on all machines that agree so far."""
+    return float(f"{number:.7g}") + 0.0
+
+
+@dataclass(frozen=True)
+class Hull:
+    """The convex hull of its vertices."""
+
+    vertices: numpy.ndarray
+    faces: numpy.ndarray
+
+    def to_data(self) -> dict[str, Any]:
+        return {
+            "type": "mesh",
+            "vertices": [[rounded(each) for each in vertex] for vertex in self.vertices],
+            "faces": self.faces.tolist(),
+        }
+
+    @cached_property
+    def solid(self) -> Any:
+        import trimesh
+
+        return trimesh.Trimesh(self.vertices, self.faces, process=False)
+
+    @cached_property
+    def _planes(self) -> numpy.ndarray:
+        return numpy.column_stack(
+            (self.solid.face_normals, -(self.solid.face_normals * self.solid.triangles[:, 0]).sum(axis=1))
+        )
+
+    @property
+    def volume(self) -> float:
+        return abs(float(self.solid.volume))
+
+    def contains(self, points: numpy.ndarray) -> numpy.ndarray:
+        above = points @ self._planes[:, :3].T + self._planes[:, 3]
+        return numpy.asarray(above.max(axis=1, initial=-numpy.inf) <= _ON)
+
+    def distance(self, points: numpy.ndarray) -> numpy.ndarray:
+        """Of points that are outside."""
+        from trimesh.proximity import closest_point
+
+        return numpy.asarray(closest_point(self.solid, points)[1])
+
+
+@dataclass(frozen=True)
+class Primitive:
+    """A box, sphere, capsule or cylinder; `size` is that of MuJoCo's geom, `turn` a matrix."""
+
+    type: str
+    size: tuple[float, ...]
+    pos: numpy.ndarray
+    turn: numpy.ndarray
+
+    def to_data(self) -> dict[str, Any]:
+        from trimesh.transformations import quaternion_from_matrix
+
+        whole = numpy.eye(4)
+        whole[:3, :3] = self.turn
+        quat = quaternion_from_matrix(whole)
+        quat = -quat if quat[0] < 0 else quat
+        return {
+            "type": self.type,
+            "size": [rounded(each) for each in self.size],
+            "pos": [rounded(each) for each in self.pos],
+            "quat": [rounded(each) for each in quat],
+        }
+
+    @cached_property
+    def solid(self) -> Any:
+        import trimesh
+
+        if self.type == "box":
+            made = trimesh.creation.box(extents=[2 * each for each in self.size])
+        elif self.type == "sphere":
+            made = trimesh.creation.icosphere(subdivisions=_FINE, radius=self.size[0])
+        elif self.type == "capsule":
+            radius, half = self.size
+            made = trimesh.creation.capsule(height=2 * half, radius=radius, count=[64, 64])
+            made.apply_translation([0, 0, -made.bounds.mean(axis=0)[2]])
+        else:
+            made = trimesh.creation.cylinder(radius=self.size[0], height=2 * self.size[1], sections=64)
+        whole = numpy.eye(4)
+        whole[:3, :3], whole[:3, 3] = self.turn, self.pos
+        made.apply_transform(whole)
+        return made
+
+    @property
+    def volume(self) -> float:
+        first = self.size[0]
+        if self.type == "box":
+            return float(8 * numpy.prod(self.size))
+        ball, tube = 4 / 3 * numpy.pi * first**3, 2 * numpy.pi * first**2
+        if self.type == "sphere":
+            return float(ball)
+        return float(tube * self.size[1] + (ball if self.type == "capsule" else 0))
+
+    def contains(self, points: numpy.ndarray) -> numpy.ndarray:
+        return numpy.asarray(self.distance(points) <= _ON)
+
+    def distance(self, points: numpy.ndarray) -> numpy.ndarray:
+        """Zero inside."""
+        inner = (points - self.pos) @ self.turn
+        if self.type == "box":
+            beyond = numpy.abs(inner) - numpy.array(self.size)
+        elif self.type == "cylinder":
+            radial = numpy.linalg.norm(inner[:, :2], axis=1) - self.size[0]
+            beyond = numpy.column_stack((radial, numpy.abs(inner[:, 2]) - self.size[1]))
+        else:
+            half = self.size[1] if self.type == "capsule" else 0.0
+            along = numpy.clip(inner[:, 2], -half, half)
+            inner = inner - numpy.outer(along, [0, 0, 1])
+            beyond = (numpy.linalg.norm(inner, axis=1) - self.size[0])[:, None]
+        return numpy.asarray(numpy.linalg.norm(numpy.maximum(beyond, 0), axis=1))
+
+
+Shape = Hull | Primitive
+
+
+def hull_of(vertices: numpy.ndarray, most: int | None = None) -> Hull:
+    """The convex hull of points, with at most so many vertices."""
+    from scipy.spatial import ConvexHull
+
+    # Qhull starts with a tetrahedron and stops after so many more vertices; so MuJoCo has it for `maxhullvert`.
+    found = ConvexHull(vertices, qhull_options="Qt" if most is None else f"Qt TA{most - 4}")
+    kept = numpy.unique(found.simplices)
+    faces = numpy.searchsorted(kept, found.simplices)
+    corners = vertices[kept]
+    # Qhull turns its triangles either way.
+    normals = numpy.cross(
+        corners[faces[:, 1]] - corners[faces[:, 0]], corners[faces[:, 2]] - corners[faces[:, 0]]
+    )
+    wrong = (normals * found.equations[:, :3]).sum(axis=1) < 0
+    faces[wrong] = faces[wrong][:, ::-1]
+    return Hull(corners, faces)
+
+
+SIZE, SHAPE = "mesh-size", "mesh-shape"
+"""The codes of the warnings."""
+_LARGE, _SMALL = 20.0, 1e-3
+"""In metres: halls and screws. Beyond these a mesh is doubtful, but not in a model that is as large itself."""
+_TIMES = 50.0
+"""By the distance of neighbouring bodies."""
+_LEAST_REACH = 0.1
+_THIN = 1e-6
+"""Relative: MuJoCo keeps coordinates with seven digits, so that what is thinner than this is flat."""
+_MOST = 1e9
+_FACTORS = {"large": (0.001, "its file is in millimetres"), "small": (1000, "it is scaled twice")}
+"""What the scale of a mesh would be multiplied with, and why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """What a mesh measures: `size` is the diagonal of the box around it, in metres, as it stands in the model.
+
+    It is closed if every edge has two faces. `open_edges` of `edges` have not; None where nobody counted.
+    """
+
+    size: float
+    is_flat: bool = False
+    is_closed: bool = True
+    open_edges: int | None = None
+    edges: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Doubt:
+    """Why a mesh is hardly what was meant: `large`, `small`, `flat` or `open`, as the end of a sentence (`what`)."""
+
+    kind: str
+    what: str
+
+    @property
+    def code(self) -> str:
+        return SIZE if self.kind in _FACTORS else SHAPE
+
+    def advice(self, scale: Sequence[float], write: str, between: str = " ") -> str:
+        """Return the help for a wrong size; `write` is what sets the scale of the mesh, with `{}` for the numbers.
+
+        >>> Doubt("large", "").advice((1, 1, 2), 'scale="{}"')
+        'if its file is in millimetres, write `scale="0.001 0.001 0.002"`'
+        """
+        factor, why = _FACTORS[self.kind]
+        return f"if {why}, write `{write.format(between.join(f'{each * factor:g}' for each in scale))}`"
+
+
+def doubts(
+    mesh: Measured, reach: float, *, touches: bool = True, inside: str | None = None
+) -> Iterator[Doubt]:
+    """Yield what is doubtful of a mesh. `reach` is the greatest distance of neighbouring bodies, in metres.
+
+    What is only seen (`touches` is false) may be flat. `inside` says what needs an inside, as a clause; a mesh may be
+    open without it, for MuJoCo lets its convex hull collide.
+
+    >>> [each.what for each in doubts(Measured(300.0), 0.4)]
+    ['is 300 m from corner to corner, and neighbouring bodies are at most 0.4 m apart']
+    >>> [each.code for each in doubts(Measured(0.2, is_closed=False), 0.4, inside="its mass is computed from it")]
+    ['mesh-shape']
+    """
+    reach = max(reach, _LEAST_REACH)
+    if mesh.size > _LARGE and mesh.size > _TIMES * reach:
+        yield Doubt("large", _far(mesh, reach))
+    elif 0 < mesh.size < _SMALL and reach > _TIMES * mesh.size:
+        yield Doubt("small", _far(mesh, reach))
+    if touches and mesh.is_flat:
+        yield Doubt("flat", "is flat: it has no volume, so that nothing is inside it")
+    elif inside is not None and not mesh.is_closed:
+        counted = ""
+        if mesh.open_edges:
+            counted = f" ({mesh.open_edges} of {mesh.edges} edges have no second face)"
+        yield Doubt("open", f"is open{counted}, and {inside}")
+
+
+def _far(mesh: Measured, reach: float) -> str:
+    size = f"{mesh.size:.3g} m" if mesh.size >= 1 else f"{1000 * mesh.size:.3g} mm"
+    return f"is {size} from corner to corner, and neighbouring bodies are at most {reach:.2g} m apart"
+
+
+def measures(vertices: Any, faces: Any) -> dict[str, Any]:
+    """Return the extents in metres, the volume, whether it is flat, and how many edges have not exactly two faces."""
+    import numpy
+
+    extents = vertices.max(axis=0) - vertices.min(axis=0)
+    _, same = numpy.unique(vertices, axis=0, return_inverse=True)
+    corners = same.ravel()[faces]
+    corners = corners[
+        (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 0] != corners[:, 2])
+    ]
+    edges = numpy.sort(corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    _, counts = numpy.unique(edges, axis=0, return_counts=True)
+    return {
+        "extents": [min(float(each), _MOST) for each in extents],
+        "volume": min(_volume(vertices, faces), _MOST),
+        "flat": is_flat(vertices),
+        "open": int((counts % 2).sum()),
+        "edges": len(counts),
+    }
+
+
+def measured(facts: dict[str, Any], scale: Sequence[float]) -> Measured:
+    """Return what `measures` found, for a mesh with this scale."""
+    size = math.dist((0, 0, 0), [factor * each for factor, each in zip(scale, facts["extents"], strict=True)])
+    return Measured(size, facts["flat"], not facts["open"], open_edges=facts["open"], edges=facts["edges"])
+
+
+def is_flat(vertices: Any) -> bool:
+    """Whether vertices, shape (n, 3), are a point, a line or in a plane, however that is turned."""
+    import numpy
+
+    centred = vertices - vertices.mean(axis=0)
+    _, lengths, axes = numpy.linalg.svd(centred, full_matrices=False)
+    thick = numpy.ptp(centred @ axes.T, axis=0)
+    return len(lengths) < 3 or bool(thick.min() <= _THIN * thick.max())
+
+
+def _volume(vertices: Any, faces: Any) -> float:
+    import numpy
+
+    a, b, c = (vertices[faces[:, corner]] - vertices.mean(axis=0) for corner in range(3))
+    return float(abs((a * numpy.cross(b, c)).sum()) / 6)

@@ -1,0 +1,432 @@
+"""Numbers and settings in which compiled models differ, and whose they are.
+
+Compare the settings that a composition has once for all its parts: `option` and `visual`.
+
+A part is not changed if these differ, but its author wrote them for a reason. Statistics are separate: the compiled
+model does not distinguish a written `extent` from a computed one.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import operator
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjcompose.mujoco.addresses import RUNS
+from mjcompose.mujoco.attributes import KINDS, TAGS, Model, NameTable, array_of, attributes
+from mjcompose.mujoco.match import Difference, Value
+from mjcompose.mujoco.references import Array, unequal
+
+_VISUAL = ("global_", "quality", "headlight", "map", "scale", "rgba")
+
+
+def option_differences(alone: Model, composed: Model) -> list[Difference]:
+    """Return the settings of `opt` and `vis` in which a composition differs from a part alone, bit for bit."""
+    found = _differing("option", alone.opt, composed.opt)
+    for group in _VISUAL:
+        found += _differing(
+            f"visual/{group.rstrip('_')}", getattr(alone.vis, group), getattr(composed.vis, group)
+        )
+    return found
+
+
+def statistic_differences(alone: Model, composed: Model) -> list[Difference]:
+    """Return the numbers of `stat` that differ, written or computed."""
+    return _differing("statistic", alone.stat, composed.stat)
+
+
+def _differing(kind: str, mine: object, theirs: object) -> list[Difference]:
+    return [
+        Difference(kind, name, "value", expected=_value(a), actual=_value(b))
+        for name, a in _settings(mine)
+        if unequal(a, b := np.asarray(getattr(theirs, name, np.nan))).any()
+    ]
+
+
+def _settings(group: object) -> Iterator[tuple[str, np.ndarray]]:
+    for name in dir(group):
+        value = None if name.startswith("_") else getattr(group, name)
+        if isinstance(value, (int, float, np.ndarray)):
+            yield name, np.asarray(value)
+
+
+def _value(array: np.ndarray) -> Value:
+    return tuple(_value(item) for item in array) if array.ndim else array.item()
+
+
+_PARTS = ("opt", "vis", "stat")
+_OF_THE_PLACE = frozenset(
+    {"paths", "npaths", "nbuffer", "mesh_pathadr", "hfield_pathadr", "skin_pathadr", "tex_pathadr"}
+)
+"""File paths at compilation, and the memory for them, which are not part of the model itself."""
+
+
+def unequal_arrays(a: Model, b: Model) -> list[str]:
+    """Return the attributes of `mjModel` that differ, including `opt.timestep` and the like; NaN equals NaN.
+
+    Both models must come from the same MuJoCo: an attribute that only the first one has counts as different.
+    """
+    found = [
+        name
+        for name, value in _plain(a)
+        if name not in _OF_THE_PLACE and _differ(value, getattr(b, name, None))
+    ]
+    for part in _PARTS:
+        mine, theirs = getattr(a, part), getattr(b, part)
+        for name, value in _plain(mine):
+            other = getattr(theirs, name, None)
+            if _is_plain(value):
+                found += [f"{part}.{name}"] if _differ(value, other) else []
+            else:  # a group of `vis`
+                found += [f"{part}.{name}.{each}" for each, inner in _plain(value)
+                          if _is_plain(inner) and _differ(inner, getattr(other, each, None))]  # fmt: skip
+    return found
+
+
+def _plain(holder: object) -> Iterator[tuple[str, object]]:
+    for name in dir(holder):
+        if not name.startswith("_"):
+            value = getattr(holder, name)
+            if not callable(value):
+                yield name, value
+
+
+def _is_plain(value: object) -> bool:
+    return isinstance(value, (int, float, str, bytes)) or hasattr(value, "dtype")
+
+
+def _differ(a: object, b: object) -> bool:
+    if not _is_plain(a):
+        return False
+    if hasattr(a, "dtype") and hasattr(b, "dtype"):
+        mine, theirs = cast("Array", a), cast("Array", b)
+        return mine.shape != theirs.shape or bool(unequal(mine, theirs).any())
+    return bool(a != b)
+
+
+_ATTRIBUTES = {array_of(tag, attribute): attribute for tag in TAGS for attribute in attributes(tag)}
+_OWNERS = {"opt": "option", "stat": "statistic"}
+_KIND_OF = {kind.arrays: word for word, kind in KINDS.items()} | {
+    "dof": "joint", "qpos0": "joint", "qpos": "joint", "wrap": "tendon",
+}  # fmt: skip
+
+
+Rows = dict[int, tuple[int, int, int]]
+"""By row of an array: its element, its place among that element's rows, and how many these are."""
+
+
+class Whose(NamedTuple):
+    """An element by kind and name, `arm/elbow`, and its attribute or a number of it, `friction[0]`.
+
+    If MJCF has no attribute for it, the array's name is used: `invweight0[1]`. Options are a kind without names.
+    """
+
+    kind: str
+    element: str
+    attribute: str
+
+
+def whose(model: Model, array: str, index: Iterable[int]) -> list[Whose]:
+    """Return the owner of each number of an array, by its flat index."""
+    owner, _, field = array.rpartition(".")
+    shape = np.shape(value_of(model, array))
+    width = int(np.prod(shape[1:], dtype=int))
+    if owner:
+        single = int(np.prod(shape, dtype=int)) == 1
+        return [Whose(_OWNERS[owner], "", field if single else f"{field}[{each}]") for each in index]
+    kind, rows = owners(model, array)
+    named = _ATTRIBUTES.get(array, array.partition("_")[2] or array)
+    table = NameTable(model) if rows else None
+    found = []
+    for each in map(int, index):
+        row, column = divmod(each, width)
+        if table is None or row not in rows:
+            found.append(Whose(kind, "", f"{named}[{each}]"))
+            continue
+        element, place, count = rows[row]
+        number = place * width + column
+        name = table.describe(kind, element)
+        found.append(Whose(kind, name, named if width * count == 1 else f"{named}[{number}]"))
+    return found
+
+
+def owners(model: Model, array: str) -> tuple[str, Rows]:
+    """Return the kind of element that an array is about, and the owner of each row; none if that is unknown."""
+    kind = _KIND_OF.get(array.split("_", 1)[0], "")
+    return kind, rows_of_size(model, kind, len(value_of(model, array))) if kind else {}
+
+
+def rows_of_size(model: Model, kind: str, rows: int) -> Rows:
+    """Return the owner of each row, for an array with this many rows about elements of a kind."""
+    count = len(getattr(model, KINDS[kind].addresses))
+    if rows == count:
+        return {row: (row, 0, 1) for row in range(rows)}
+    return {row: where for size, row, where in _runs(model, kind, count) if getattr(model, size) == rows}
+
+
+def _runs(model: Model, kind: str, count: int) -> Iterator[tuple[str, int, tuple[int, int, int]]]:
+    for size, run in RUNS.get(kind, {}).items():
+        if not hasattr(model, size) or not hasattr(model, run.first):
+            continue
+        for element in range(count):
+            rows = run.rows(model, element)
+            for place, row in enumerate(rows):
+                yield size, row, (element, place, len(rows))
+
+
+Numbers = NDArray[Any]
+MEAN_INERTIA, MEAN_MASS = MEANS = "stat.meaninertia", "stat.meanmass"
+"""The number that scales the tolerances of solvers, and the one that scales what viewers show of forces."""
+_LARGE = 1 << 16
+"""Larger arrays are assets, such as the vertices of meshes. For draws from one model they are only compared in the
+first worlds.
+"""
+_FIRST = 4
+_WORD = 8
+_BLOCK = 2048
+_PADDED = 64
+"""MuJoCo allocates memory in multiples of this number of bytes."""
+
+
+class Differences:
+    """The differences from the nominal model in this many worlds: by array, the numbers that differ in any of them."""
+
+    def __init__(self, model: Model, worlds: int) -> None:
+        self.worlds = worlds
+        self.nominal = {name: flat(model, name).copy() for name in arrays(model)}
+        self.index: dict[str, Numbers] = {}
+        self.values: dict[str, Numbers] = {}
+
+    def take(self, world: int, model: Model, count: int = 1) -> None:
+        """Record a model with arrays of the same sizes for `count` worlds from this one."""
+        for name, nominal in self.nominal.items():
+            now = flat(model, name)
+            other = _different(now, nominal)
+            if not other.any():
+                continue
+            self._grow(name, np.flatnonzero(other))
+            self.values[name][:, world : world + count] = now[self.index[name], None]
+
+    def take_numbers(self, world: int, name: str, index: Numbers, values: Numbers) -> None:
+        """Record some numbers of an array from this world on, `(worlds, numbers)`."""
+        self._grow(name, index)
+        order = np.argsort(self.index[name])
+        places = order[np.searchsorted(self.index[name], index, sorter=order)]
+        self.values[name][places, world : world + len(values)] = values.T
+
+    def _grow(self, name: str, other: Numbers) -> None:
+        """Add numbers that differ for the first time: in earlier worlds they are nominal."""
+        index = self.index.get(name, np.empty(0, np.int64))
+        new = np.setdiff1d(other, index)
+        if new.size or name not in self.values:
+            rows = np.repeat(self.nominal[name][new][:, None], self.worlds, axis=1)
+            self.index[name] = np.concatenate((index, new))
+            self.values[name] = np.concatenate((self.values[name], rows)) if name in self.values else rows
+
+    def extend(self, worlds: int) -> None:
+        """Make room for this many worlds, which are nominal until something else is recorded."""
+        more = max(0, worlds - self.worlds)
+        self.worlds += more
+        for name, values in self.values.items():
+            rows = np.repeat(self.nominal[name][self.index[name]][:, None], more, axis=1)
+            self.values[name] = np.concatenate((values, rows), axis=1)
+
+    def found(self) -> Iterator[tuple[str, Numbers, Numbers]]:
+        """Yield for each differing array the flat indices, `(numbers,)`, and the numbers, `(worlds, numbers)`."""
+        for name in sorted(self.values):
+            order = np.argsort(self.index[name])
+            yield name, self.index[name][order], np.ascontiguousarray(self.values[name][order].T)
+
+
+class Recorder:
+    """Records one model's state world by world, and makes it the nominal one again after each.
+
+    MuJoCo keeps all arrays of a model in one buffer, from which they are compared in one step. The options and
+    numbers of `stat` are elsewhere.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self.worlds = 0
+        self._model = model
+        places = {name: _span(model, name) for name in arrays(model) if "." not in name}
+        used = {name: span for name, span in places.items() if span[0] < span[1]}
+        start = min(first for first, _ in used.values())
+        size = -(-(max(end for _, end in used.values()) - start) // _WORD) * _WORD
+        if size >= model.nbuffer + _PADDED or any((first - start) % _WORD for first, _ in used.values()):
+            raise RuntimeError("this version of MuJoCo arranges the arrays of a model in another way")
+        self._spans = {name: (first - start, end - start) for name, (first, end) in used.items()}
+        self._bytes = np.ctypeslib.as_array((ctypes.c_uint8 * size).from_address(start))
+        self._now = self.view(np.dtype(np.uint64))
+        self._nominal = self._now.copy()
+        self._ranges = [(0, len(self._now))]
+        self._words = np.empty(0, np.int64)
+        self._blocks: list[Numbers] = []
+        self._means: list[tuple[float, ...]] = []
+        self._nominal_means = _means(model)
+        names = [name for name in arrays(model) if name.startswith("opt.")]
+        views = {name: value for name in names if isinstance(value := value_of(model, name), np.ndarray)}
+        self._options = list(views.values())
+        self._numbers = operator.attrgetter(*(name[4:] for name in names if name not in views))
+        self._nominal_options = self._options_now()
+
+    def view(self, dtype: np.dtype[Any]) -> Numbers:
+        """Return the memory of all arrays as numbers of one type."""
+        return self._bytes.view(dtype)
+
+    def first_of(self, name: str) -> int:
+        """Return the index of an array's first number in the view of its type."""
+        first: int = self._spans[name][0] // getattr(self._model, name).itemsize
+        return first
+
+    def take(self) -> None:
+        """Record the model's state as that of the next world, and restore the nominal model."""
+        row = self.worlds % _BLOCK
+        if row == 0:
+            self._blocks.append(np.empty((_BLOCK, len(self._words)), np.uint64))
+        if self.worlds == _FIRST:
+            self._leave_out_assets()
+        now, block = self._now, self._blocks[-1]
+        block[row] = now[self._words]
+        now[self._words] = self._nominal[self._words]
+        new = [
+            first + np.flatnonzero(now[first:end] != self._nominal[first:end])
+            for first, end in self._ranges
+            if not (now[first:end] == self._nominal[first:end]).all()
+        ]
+        if new:
+            words = np.concatenate(new)
+            more = np.repeat(self._nominal[words][None, :], _BLOCK, axis=0)
+            more[row] = now[words]
+            self._blocks[-1] = np.concatenate((block, more), axis=1)
+            self._words = np.concatenate((self._words, words))
+            now[words] = self._nominal[words]
+        if self._options_now() != self._nominal_options:
+            raise RuntimeError("a draw changes an option of the model")
+        self._means.append(_means(self._model))
+        self._model.stat.meaninertia, self._model.stat.meanmass = self._nominal_means
+        self.worlds += 1
+
+    def found(self) -> Iterator[tuple[str, Numbers, Numbers]]:
+        """Yield for each differing array the flat indices, `(numbers,)`, and the numbers, `(worlds, numbers)`."""
+        order = np.argsort(self._words)
+        words = self._words[order]
+        for name in sorted((*self._spans, *MEANS)):
+            if name in MEANS:
+                at = MEANS.index(name)
+                means = np.array([each[at] for each in self._means])[:, None]
+                if _different(means, np.array([self._nominal_means[at]])).any():
+                    yield name, np.zeros(1, np.int64), means
+                continue
+            first, end = self._spans[name]
+            ours = slice(*np.searchsorted(words, (first // _WORD, -(-end // _WORD))))
+            if ours.start == ours.stop:
+                continue
+            nominal = flat(self._model, name)
+            each = _WORD // nominal.itemsize
+            index = ((words[ours] * _WORD - first) // nominal.itemsize)[:, None] + np.arange(each)
+            index = index.reshape(-1)
+            rows = np.empty((self.worlds, len(index)), nominal.dtype)
+            for number, block in enumerate(self._blocks):
+                part = rows[number * _BLOCK : (number + 1) * _BLOCK]
+                part[:] = self._columns(block, order[ours], words[ours])[: len(part)].view(nominal.dtype)
+            inside = index < nominal.size
+            inside[inside] = _different(rows[:, inside], nominal[index[inside]]).any(axis=0)
+            if inside.any():
+                yield name, index[inside], np.ascontiguousarray(rows[:, inside])
+
+    def _columns(self, block: Numbers, places: Numbers, words: Numbers) -> Numbers:
+        """Return columns of a block; words that were not known when it ended are nominal."""
+        known = places < block.shape[1]
+        rows = np.repeat(self._nominal[words][None, :], len(block), axis=0)
+        rows[:, known] = block[:, places[known]]
+        return rows
+
+    def _leave_out_assets(self) -> None:
+        """Compare no more large arrays in which nothing has differed."""
+        self._ranges, at = [], 0
+        for name, (first, end) in sorted(self._spans.items(), key=lambda each: each[1]):
+            is_known = ((self._words * _WORD < end) & (self._words * _WORD + _WORD > first)).any()
+            if getattr(self._model, name).size > _LARGE and not is_known:
+                self._ranges.append((at, first // _WORD))
+                at = -(-end // _WORD)
+        self._ranges.append((at, len(self._now)))
+
+    def _options_now(self) -> tuple[object, ...]:
+        return self._numbers(self._model.opt), *(each.tobytes() for each in self._options)
+
+
+def _means(model: Model) -> tuple[float, float]:
+    return model.stat.meaninertia, model.stat.meanmass
+
+
+def _different(now: Numbers, nominal: Numbers) -> Numbers:
+    """Return which numbers differ; NaN is equal to NaN."""
+    other: Numbers = now != nominal
+    if nominal.dtype.kind == "f":
+        other &= ~(np.isnan(now) & np.isnan(nominal))
+    return other
+
+
+def _span(model: Model, name: str) -> tuple[int, int]:
+    """Return the first address of an array, and the one after its last."""
+    array = getattr(model, name)
+    first = array.__array_interface__["data"][0]
+    return first, first + array.nbytes
+
+
+def arrays(model: Model) -> Iterator[str]:
+    """Yield all arrays of a model, its options, and those numbers of `stat` that follow from masses."""
+    for name in dir(model):
+        if not name.startswith("_") and isinstance(getattr(model, name), np.ndarray):
+            yield name
+    for name in dir(model.opt):
+        if not name.startswith("_") and isinstance(getattr(model.opt, name), np.ndarray | float | int):
+            yield f"opt.{name}"
+    yield from MEANS
+
+
+def value_of(model: Model, name: str) -> Any:
+    """Return an array of a model, or an array or number of its `opt.` or `stat.`. Raises AttributeError."""
+    owner, _, field = name.rpartition(".")
+    return getattr(getattr(model, owner) if owner else model, field)
+
+
+def flat(model: Model, name: str) -> Numbers:
+    """Return a flattened array: a view of the model's memory, or a copy of a single number."""
+    value = value_of(model, name)
+    numbers: Numbers = value.reshape(-1) if isinstance(value, np.ndarray) else np.array([value])
+    return numbers
+
+
+def put(model: Model, name: str, numbers: Numbers) -> None:
+    """Write a whole array."""
+    value = value_of(model, name)
+    if isinstance(value, np.ndarray):
+        value.reshape(-1)[:] = numbers
+    else:
+        owner, _, field = name.rpartition(".")
+        setattr(getattr(model, owner), field, numbers[0].item())
+
+
+def stored(model: Model, found: Iterable[tuple[str, Numbers, Numbers]]) -> dict[str, Numbers]:
+    """Return the entries of an `.npz` file by key.
+
+    For every array NAME there are `NAME/index`, the numbers' places in the flattened array, `(numbers,)`;
+    `NAME/values`, `(worlds, numbers)`; and for readers `NAME/kind`, `NAME/element` and `NAME/attribute`,
+    `(numbers,)`, with the owner of each number.
+    """
+    arrays: dict[str, Numbers] = {}
+    for name, index, values in found:
+        owners = whose(model, name, index)
+        arrays |= {
+            f"{name}/index": index,
+            f"{name}/kind": np.array(owners[0].kind if owners else ""),
+            f"{name}/element": np.array([each.element for each in owners], str),
+            f"{name}/attribute": np.array([each.attribute for each in owners], str),
+            f"{name}/values": values,
+        }
+    return arrays

@@ -1,0 +1,374 @@
+"""Single files of the store, leases on its entries, and hashes.
+
+Track which entries of a store are in use: a process that reads entries holds a lease on them until it ends.
+
+A lease is a file in `leases/` that its process keeps locked and that lists the keys. The system unlocks it when the
+process ends for any reason. Looking up or removing an entry happens inside the gate, so that no entry is removed
+between the look-up and the lease.
+
+Single-file entries of the store, such as compressed assets: written in one step, verified when read.
+
+    asked/, built/, raw/, packed/     what the build cache keeps (`composer/mjcompose/build/cache/cache.py`)
+    shapes/                           what was made of meshes (`composer/mjcompose/build/compose/shape_store.py`)
+    writing/                          files being written; they move to their place in one step
+
+No lock is needed: all writers of a key write the same content, or content that is as good.
+
+The MuJoCos of other versions in the store: each in an environment of its own, in `mujoco/VERSION`.
+
+One is complete if it has the file `.ready`, with its size. An environment cannot be moved, so that it is made in its
+place, under a lock; what a killed process left of one is made anew, or pruned.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import hashlib
+import json
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.files import Memory, open_regular, read_regular, unsaved_text
+
+if TYPE_CHECKING:
+    from io import FileIO
+    from os import PathLike
+
+
+def sha256_of(path: Path) -> str:
+    """Return the sha256 of a file. Raises OSError."""
+    if (kept := unsaved_text(path)) is not None:
+        return hashlib.sha256(kept).hexdigest()
+    with open_regular(path) as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+_remembered = Memory(lambda path: sha256_of(Path(path)), lambda path: sha256_of(Path(path)))
+
+
+def remembered_sha256(path: Path) -> str:
+    """Return the sha256 of a file that many models of a run use; it is read again only if it has changed."""
+    return sha256_of(path) if unsaved_text(path) is not None else _remembered.ask(os.fspath(path))
+
+
+def files_below(folder: Path) -> Iterator[tuple[str, Path]]:
+    """Yield every file below a folder with its relative path.
+
+    Paths have forward slashes and come in no order; links are not followed.
+    """
+    for where, _, names in os.walk(folder):
+        for name in names:
+            path = Path(where, name)
+            yield path.relative_to(folder).as_posix(), path
+
+
+def differences(before: Mapping[str, str], after: Mapping[str, str]) -> tuple[str, ...]:
+    """Return one line for each file that changed, sorted by name; empty if none has. No I/O.
+
+    >>> differences({"a": "0" * 64, "b": "1" * 64}, {"a": "2" * 64, "c": "3" * 64})
+    ('`a` changed: 000000000000… was locked, 222222222222… is there', '`b` is gone', '`c` is new')
+    """
+    return tuple(
+        f"`{name}` is gone" if name not in after
+        else f"`{name}` is new" if name not in before
+        else f"`{name}` changed: {before[name][:12]}… was locked, {after[name][:12]}… is there"
+        for name in sorted({*before, *after})
+        if before.get(name) != after.get(name)
+    )  # fmt: skip
+
+
+LEASES = "leases"
+_GATE = "gate"
+_OWN: dict[tuple[str, int], tuple[Path, int, set[str]]] = {}
+"""The leases of this process, by store and process id: those of a forked process belong to its parent."""
+
+
+@contextlib.contextmanager
+def gate(store: Path) -> Iterator[None]:
+    """Keep other processes from looking up or removing entries. Raises OSError."""
+    folder = store / LEASES
+    folder.mkdir(parents=True, exist_ok=True)
+    file = os.open(folder / _GATE, os.O_RDWR | os.O_CREAT | getattr(os, "O_CLOEXEC", 0), 0o600)
+    try:
+        lock_file(file)
+        yield
+    finally:
+        os.close(file)
+
+
+def hold(store: Path, key: str) -> None:
+    """Keep an entry from being pruned while this process lives. Call it inside the gate. Raises OSError."""
+    own = (os.fspath(store), os.getpid())
+    if own not in _OWN:
+        held(store)  # also removes leases of killed processes
+        path = store / LEASES / f"{os.getpid()}.{os.urandom(6).hex()}"
+        file = os.open(
+            path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_APPEND | getattr(os, "O_CLOEXEC", 0), 0o600
+        )
+        lock_file(file)
+        _OWN[own] = path, file, set()
+    _, file, keys = _OWN[own]
+    if key not in keys:
+        os.write(file, f"{key}\n".encode())
+        keys.add(key)
+
+
+def let_go() -> None:
+    """Release all leases of this process, for a program that goes on after a build."""
+    for (_, process), (path, file, _) in _OWN.items():
+        os.close(file)
+        if process == os.getpid():
+            with contextlib.suppress(OSError):
+                path.unlink()
+    _OWN.clear()
+
+
+atexit.register(let_go)
+
+
+def held(store: Path) -> set[str]:
+    """Return the keys of all entries in use, and remove the leases of ended processes. Call it inside the gate."""
+    found: set[str] = set()
+    with contextlib.suppress(OSError):
+        for path in (store / LEASES).iterdir():
+            if path.name == _GATE:
+                continue
+            with contextlib.suppress(OSError):
+                if _is_over(path):
+                    path.unlink()
+                else:
+                    found.update(read_regular(path, is_source=False).decode("ascii").split())
+    return found
+
+
+def _is_over(path: Path) -> bool:
+    file = os.open(path, os.O_RDWR)
+    try:
+        return lock_file(file, wait=False)
+    finally:
+        os.close(file)
+
+
+if sys.platform == "win32":
+    import msvcrt
+
+    _FAR = 1 << 30
+    """The locked byte. On Windows nobody else can read a locked byte."""
+
+    def lock_file(file: int, wait: bool = True) -> bool:
+        while True:
+            os.lseek(file, _FAR, os.SEEK_SET)
+            try:
+                msvcrt.locking(file, msvcrt.LK_LOCK if wait else msvcrt.LK_NBLCK, 1)
+                return True
+            except OSError:
+                if not wait:
+                    return False
+else:
+    import fcntl
+
+    def lock_file(file: int, wait: bool = True) -> bool:
+        """Lock until the file is closed; whether that was possible."""
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+        except BlockingIOError:
+            return False
+        return True
+
+
+KINDS = ("asked", "built", "raw", "packed", "shapes")
+WRITING = "writing"
+_DIGEST = 32
+
+
+def key_of(data: object) -> str:
+    """Return a key for JSON data. No I/O."""
+    return hashlib.sha256(json.dumps(data, ensure_ascii=True).encode()).hexdigest()
+
+
+def digest(content: bytes) -> str:
+    """The sha256 of bytes. No I/O."""
+    return hashlib.sha256(content).hexdigest()
+
+
+def get(store: str | PathLike[str], kind: str, key: str) -> bytes | None:
+    """Return an entry and mark it as used now, or None if it does not exist.
+
+    A damaged entry is removed and gives None.
+    """
+    path = os.path.join(store, kind, key)
+    try:
+        content = read(path)
+    except OSError:
+        return None
+    with contextlib.suppress(OSError):  # the store of another user may be read-only
+        if content is None:
+            os.unlink(path)
+        else:
+            os.utime(path)
+    return content
+
+
+def put(store: str | PathLike[str], kind: str, key: str, content: bytes) -> None:
+    """Write an entry completely or not at all. Raises OSError."""
+    write_whole(store, os.path.join(store, kind, key), hashlib.sha256(content).digest(), content)
+
+
+def write_whole(store: str | PathLike[str], path: str | PathLike[str], *pieces: bytes) -> None:
+    """Write a file of the store completely or not at all. Raises OSError.
+
+    It is locked while it is written: an unlocked one was left behind by a killed process.
+    """
+    stage = os.path.join(store, WRITING, f"{os.path.basename(path)}.{os.urandom(6).hex()}")
+    try:
+        for file in (stage, path):
+            os.makedirs(os.path.dirname(file), exist_ok=True)
+        with open(stage, "xb", buffering=0) as stream:
+            with contextlib.suppress(
+                OSError
+            ):  # on a file system without locks, leftovers are removed after a time
+                lock_file(stream.fileno(), wait=False)
+            for piece in pieces:
+                _write_all(stream, piece)
+            if os.name == "posix":  # other systems cannot rename an open file
+                os.replace(stage, path)
+        if os.name != "posix":
+            os.replace(stage, path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            os.unlink(stage)
+        raise
+
+
+def is_left(stage: str | PathLike[str]) -> bool:
+    """Return whether a staged file was left by a killed process. An empty one may not be locked yet."""
+    try:
+        file = os.open(stage, os.O_RDWR)
+    except OSError:
+        return False
+    try:
+        return os.fstat(file).st_size > 0 and lock_file(file, wait=False)
+    except OSError:
+        return False
+    finally:
+        os.close(file)
+
+
+def _write_all(stream: FileIO, piece: bytes) -> None:
+    rest = memoryview(piece)
+    while rest:
+        rest = rest[stream.write(rest) :]
+
+
+def has(store: str | PathLike[str], kind: str, key: str) -> bool:
+    """Return whether an entry exists, damaged or not."""
+    return os.path.isfile(os.path.join(store, kind, key))
+
+
+def read(path: str | PathLike[str]) -> bytes | None:
+    """Return the content of an entry's file without its hash, or None if they do not match. Raises OSError."""
+    with open_regular(path, is_source=False) as stream:
+        digest, content = stream.read(_DIGEST), stream.read()
+    return content if hashlib.sha256(content).digest() == digest else None
+
+
+@dataclass(frozen=True, slots=True)
+class Blob:
+    """An entry of one file; `used` is when it was last read or written, in seconds."""
+
+    kind: str
+    key: str
+    path: Path
+    size: int
+    used: float
+
+    @property
+    def is_damaged(self) -> bool:
+        """Whether its content no longer matches its hash."""
+        try:
+            return read(self.path) is None
+        except OSError:
+            return True
+
+
+def blobs_in(store: Path) -> Iterator[Blob]:
+    """Yield all entries, in no particular order."""
+    for kind in KINDS:
+        with contextlib.suppress(OSError), os.scandir(store / kind) as entries:
+            for entry in entries:
+                status = entry.stat()
+                yield Blob(kind, entry.name, Path(entry.path), size=status.st_size, used=status.st_mtime)
+
+
+FOLDER = "mujoco"
+READY = ".ready"
+
+
+@dataclass(frozen=True, slots=True)
+class KeptMujoco:
+    """A MuJoCo in the store. `size` is in bytes, `used` when it was last started, in seconds."""
+
+    version: str
+    folder: Path
+    size: int
+    used: float
+
+    @property
+    def key(self) -> str:
+        """The name of its lock and of its lease."""
+        return mujoco_key(self.version)
+
+
+def mujoco_key(version: str) -> str:
+    """Return the name of the lock and of the lease of a version.
+
+    >>> mujoco_key("3.12.0")
+    'mujoco-3-12-0'
+    """
+    return f"{FOLDER}-{version.replace('.', '-')}"
+
+
+def is_complete(folder: Path) -> bool:
+    """Return whether the environment in a folder was made to its end."""
+    return os.path.isfile(folder / READY)
+
+
+def complete(folder: Path) -> None:
+    """Mark an environment as complete. Raises OSError."""
+    (folder / READY).write_text(str(_measured(folder)), encoding="ascii")
+
+
+def mujocos_in(store: Path) -> Iterator[KeptMujoco]:
+    """Yield those that are complete, in no particular order."""
+    for folder in _folders(store):
+        with contextlib.suppress(OSError):
+            used = (folder / READY).stat().st_mtime
+            written = read_regular(folder / READY, is_source=False).decode("ascii", "replace").strip()
+            yield KeptMujoco(
+                folder.name, folder, int(written) if written.isdecimal() else _measured(folder), used=used
+            )
+
+
+def incomplete_in(store: Path) -> list[Path]:
+    """Return those that are being made, or were when their process was killed."""
+    return [folder for folder in _folders(store) if not is_complete(folder)]
+
+
+def _folders(store: Path) -> list[Path]:
+    with contextlib.suppress(OSError):
+        return sorted((store / FOLDER).iterdir())
+    return []
+
+
+def _measured(folder: Path) -> int:
+    """Return the size of the files of an environment, without what it links to."""
+    size = 0
+    for _, path in files_below(folder):
+        with contextlib.suppress(OSError):
+            size += os.lstat(path).st_size
+    return size

@@ -1,0 +1,340 @@
+"""Download one file over HTTP, with redirects, proxies, timeouts, retries and resumption."""
+
+from __future__ import annotations
+
+import json
+import re
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import hide
+from mjcompose.base.files import read_regular
+from mjcompose.base.limits import advice, in_force, written
+from mjcompose.sources.fetching import Silence, patience, waiting
+from mjcompose.sources.reference import SourceError, is_this_machine, take_apart
+from mjcompose.sources.trust import is_private
+
+if TYPE_CHECKING:
+    from urllib3 import BaseHTTPResponse, PoolManager
+
+_TRIES = 5
+_PAUSE = 0.25
+_PATIENCE = 60.0
+"""The longest wait in seconds that a server may ask for; a longer one is reported at once."""
+_HOPS = 10
+_CHUNK = 256 * 1024
+_LEAST = 1024
+"""A server that sends fewer bytes than this within the timeout counts as silent."""
+_BUSY = (429, 500, 502, 503, 504)
+
+
+@dataclass(frozen=True, slots=True)
+class Version:
+    """A server's version of a file; either field may be empty."""
+
+    etag: str = ""
+    modified: str = ""
+
+    @property
+    def token(self) -> str:
+        """The value for `If-Range`: a weak etag does not promise the same bytes."""
+        return self.etag if self.etag and not self.etag.startswith("W/") else self.modified
+
+
+class _Broken(Exception):
+    """The transfer broke off. The next try starts after `pause` seconds and resumes."""
+
+    def __init__(self, message: str, pause: float = 0.0) -> None:
+        super().__init__(message)
+        self.pause = pause
+
+
+def download(
+    url: str,
+    partial: Path,
+    *,
+    environment: Mapping[str, str],
+    progress: Callable[[str], None],
+    known: Version,
+    is_confined: bool = False,
+) -> Version | None:
+    """Download the file to `partial`, resuming an earlier download. Raises SourceError and OSError.
+
+    Return None, without writing a file, if the server still has the version `known`. After a SourceError the
+    partial file stays for the next run. `is_confined` refuses redirects into this machine's network.
+    """
+    silence = Silence(patience(environment))
+    return _Download(url, partial, environment, progress, known, silence, is_confined).run()
+
+
+@dataclass(frozen=True, slots=True)
+class _Download:
+    url: str
+    partial: Path
+    environment: Mapping[str, str]
+    progress: Callable[[str], None]
+    known: Version
+    silence: Silence
+    is_confined: bool = False
+
+    def run(self) -> Version | None:
+        from urllib3.exceptions import (
+            HTTPError,
+            LocationValueError,
+            NameResolutionError,
+            NewConnectionError,
+            TimeoutError,
+        )  # fmt: skip
+
+        last, pause = "", 0.0
+        attempt = 0
+        while attempt < _TRIES and not self.silence.is_nearly_over:
+            if attempt:
+                own = _PAUSE * 2**attempt
+                self.progress(f"{last}; trying again" + (f" in {pause:.0f} s" if pause > 5 else ""))
+                time.sleep(max(pause, own))
+                if pause > own:
+                    self.silence.broken()  # the server asked for the pause
+            attempt += 1
+            try:
+                return self._once()
+            except _Broken as broken:
+                last, pause = str(broken), broken.pause
+            except LocationValueError as error:
+                raise SourceError(
+                    "source-fetch", f"`{self.url}` cannot be fetched: {_in_short(error)}"
+                ) from None
+            except HTTPError as error:
+                last, pause = _in_short(error), 0.0
+                # urllib3 also reports a refused connection as a timeout.
+                if isinstance(error, TimeoutError) and not isinstance(error, NewConnectionError):
+                    last = f"the server said nothing for {patience(self.environment):g} s"
+                if isinstance(getattr(error, "original_error", error), NameResolutionError):
+                    raise self._no_name(last) from None
+                if "CERTIFICATE_VERIFY_FAILED" in last:
+                    raise self._untrusted(last) from None
+        raise SourceError(
+            "source-fetch",
+            f"`{self.url}` cannot be fetched",
+            notes=(f"after {attempt} {'tries' if attempt > 1 else 'try'}: {last}",),
+            help="try again later, which goes on from where it broke off; a slow server gets more time with"
+            " `MJCOMPOSE_TIMEOUT=120`; with `--offline` what is in the store is used",
+        )
+
+    def _no_name(self, said: str) -> SourceError:
+        """Return the error for an unknown network or server: another try a second later would fail too."""
+        return SourceError(
+            "source-fetch",
+            f"`{self.url}` cannot be fetched: the name of its server cannot be resolved",
+            notes=(said,),
+            help="check the network and the address; with `--offline` what is in the store is used",
+        )
+
+    def _untrusted(self, said: str) -> SourceError:
+        return SourceError(
+            "source-fetch",
+            f"`{self.url}` cannot be fetched: its server has no certificate that this machine trusts",
+            notes=(said,),
+            help="name a file with the certificate of its authority in `SSL_CERT_FILE`",
+        )
+
+    def _pool(self, url: str) -> PoolManager:
+        import urllib3
+
+        parts = urlsplit(url)
+        seconds = self.silence.left  # for all tries together
+        timeout = urllib3.Timeout(connect=seconds, read=seconds)
+        named = (f"{parts.scheme}_proxy", f"{parts.scheme.upper()}_PROXY", "all_proxy", "ALL_PROXY")
+        proxy = next((value for name in named if (value := self.environment.get(name))), None)
+        spared = self.environment.get("no_proxy") or self.environment.get("NO_PROXY") or ""
+        if proxy and not _is_spared(parts.netloc, spared):
+            try:
+                return urllib3.ProxyManager(proxy if "://" in proxy else f"http://{proxy}", timeout=timeout)
+            except (ValueError, urllib3.exceptions.HTTPError) as error:
+                raise SourceError("source-fetch", f"the proxy `{proxy}` cannot be used: {error}") from None
+        return urllib3.PoolManager(timeout=timeout)
+
+    def _once(self) -> Version | None:
+        have, started = self._begun()
+        headers = {"Accept-Encoding": "identity", "User-Agent": "mjcompose"}
+        if have and started.token:
+            headers |= {"Range": f"bytes={have}-", "If-Range": started.token}
+        elif self.known.etag:
+            headers["If-None-Match"] = self.known.etag
+        elif self.known.modified:
+            headers["If-Modified-Since"] = self.known.modified
+        at = self.url
+        for _ in range(_HOPS + 1):
+            self._check_reach(at)
+            with self._pool(at) as pool:
+                # Retries happen here, where the received bytes are known.
+                with waiting(self.progress, f"for {urlsplit(at).hostname}"):
+                    response = pool.request(
+                        "GET", at, headers=headers, preload_content=False, decode_content=False,
+                        redirect=False, retries=False,
+                    )  # fmt: skip
+                self.silence.broken()
+                try:
+                    leads_to = response.get_redirect_location()
+                    if not leads_to:
+                        return self._taken(response, headers, have)
+                finally:
+                    response.close()
+            at = self._next(at, leads_to)
+        raise SourceError(
+            "source-fetch", f"`{self.url}` leads on more than {_HOPS} times", notes=(f"last to `{hide(at)}`",)
+        )
+
+    def _next(self, at: str, leads_to: str) -> str:
+        """Return the target of a redirect. Unencrypted addresses are refused, except on this machine."""
+        way = take_apart(leads_to, at)
+        if way is None or way.scheme not in ("http", "https"):
+            raise SourceError(
+                "source-fetch",
+                f"`{self.url}` leads to `{hide(leads_to)}`, which is not an address of the web",
+            )
+        leads_to = way.geturl()
+        was_open = self.url.startswith("http:")
+        if way.scheme == "http" and not (was_open and is_this_machine(way.netloc)):
+            raise SourceError(
+                "source-fetch", f"`{self.url}` leads to `{hide(leads_to)}`, which is not encrypted"
+            )
+        return leads_to
+
+    def _check_reach(self, at: str) -> None:
+        """Refuse a server of this machine or its network, also for a name that had no address before."""
+        if self.is_confined and is_private(urlsplit(at).netloc):
+            leads = "" if at == self.url else f" leads to `{hide(at)}`, which"
+            raise SourceError(
+                "source-outside",
+                f"`{self.url}`, which a fetched recipe names,{leads} is on this machine or in its network",
+            )
+
+    def _taken(self, response: BaseHTTPResponse, headers: Mapping[str, str], have: int) -> Version | None:
+        status = response.status
+        if status == 304 and ("If-None-Match" in headers or "If-Modified-Since" in headers):
+            return None
+        if status in _BUSY:
+            raise self._busy(response)
+        if status == 416:
+            forget(self.partial)
+            raise _Broken("the server has another file now")
+        if status in (404, 410):
+            raise SourceError(
+                "source-not-found", f"`{self.url}` does not exist: the server answered {status}"
+            )
+        if status not in (200, 206):
+            why = " (it wants a login, which is not supported)" if status in (401, 403, 407) else ""
+            raise SourceError(
+                "source-fetch", f"`{self.url}` cannot be fetched: the server answered {status}{why}"
+            )
+        version = Version(response.headers.get("ETag", ""), response.headers.get("Last-Modified", ""))
+        resumed = status == 206
+        if resumed and not response.headers.get("Content-Range", "").startswith(f"bytes {have}-"):
+            forget(self.partial)
+            raise _Broken("the server answered with another part than it was asked for")
+        self._write(response, version, have if resumed else 0)
+        return version
+
+    def _busy(self, response: BaseHTTPResponse) -> Exception:
+        """Return the exception for a server that is busy, with the pause that it asks for."""
+        from urllib3 import Retry
+        from urllib3.exceptions import HTTPError
+
+        answered = f"the server answered {response.status} {response.reason or ''}".rstrip()
+        try:
+            pause = Retry().get_retry_after(response) or 0.0
+        except (HTTPError, ValueError, OverflowError):
+            pause = 0.0
+        if pause <= _PATIENCE:
+            return _Broken(answered, pause)
+        return SourceError(
+            "source-fetch",
+            f"`{self.url}` cannot be fetched now: {answered}",
+            notes=(f"it says `Retry-After: {response.headers.get('Retry-After', '')}`",),
+            help="try again later; with `--offline` what is in the store is used",
+        )
+
+    def _write(self, response: BaseHTTPResponse, version: Version, size: int) -> None:
+        from urllib3.exceptions import HTTPError, TimeoutError
+
+        length = response.headers.get("Content-Length", "")
+        total = size + int(length) if length.isdigit() else 0
+        self._note.write_text(
+            json.dumps({"etag": version.etag, "modified": version.modified}), encoding="utf-8"
+        )
+        seconds = patience(self.environment)
+        reported = since = time.monotonic()
+        before = size
+        with self.partial.open("ab" if size else "wb") as file:
+            try:
+                # Read what has arrived, however little: `stream` would wait for a full chunk.
+                while chunk := response.read1(_CHUNK, decode_content=False):
+                    size += len(chunk)
+                    if max(size, total) > (most := in_force().source_size):
+                        forget(self.partial)
+                        raise SourceError(
+                            "archive-refused",
+                            f"`{self.url}` is larger than {written('source-size', most)}",
+                            help=advice("source-size", total or None),
+                        )
+                    file.write(chunk)
+                    self.silence.broken()
+                    now = time.monotonic()
+                    if now - since >= seconds and size != total:
+                        if size - before < _LEAST:
+                            of = f" of {total}" if total else ""
+                            raise _Broken(
+                                f"the transfer was given up after {size}{of} bytes: less than 1 KiB came"
+                                f" in {seconds:g} s"
+                            )
+                        since, before = now, size
+                    if now - reported > 1:
+                        reported = now
+                        self.progress(f"  {size >> 20} MiB" + (f" of {total >> 20} MiB" if total else ""))
+            except HTTPError as error:
+                of = f" of {total}" if total else ""
+                why = ": it came to a halt" if isinstance(error, TimeoutError) else ""
+                raise _Broken(f"the transfer broke off after {size}{of} bytes{why}") from None
+        if total and size != total:
+            raise _Broken(f"the transfer broke off after {size} of {total} bytes")
+
+    @property
+    def _note(self) -> Path:
+        return self.partial.with_suffix(".version")
+
+    def _begun(self) -> tuple[int, Version]:
+        """Return how many bytes an earlier try left, and of which version."""
+        try:
+            note = json.loads(read_regular(self._note, is_source=False))
+            return self.partial.stat().st_size, Version(str(note["etag"]), str(note["modified"]))
+        except (OSError, ValueError, KeyError, TypeError):
+            return 0, Version()
+
+
+def forget(partial: Path) -> None:
+    """Remove a download that is finished or useless."""
+    partial.unlink(missing_ok=True)
+    partial.with_suffix(".version").unlink(missing_ok=True)
+
+
+def _is_spared(host: str, spared: str) -> bool:
+    """Return whether `no_proxy` names the host."""
+    import urllib.request
+
+    bypass: Any = getattr(urllib.request, "proxy_bypass_environment")  # noqa: B009  public, and not in the stubs
+    return bool(bypass(host, {"no": spared}))
+
+
+_OBJECT = re.compile(r"<.*?>: |HTTPS?Connection(Pool)?\(.*?\): ")
+
+
+def _in_short(error: Exception) -> str:
+    """Return the cause without the library's object names."""
+    said = [str(each) or type(each).__name__ for each in error.args] or [type(error).__name__]
+    text = _OBJECT.sub("", ": ".join(each.rstrip(".") for each in said))
+    return "".join(each if each.isprintable() else " " for each in text).strip()

@@ -1,0 +1,389 @@
+"""The rules for fetching in a run, what was fetched, and which model files exist."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import field
+from pathlib import Path, PurePath, PurePosixPath, PureWindowsPath
+from typing import TYPE_CHECKING
+
+from mjcompose.base.access import ALL, Door, folder_of_recipe, own_door
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.files import foreign_format, real_path
+from mjcompose.base.suggest import closest, exists_note
+from mjcompose.sources import licence
+from mjcompose.sources.blobs import sha256_of
+from mjcompose.sources.reference import Origin, Reference, Source, SourceError, has_format
+from mjcompose.sources.trust import Trust
+
+if TYPE_CHECKING:
+    from mjcompose.sources.lock import Lock
+
+DEFAULT = 30.0
+_SHORTEST, _LONGEST = 0.1, 24 * 3600.0
+
+
+def patience(environment: Mapping[str, str]) -> float:
+    """Return the timeout in seconds from `MJCOMPOSE_TIMEOUT`. Raises SourceError for an invalid value.
+
+    >>> patience({}), patience({"MJCOMPOSE_TIMEOUT": "2.5"})
+    (30.0, 2.5)
+    """
+    written = environment.get("MJCOMPOSE_TIMEOUT", "")
+    if not written:
+        return DEFAULT
+    try:
+        seconds = float(written)
+    except ValueError:
+        seconds = 0.0
+    if not _SHORTEST <= seconds <= _LONGEST:
+        raise SourceError(
+            "source-fetch",
+            f"`MJCOMPOSE_TIMEOUT` is not a number of seconds from {_SHORTEST} to {_LONGEST:.0f}: `{written}`",
+            help="write it as `30`",
+        )
+    return seconds
+
+
+class Silence:
+    """Measures how long another machine has been silent, over all tries together; `seconds` is the limit."""
+
+    def __init__(self, seconds: float) -> None:
+        self._seconds = seconds
+        self._since = time.monotonic()
+
+    @property
+    def left(self) -> float:
+        """Remaining seconds; never zero, because a time limit of zero has another meaning."""
+        return max(self._seconds - (time.monotonic() - self._since), 0.01)
+
+    @property
+    def is_nearly_over(self) -> bool:
+        """Whether too little time is left for another try."""
+        return self.left < self._seconds / 4
+
+    @property
+    def is_over(self) -> bool:
+        return time.monotonic() - self._since >= self._seconds
+
+    def broken(self) -> None:
+        """Restart the measurement after the machine has answered."""
+        self._since = time.monotonic()
+
+
+_FIRST, _EVERY = 2.0, 1.0
+
+
+@contextmanager
+def waiting(progress: Callable[[str], None], what: str) -> Iterator[None]:
+    """Report every second how long the block has taken so far, from the second one on."""
+    done = threading.Event()
+    begun = time.monotonic()
+
+    def report() -> None:
+        pause = _FIRST
+        while not done.wait(pause):
+            progress(f"waiting {what}: {time.monotonic() - begun:.0f} s")
+            pause = _EVERY
+
+    reporter = threading.Thread(target=report, daemon=True)
+    reporter.start()
+    try:
+        yield
+    finally:
+        done.set()
+        reporter.join()
+
+
+def quiet(message: str) -> None:
+    """Discard progress messages."""
+
+
+@dataclass(slots=True)
+class Fetching:
+    """The rules and the memory of one run.
+
+    `offline`: nothing is fetched, and a source that is not in the store is an error. `locked`: a source that the
+    lock does not pin is an error. `remakes_shapes`: the lock is being made, and need not have the shapes of meshes.
+    `lock` is the lock of the recipe, `lock_file` its path, whether it exists or not,
+    `recipe` the recipe's name in messages. `fresh` are the origins whose pin is ignored, None for all of them.
+    `origins` are the origins resolved in this run, by id, so that all parts see the same commit of a moving branch.
+    `first` has the first file requested from each. `digests` has the sha256 of files, `files` the files of sources,
+    computed once for all cells of a matrix. `outer` is the outermost recipe, `trust` what it allows, `doors` what
+    models may read.
+    """
+
+    offline: bool = False
+    locked: bool = False
+    remakes_shapes: bool = False
+    lock: Lock | None = None
+    lock_file: Path | None = None
+    recipe: str = "RECIPE"
+    fresh: frozenset[str] | None = frozenset()
+    progress: Callable[[str], None] = quiet
+    origins: dict[str, Origin] = field(default_factory=dict)
+    first: dict[str, Source] = field(default_factory=dict)
+    digests: dict[Path, str] = field(default_factory=dict)
+    files: dict[Source, list[Path]] = field(default_factory=dict)
+    outer: Path | None = None
+    trust: Trust = field(default_factory=Trust)
+    doors: dict[tuple[Path, Path | None, Trust], Door] = field(default_factory=dict)
+
+    def digest(self, path: Path) -> str:
+        """Return the sha256 of a file, which is read once. Raises OSError."""
+        if path not in self.digests:
+            self.digests[path] = sha256_of(path)
+        return self.digests[path]
+
+    def forget(self) -> None:
+        """Forget what was fetched and read, because it is damaged."""
+        self.origins.clear()
+        self.first.clear()
+        self.digests.clear()
+        self.files.clear()
+        self.doors.clear()
+
+    def around(self, path: Path) -> Origin | None:
+        """Return the origin that a file or folder belongs to; the innermost if origins are nested."""
+        if not self.origins:
+            return None
+        real = Path(real_path(path))
+        found = [each for each in self.origins.values() if real.is_relative_to(real_path(each.root))]
+        return max(found, key=lambda each: len(real_path(each.root)), default=None)
+
+    def door_of_text(self, folder: Path) -> Door:
+        """Return what a recipe in a folder may name by path.
+
+        The user's own recipes may name anything, others only files of their origin.
+        """
+        origin = self.around(folder)
+        return ALL if origin is None else self.door_of_origin(origin)
+
+    def door_of_origin(self, origin: Origin) -> Door:
+        """Return what files of an origin may read: all files of the origin."""
+        verb = "fetched" if origin.is_fetched else "installed"
+        return Door.of(
+            (origin.root, *self.trust.folders),
+            f"`{origin.id}`, which may read only what was {verb} with it",
+            "what is fetched must hold all that it names; if you trust it with that, write in your own recipe"
+            ' `trust: {references: ["{absolute}"]}`',
+        )
+
+    def door_of_model(self, path: Path) -> Door:
+        """Return what the model at a path may read: its project, that of the recipe, and folders the recipe trusts."""
+        key = path, self.outer, self.trust
+        if key not in self.doors:
+            self.doors[key] = self._own_door(path)
+        return self.doors[key]
+
+    def _own_door(self, path: Path) -> Door:
+        if self.outer is None:
+            return own_door(path, self.trust.files)
+        recipe = folder_of_recipe(self.outer)
+        return own_door(path, (recipe, *self.trust.files), os.path.dirname(os.path.abspath(self.outer)))
+
+    def pin(self, id: str) -> str | None:
+        """Return the commit or sha256 that the lock has for an origin."""
+        if self.lock is None or self.fresh is None or id in self.fresh or id not in self.lock.sources:
+            return None
+        return self.lock.sources[id].pin
+
+    def known_files(self, id: str) -> Mapping[str, str]:
+        """Return the files of an origin and their sha256 from the lock; empty if the lock does not have it."""
+        if self.lock is None or id not in self.lock.sources:
+            return {}
+        return self.lock.sources[id].files
+
+
+@dataclass(frozen=True, slots=True)
+class Lookup:
+    """The context of a reference: the folder of the file that contains it, the environment, and the run.
+
+    `is_confined` says that the reference is in a fetched recipe, which may not reach this machine or its network.
+    """
+
+    folder: Path
+    environment: Mapping[str, str]
+    fetching: Fetching
+    is_confined: bool = False
+
+
+def source_in(origin: Origin, reference: Reference) -> Source:
+    """Return the file that a reference names in `origin`. Raises SourceError."""
+    inside = PurePosixPath(reference.path)
+    if inside.is_absolute() or ".." in inside.parts or "\\" in reference.path:
+        raise SourceError(
+            "source-kind", f"the model reference `{reference.text}` leaves what it was fetched with"
+        )
+    existing = [origin.named(each) for each in model_files(origin.root, depth=6)]
+    for left_out, why in origin.without:
+        if inside.is_relative_to(left_out):
+            raise SourceError(
+                "source-not-found",
+                f"the model `{reference.text}` does not exist: `{left_out}` is {why}",
+                notes=(exists_note("model file", existing, reference.text).message,),
+            )
+    if not has_format(inside):
+        raise without_suffix(reference.text, existing)
+    path = origin.root / inside
+    if not os.path.isfile(path):
+        raise not_found(reference.text, path, existing)
+    return Source(
+        path,
+        reference.kind,
+        reference.text,
+        version=origin.pin,
+        licences=licence.find(path, origin.root),
+        origin=origin,
+    )
+
+
+def unlocked(reference: Reference, fetching: Fetching) -> SourceError:
+    """Return the error for a source that is not in the lock when only locked sources are allowed."""
+    return SourceError(
+        "lock-stale",
+        f"`{reference.text}` is not in the lock",
+        help=f"run `mjcompose lock {fetching.recipe}` and commit the lock",
+    )
+
+
+def not_at_hand(reference: Reference, where: str = "the store") -> SourceError:
+    """Return the error for a source that is missing in `where` when nothing may be fetched."""
+    return SourceError(
+        "source-offline",
+        f"`{reference.text}` is not in {where}, and nothing is fetched offline",
+        help="run it once without `--offline` or `--frozen`",
+    )
+
+
+_DEPTH = 3
+_ENTRIES = 2000
+
+
+def model_files(folder: Path, depth: int = _DEPTH) -> list[str]:
+    """Return the model files in `folder` and up to `depth` levels below, as relative paths, the nearest first.
+
+    Hidden files are left out, and the search ends after 2000 entries. Empty if the folder does not exist.
+    """
+    found: list[str] = []
+    seen = 0
+    level = [""]
+    for _ in range(depth + 1):
+        below: list[str] = []
+        for inner in level:
+            try:
+                entries = sorted(os.scandir(folder / inner), key=lambda entry: entry.name)
+            except OSError:
+                continue
+            for entry in entries:
+                seen += 1
+                if seen > _ENTRIES:
+                    return found
+                relative = f"{inner}/{entry.name}" if inner else entry.name
+                if entry.name.startswith("."):
+                    continue
+                if entry.is_dir(follow_symlinks=False):
+                    if not entry.name.startswith("__"):
+                        below.append(relative)
+                elif has_format(PurePath(entry.name)):
+                    found.append(relative)
+        level = below
+    return found
+
+
+def not_found(text: str, wanted: Path, existing: Iterable[str], *, hint: str | None = None) -> SourceError:
+    """Return the error for a reference whose file does not exist; `existing` are references to existing files."""
+    suffix = PurePath(text).suffix.lower()
+    # Files with the same suffix first: recipes are no use to somebody who looks for an XML file.
+    known = sorted(existing, key=lambda each: PurePath(each).suffix.lower() != suffix)
+    near = nearest(text, known)
+    shown = [near, *(each for each in known if each != near)] if near else known
+    message = f"the model `{text}` does not exist"
+    note = exists_note("model file", shown).message
+    if "\\" in text:
+        hint, near = _with_slashes(text, near), None
+    elif not os.path.isdir(wanted.parent):  # `Path.is_dir` raises for a path that is too long
+        message, note, corrected = _without_folder(text, wanted)
+        near = corrected or near
+    return SourceError(
+        "source-not-found",
+        message,
+        notes=(f"looked for `{wanted}`", note),
+        help=f"write `{near}`" if near else hint,
+    )
+
+
+def _with_slashes(text: str, near: str | None) -> str:
+    """Return what to write instead of a path with backslashes, which are part of a name outside of Windows."""
+    if near is None and PureWindowsPath(text).drive:
+        return "paths are written with `/` and are best relative to the recipe: `./models/arm.xml`"
+    return f"paths are written with `/`: write `{near or text.replace(chr(92), '/')}`"
+
+
+def _without_folder(text: str, wanted: Path) -> tuple[str, str, str | None]:
+    """For a file in a missing folder, return the message, the existing folders, and the path with the nearest."""
+    missing = next(
+        each
+        for each in (wanted.parent, *wanted.parent.parents)
+        if os.path.isdir(each.parent) or each == each.parent
+    )
+    depth = len(wanted.parts) - len(missing.parts)
+    written = text.removesuffix("".join(f"/{part}" for part in wanted.parts[-depth:]))
+    try:
+        folders = sorted(
+            each.name for each in os.scandir(missing.parent) if each.is_dir() and each.name[0] != "."
+        )
+    except OSError:
+        folders = []
+    near = closest(missing.name, folders)
+    inside = written.removesuffix(missing.name)
+    message = f"the model `{text}` does not exist, nor does the folder `{written}`"
+    listed = sorted(folders, key=lambda each: each not in near)
+    note = (
+        exists_note("folder", [f"{inside}{each}" for each in listed]).message
+        if listed
+        else f"`{missing.parent}` contains no folders"
+    )
+    corrected = missing.with_name(near[0]).joinpath(*wanted.parts[-depth:]) if near else None
+    exists = corrected is not None and os.path.isfile(corrected)
+    return message, note, f"{inside}{near[0]}{text.removeprefix(written)}" if exists else None
+
+
+def nearest(text: str, existing: Iterable[str]) -> str | None:
+    """Return the existing reference that was probably meant."""
+    # Otherwise a dot would count as the end of a prefix, and all `.xml` files as one name with different prefixes.
+    flat = {each.removeprefix("./").replace(".", "_"): each for each in existing}
+    near = closest(text.replace("\\", "/").removeprefix("./").replace(".", "_"), flat)
+    return flat[near[0]] if near else None
+
+
+def without_suffix(text: str, existing: Iterable[str]) -> SourceError:
+    """Return the error for a reference whose suffix is missing or unknown."""
+    known = list(existing)
+    suffix = PurePath(text.rpartition("#")[2]).suffix
+    same = [each for each in known if os.path.splitext(each)[0].removeprefix("./") == text.removeprefix("./")]
+    same = same or [each for each in known if PurePath(each).stem == text]
+    near = same[0] if same else nearest(text, known)
+    if (foreign := foreign_format(PurePath(text))) is not None:
+        stem = text.removesuffix(suffix)
+        beside = next((each for each in known if os.path.splitext(each)[0] == stem), None)
+        help = f"write `{beside}`" if beside else foreign.help(text)
+        return SourceError("source-kind", foreign.message(text), help=help)
+    if suffix.lower() in (".zip", ".mjz", ".mjb"):
+        problem, fix = (
+            "is a bundle, which cannot be a part",
+            "refer to the recipe or the XML that it was built from",
+        )
+    else:
+        problem = f"ends in `{suffix}`, which is not a model file" if suffix else "has no file suffix"
+        fix = "end it in `.yaml` for a recipe, `.xml` for MJCF, `.urdf` for URDF, or write `menagerie:ROBOT`"
+    return SourceError(
+        "source-kind",
+        f"the model reference `{text}` {problem}",
+        notes=(exists_note("model file", known).message,) if known else (),
+        help=f"write `{near}`" if near else fix,
+    )

@@ -1,0 +1,94 @@
+"""Model references to git repositories, at a branch, a tag or a commit."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mjcompose.sources.reference import (
+    CONTROL,
+    Form,
+    Reference,
+    SourceKind,
+    check_secrets,
+    malformed,
+    take_apart,
+)
+
+if TYPE_CHECKING:
+    from mjcompose.sources.fetching import Lookup
+    from mjcompose.sources.reference import Source
+
+_FORMS = (
+    Form(
+        "git+https://host/repo@REV#path/model.xml",
+        "a file in a git repository; REV is a branch, a tag or a commit; an `@`, `#` or `%` in it is written `%40`,"
+        " `%23`, `%25`",
+    ),
+    Form("git+ssh://git@host/repo@REV#path/model.xml", "the same over ssh"),
+    Form("git+file:///path/to/repo@REV#path/model.xml", "the same in a repository on this machine"),
+)
+
+
+def _parse(text: str) -> Reference:
+    scheme, _, rest = text.partition(":")
+    form = next((each for each in _FORMS if each.scheme == scheme), _FORMS[0])
+    location, _, path = rest.partition("#")
+    host, _, tail = location.removeprefix("//").partition("/")
+    check_secrets(text, host)
+    # Only an `@` after the host starts a revision; before it, an `@` ends a user name.
+    repository, at, revision = tail.rpartition("@")
+    if not at:
+        repository, revision = tail, ""
+    if not repository or bool(host) == (scheme == "git+file"):
+        raise malformed(text, form, "does not say the repository")
+    if host and take_apart(f"https://{host}/") is None:
+        raise malformed(text, form, "names a host that cannot be one")
+    revision = _unescaped(revision)
+    if not revision or revision.startswith("-") or CONTROL.search(revision):
+        raise malformed(text, form, "does not say the revision")
+    if not path:
+        raise malformed(text, form, "does not say the file inside the repository")
+    return Reference(
+        text, KIND, f"{scheme.removeprefix('git+')}://{host}/{repository}", path=path, revision=revision
+    )
+
+
+def _host(reference: Reference) -> str | None:
+    return reference.name.partition("://")[2].partition("/")[0] or None
+
+
+def _is_of_this_machine(reference: Reference) -> bool:
+    return reference.name.startswith("file:")
+
+
+def _unescaped(revision: str) -> str:
+    """Decode `%40`, `%23` and `%25` in the name of a branch or tag, as in any URL."""
+    if "%" not in revision:
+        return revision
+    from urllib.parse import unquote
+
+    return unquote(revision)
+
+
+def _resolve(reference: Reference, lookup: Lookup) -> Source:
+    from mjcompose.sources.git_repository import resolve  # a model that the cache knows is not fetched
+
+    return resolve(reference, lookup)
+
+
+KIND = SourceKind(
+    name="git",
+    forms=_FORMS,
+    local_schemes=("git+http",),
+    separator="#",
+    is_local=False,
+    is_fetched=True,
+    runs_code=False,
+    pins=frozenset({"commit", "tree"}),
+    variables=(),
+    libraries=(),
+    parse=_parse,
+    resolve=_resolve,
+    host=_host,
+    is_of_this_machine=_is_of_this_machine,
+)

@@ -1,0 +1,389 @@
+"""`git` without a terminal, and the files of a commit byte for byte."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.limits import in_force
+from mjcompose.base.processes import Process
+from mjcompose.sources.blobs import files_below
+from mjcompose.sources.fetching import Silence, patience, waiting
+from mjcompose.sources.reference import SourceError
+from mjcompose.sources.web_archive import Unsafe, check, check_name
+
+_TRIES = 3
+_PAUSE = 0.5
+_MOST_OUTPUT = 64 * 1024**2
+_MOST_WORDS = 64 * 1024
+_PASSING = re.compile(
+    r"temporary failure|timed out|timeout|connection (refused|reset|closed)|early eof"
+    r"|rpc failed|unexpected disconnect|hung up unexpectedly|couldn't connect|failed to connect|error: 5\d\d"
+    r"|operation too slow",
+    re.IGNORECASE,
+)
+"""Failures that another try may overcome."""
+_NO_NAME = re.compile("could not resolve host", re.IGNORECASE)
+"""The network or the name does not exist: another try a second later would fail too."""
+_ADVICE = re.compile(
+    r"(hint|warning): |Please make sure you have the correct access|and the repository exists", re.I
+)
+
+
+class GitFailure(Exception):
+    """The command failed; `said` is its standard error."""
+
+    def __init__(self, said: str) -> None:
+        super().__init__(said)
+        self.said = said
+
+
+@dataclass(frozen=True, slots=True)
+class Git:
+    """Runs git in one repository, or in none; `limit` is the maximum time of one command in seconds."""
+
+    environment: Mapping[str, str]
+    progress: Callable[[str], None]
+    limit: float = 1800.0
+
+    def run(self, *arguments: str, folder: Path | None = None) -> bytes:
+        """Return the standard output. Raises GitFailure, and SourceError if git is not installed."""
+        with self.open(*arguments, folder=folder) as process:
+            out: bytes = process.stdout.read(_MOST_OUTPUT + 1)
+            if len(out) > _MOST_OUTPUT:
+                raise GitFailure(f"git says more than {_MOST_OUTPUT >> 20} MiB")
+        return out
+
+    def fetch(self, *arguments: str, folder: Path | None = None) -> bytes:
+        """Run a command that contacts another machine, and retry it if the network fails.
+
+        The timeout for silence applies to all tries together.
+        """
+        silence = Silence(patience(self.environment))
+        for attempt in range(_TRIES):
+            try:
+                with waiting(self.progress, "for the repository"):
+                    return self.run(*arguments, folder=folder)
+            except GitFailure as failure:
+                passing = _PASSING.search(failure.said) and not _NO_NAME.search(failure.said)
+                if attempt + 1 == _TRIES or not passing or silence.is_over:
+                    raise
+                self.progress(f"{_last_line(failure.said)}; trying again")
+                time.sleep(_PAUSE * 2**attempt)
+        raise AssertionError("there is at least one try")
+
+    @contextmanager
+    def open(self, *arguments: str, folder: Path | None = None, asked: bool = False) -> Iterator[Any]:
+        """Run a command and yield it for reading its standard output; with `asked`, also for writing to its input.
+
+        The command ends with the block. Raises GitFailure if it fails, and SourceError if git is not installed.
+        """
+        limits = in_force()
+        own = self._variables(arguments)
+        if shutil.which("git", path=own.get("PATH", os.defpath)) is None:
+            raise SourceError(
+                "source-fetch", "models in git repositories need the command `git`, which is not installed",
+                help="install git",
+            )  # fmt: skip
+        with (
+            tempfile.TemporaryFile() as words,
+            Process(
+                ["git", *self._settings(folder), *arguments],
+                memory=limits.git_memory,
+                size=limits.source_size,
+                stdin=subprocess.PIPE if asked else subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=words,
+                env=own,
+            ) as process,
+        ):
+            is_late = threading.Event()
+
+            def stop() -> None:
+                is_late.set()
+                process.end()
+
+            timer = threading.Timer(self.limit, stop)
+            timer.daemon = True
+            timer.start()
+            try:
+                yield process
+                if process.stdin is not None:
+                    process.stdin.close()
+                status = process.wait()
+            finally:
+                timer.cancel()
+                process.end()
+            if is_late.is_set():
+                raise GitFailure(f"git took longer than {self.limit:g} seconds")
+            if status:
+                words.seek(0)
+                said = words.read(_MOST_WORDS).decode("utf-8", "replace").strip()
+                raise GitFailure(said or (f"git was ended by signal {-status}" if status < 0 else ""))
+
+    def _settings(self, folder: Path | None) -> list[str]:
+        settings = {
+            **CONFINED,
+            "http.lowSpeedLimit": "1",
+            "http.lowSpeedTime": self._silence,
+            "gc.auto": "0",
+            "fetch.fsckObjects": "false",
+            "fetch.unpackLimit": "1",  # all objects arrive in one file, whose size can be limited
+        }
+        command = [*_options(settings), *bounded()]
+        return command if folder is None else [*command, f"--git-dir={folder}"]
+
+    def _variables(self, arguments: tuple[str, ...]) -> dict[str, str]:
+        # Ignore the repository around the current folder, and variables that a git hook sets.
+        own = {name: value for name, value in self.environment.items() if name not in _OF_A_REPOSITORY}
+        own = {**os.environ, "GIT_ASKPASS": "", **own, "GIT_TERMINAL_PROMPT": "0", "LC_ALL": "C"}
+        own |= {"GIT_ALLOW_PROTOCOL": _protocols(arguments), **NO_SYSTEM}
+        for name in _OF_A_REPOSITORY:
+            own.pop(name, None)
+        if any(each.startswith("ssh://") for each in arguments):
+            own |= _impatient_ssh(own, self._silence)
+        return own
+
+    @property
+    def _silence(self) -> str:
+        return str(math.ceil(patience(self.environment)))  # git takes whole seconds
+
+
+def bounded() -> list[str]:
+    """Return the options that keep git from holding large files in memory."""
+    settings = {
+        "core.bigFileThreshold": "8m",
+        "core.deltaBaseCacheLimit": "16m",
+        "pack.windowMemory": "64m",
+        "pack.threads": "1",
+    }
+    return _options(settings)
+
+
+def _options(settings: Mapping[str, str]) -> list[str]:
+    return [word for name, value in settings.items() for word in ("-c", f"{name}={value}")]
+
+
+CONFINED = {
+    "core.hooksPath": os.devnull,
+    "core.fsmonitor": "false",
+    "core.attributesFile": os.devnull,
+    "submodule.recurse": "false",
+    "fetch.recurseSubmodules": "false",
+}
+"""Settings that keep git from running anything from a repository."""
+# The user's settings apply; the system's may come from somebody else. On Windows they are needed to trust servers.
+NO_SYSTEM = {} if os.name == "nt" else {"GIT_CONFIG_NOSYSTEM": "1", "GIT_ATTR_NOSYSTEM": "1"}
+
+
+def _protocols(arguments: tuple[str, ...]) -> str:
+    """Return the transports that git may use, even if its settings redirect it. Never a program (`ext::`).
+
+    >>> _protocols(("ls-remote", "--", "http://localhost/robots"))
+    'https:ssh:file:http'
+    """
+    is_open = any(word.startswith("http://") for word in arguments)
+    return "https:ssh:file" + (":http" if is_open else "")
+
+
+_OF_A_REPOSITORY = (
+    "GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE", "GIT_OBJECT_DIRECTORY", "GIT_ALTERNATE_OBJECT_DIRECTORIES",
+    "GIT_COMMON_DIR", "GIT_NAMESPACE", "GIT_PREFIX",
+)  # fmt: skip
+
+
+def _impatient_ssh(own: Mapping[str, str], seconds: str) -> dict[str, str]:
+    """Return settings that make ssh give up after so many seconds of silence; other programs are left as they are."""
+    written = own.get("GIT_SSH_COMMAND", "")
+    if not written:
+        try:
+            done = subprocess.run(
+                ["git", "config", "--get", "core.sshCommand"], env=dict(own), stdin=subprocess.DEVNULL,
+                capture_output=True, check=False, timeout=30,
+            )  # fmt: skip
+        except (OSError, subprocess.TimeoutExpired):
+            return {}  # git runs next, and its failure is reported
+        written = done.stdout.decode("utf-8", "surrogateescape").strip()
+    if not written and own.get("GIT_SSH"):
+        return {}
+    command = written or "ssh"
+    if not _OPENSSH.match(command):
+        return {}
+    limits = {"ConnectTimeout": seconds, "ServerAliveInterval": seconds, "ServerAliveCountMax": "1"}
+    return {"GIT_SSH_COMMAND": " ".join([command, *(f"-o {name}={value}" for name, value in limits.items())])}
+
+
+_OPENSSH = re.compile(r"(\S*/)?ssh(\s|$)")
+"""ssh uses the first of several equal options, so options in the user's command stay in force."""
+
+
+def _last_line(said: str) -> str:
+    return said.strip().splitlines()[-1] if said.strip() else "git failed"
+
+
+def words_of(failure: GitFailure) -> tuple[str, ...]:
+    """Return git's error messages as notes, without the advice."""
+    lines = [line.strip() for line in failure.said.splitlines() if line.strip()]
+    said = [line for line in lines if not _ADVICE.match(line)] or lines
+    return tuple(f"git said: {line}" for line in said[:3])
+
+
+_LINK, _MODULE = "120000", "160000"
+_PIECE = 1024 * 1024
+_PATH_MAX = 4096
+_NOTHING = "a link to what is not in the commit, `{}`"
+
+
+@dataclass(frozen=True, slots=True)
+class _Blob:
+    mode: str
+    name: str
+    hash: str
+    size: int
+
+
+Contents = Callable[[_Blob], Iterator[bytes]]
+
+
+def write_tree(git: Git, repository: Path, commit: str, target: Path) -> dict[str, str]:
+    """Write the files of a commit below `target`, an empty folder.
+
+    Return the omitted paths, each with a description. A link to a file or folder of the same commit becomes a copy;
+    other links and submodules are omitted. Raises SourceError for a tree that is too large or whose names lead out
+    of the folder, GitFailure, and OSError.
+    """
+    packed = sum(path.stat().st_size for _, path in files_below(repository))
+    try:
+        blobs = list(_listed(git, repository, commit))
+        left_out = {blob.name: "a submodule, which is not fetched" for blob in blobs if blob.mode == _MODULE}
+        files = {blob.name: blob for blob in blobs if blob.mode not in (_MODULE, _LINK)}
+        _check((blob for blob in blobs if blob.mode != _MODULE), packed)
+        links = [blob for blob in blobs if blob.mode == _LINK and blob.size < _PATH_MAX]
+        written = dict(files)
+        with _contents(git, repository) as contents:
+            _follow(links, contents, files, written=written, left_out=left_out)
+            _check(written.values(), packed)
+            for name, blob in written.items():
+                path = target / name
+                path.parent.mkdir(parents=True, exist_ok=True)
+                with path.open("xb") as stream:
+                    for piece in contents(blob):
+                        stream.write(piece)
+    except Unsafe as fault:
+        message = f"the commit `{commit[:12]}` is refused: {fault}"
+        raise SourceError("archive-refused", message, help=fault.help) from None
+    return left_out
+
+
+def _check(blobs: Iterable[_Blob], packed: int) -> None:
+    known = list(blobs)
+    check(len(known), sum(blob.size for blob in known), packed)
+    for blob in known:
+        check_name(blob.name)
+
+
+def _follow(
+    links: list[_Blob],
+    contents: Contents,
+    files: dict[str, _Blob],
+    written: dict[str, _Blob],
+    left_out: dict[str, str],
+) -> None:
+    """Put the targets of links into `written` under the names of the links, or the links into `left_out`."""
+    targets = {link.name: b"".join(contents(link)).decode("utf-8", "surrogateescape") for link in links}
+    real = {name: _real(name, targets) for name in targets}
+    for name, leads_to in real.items():
+        if leads_to is None:
+            left_out[name] = _NOTHING.format(targets[name])
+        elif leads_to in files:
+            written[name] = files[leads_to]
+        elif f"{name}/".startswith(f"{leads_to}/") or not leads_to:
+            left_out[name] = "a link to a folder that it is in"
+        else:
+            inside = f"{leads_to}/"
+            found = {each: each for each in files if each.startswith(inside)}
+            found |= {each: to for each, to in real.items() if to in files and each.startswith(inside)}
+            for each, to in found.items():
+                written[f"{name}/{each.removeprefix(inside)}"] = files[to]
+                check(len(written), 0)
+            if not found:
+                left_out[name] = _NOTHING.format(targets[name])
+
+
+def _real(path: str, targets: Mapping[str, str], patience: int = 16) -> str | None:
+    """Return the path with links resolved, or None if it is not a path of the commit. No I/O.
+
+    >>> _real("a/b/c.xml", {"a/b": "../d"})
+    'd/c.xml'
+    """
+    parts = path.split("/")
+    done: list[str] = []
+    for at, part in enumerate(parts, 1):
+        if part in ("", "."):
+            continue
+        if part == "..":
+            if not done:
+                return None
+            done.pop()
+            continue
+        target = targets.get("/".join([*done, part]))
+        if target is None:
+            done.append(part)
+        elif target.startswith("/") or not patience:
+            return None
+        else:
+            return _real("/".join([*done, target, *parts[at:]]), targets, patience - 1)
+    return "/".join(done)
+
+
+def _listed(git: Git, repository: Path, commit: str) -> Iterator[_Blob]:
+    """Yield the files of a commit until there are too many: a tree may contain itself many times over."""
+    left = b""
+    with git.open("ls-tree", "-r", "-z", "-l", "--full-tree", commit, folder=repository) as process:
+        count = 0
+        while piece := process.stdout.read1(_PIECE):
+            *lines, left = (left + piece).split(b"\0")
+            count += len(lines)
+            check(count, 0)
+            yield from map(_blob, lines)
+
+
+def _blob(line: bytes) -> _Blob:
+    facts, name = line.split(b"\t", 1)
+    mode, _, hash, size = facts.decode().split()
+    return _Blob(mode, name.decode("utf-8", "surrogateescape"), hash, size=0 if size == "-" else int(size))
+
+
+@contextmanager
+def _contents(git: Git, repository: Path) -> Iterator[Contents]:
+    """Yield a function that returns the bytes of a file piece by piece, so that memory never holds a whole file."""
+    with git.open("cat-file", "--batch", folder=repository, asked=True) as process:
+
+        def content(blob: _Blob) -> Iterator[bytes]:
+            with suppress(BrokenPipeError):  # git has ended, which its output will show
+                process.stdin.write(f"{blob.hash}\n".encode())
+                process.stdin.flush()
+            header = process.stdout.readline().split()
+            left = int(header[2]) if len(header) == 3 else -1
+            if left != blob.size:
+                raise GitFailure(f"git has other bytes of `{blob.name}` than it said")
+            while left:
+                piece = process.stdout.read1(min(left, _PIECE))
+                if not piece:
+                    raise GitFailure(f"git broke off in `{blob.name}`")
+                left -= len(piece)
+                yield piece
+            process.stdout.read(1)
+
+        yield content

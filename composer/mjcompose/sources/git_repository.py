@@ -1,0 +1,280 @@
+"""What a git repository has at a revision: asked for, fetched, and kept in the store by its commit."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.limits import advice, in_force, written
+from mjcompose.base.scratch import scratch
+from mjcompose.base.suggest import closest, exists_note
+from mjcompose.sources.fetching import Fetching, Lookup, not_at_hand, source_in, unlocked
+from mjcompose.sources.git_command import Git, GitFailure, bounded, words_of, write_tree
+from mjcompose.sources.reference import Origin, Reference, Source, SourceError, is_commit
+from mjcompose.sources.store import Entry, Store
+
+_NO_ROOM = re.compile("No space left|quota exceeded", re.IGNORECASE)
+_TOO_LARGE = re.compile("File too large|signal 25", re.IGNORECASE)
+_NO_MEMORY = re.compile("out of memory|malloc failed|unable to create thread|mmap failed", re.IGNORECASE)
+_WITHOUT = "without "
+"""In the notes of an entry, the prefix before the path of a file that was left out."""
+_ABBREVIATED = re.compile(r"[0-9a-f]{7,39}")
+
+
+def resolve(reference: Reference, lookup: Lookup) -> Source:
+    """Return the file at a revision.
+
+    The commit comes from the lock, or else from the repository. Raises SourceError.
+    """
+    id, known = reference.id, lookup.fetching.origins
+    if id not in known:
+        store = Store.of(lookup.environment)
+        known[id] = _Repository(
+            reference, id, store, environment=lookup.environment, fetching=lookup.fetching
+        ).origin()
+    return source_in(known[id], reference)
+
+
+@dataclass(frozen=True, slots=True)
+class _Repository:
+    reference: Reference
+    id: str
+    store: Store
+    environment: Mapping[str, str]
+    fetching: Fetching
+
+    def origin(self) -> Origin:
+        pinned = self.fetching.pin(self.id)
+        if pinned is None and self.fetching.locked:
+            raise unlocked(self.reference, self.fetching)
+        revision = self.reference.revision
+        written = revision if is_commit(revision) else None
+        if written and pinned and written != pinned:
+            raise SourceError(
+                "lock-invalid",
+                f"`{self.reference.text}` says another commit than the lock, which has {pinned[:12]}…",
+                help="take the lock from version control, or remove it and run `mjcompose lock`",
+            )
+        commit = pinned or written
+        if commit is None:
+            if self.fetching.offline:
+                commit = self.store.recall(self.id).get("commit")
+                if commit is None:
+                    raise not_at_hand(self.reference)
+            else:
+                commit = self._asked()
+        entry = self.store.get("git", commit) or self._fetched(commit, pinned is not None)
+        without = (
+            (name.removeprefix(_WITHOUT), why)
+            for name, why in entry.about.items()
+            if name.startswith(_WITHOUT)
+        )
+        return Origin(
+            self.id,
+            self.reference.kind,
+            entry.content,
+            commit=commit,
+            tree=entry.about["tree"],
+            without=(*without,),
+            stored=entry.files,
+        )
+
+    @property
+    def _git(self) -> Git:
+        return Git(self.environment, self.fetching.progress)
+
+    def _asked(self) -> str:
+        """Ask the repository for the current commit of the revision."""
+        url, revision = self.reference.name, self.reference.revision
+        self.fetching.progress(f"looking up {revision} in {url}")
+        try:
+            refs = _refs(self._git.fetch("ls-remote", "--", url))
+        except GitFailure as failure:
+            raise self._unreachable(failure) from None
+        for name in (revision, f"refs/tags/{revision}", f"refs/heads/{revision}", f"refs/{revision}"):
+            if name in refs:
+                commit = refs.get(f"{name}^{{}}", refs[name])
+                self.store.remember(self.id, {"commit": commit})
+                return commit
+        if _ABBREVIATED.fullmatch(revision):
+            return self._whole_hash(revision, refs)
+        raise self._no_revision(refs)
+
+    def _whole_hash(self, short: str, refs: Mapping[str, str]) -> str:
+        """Return the commit for an abbreviated hash, which needs the whole history."""
+        with scratch("git") as folder:
+            try:
+                self._history(Path(folder))
+                found = self._git.run(
+                    "rev-parse", "--verify", "-q", f"{short}^{{commit}}", folder=Path(folder)
+                )
+            except GitFailure:
+                raise self._no_revision(refs) from None
+        commit = found.decode().strip()
+        self.store.remember(self.id, {"commit": commit})
+        return commit
+
+    def _fetched(self, commit: str, pinned: bool) -> Entry:
+        if self.fetching.offline:
+            raise not_at_hand(self.reference)
+        with self.store.lock(commit, self.fetching.progress):
+            if (entry := self.store.get("git", commit)) is not None:  # another process has fetched it
+                return entry
+            about: dict[str, str] = {}
+            return self.store.add(
+                "git", commit, self.id, lambda target: self._fill(target, commit, pinned, about=about), about
+            )
+
+    def _fill(self, target: Path, commit: str, pinned: bool, about: dict[str, str]) -> None:
+        """Write the files of the commit.
+
+        The clone is next to them for the time being, so that a kill leaves nothing elsewhere.
+        """
+        with tempfile.TemporaryDirectory(dir=target.parent) as folder:
+            repository = Path(folder)
+            self._get(commit, repository, pinned)
+            about["tree"] = (
+                self._git.run("rev-parse", f"{commit}^{{tree}}", folder=repository).decode().strip()
+            )
+            left_out = self._write(repository, commit, target)
+            about |= {f"{_WITHOUT}{name}": why for name, why in left_out.items()}
+
+    def _get(self, commit: str, repository: Path, pinned: bool) -> None:
+        """Fetch the commit into `repository`: alone if the server allows it, else with the whole history."""
+        git, url = self._git, self.reference.name
+        self.fetching.progress(f"fetching {url} at {commit[:12]}")
+        kind = ("--object-format=sha256",) if len(commit) == 64 else ()
+        try:
+            git.run("init", "-q", "--bare", *kind, "--", str(repository))
+            try:
+                git.fetch(
+                    "fetch",
+                    "-q",
+                    "--depth=1",
+                    "--no-tags",
+                    *_other_side(url),
+                    "--",
+                    url,
+                    commit,
+                    folder=repository,
+                )
+            except GitFailure as failure:
+                if any(each.search(failure.said) for each in (_NO_ROOM, _TOO_LARGE, _NO_MEMORY)):
+                    raise
+                self._history(repository)
+            git.run("cat-file", "-e", f"{commit}^{{commit}}", folder=repository)
+        except GitFailure as failure:
+            if "Not a valid object" in failure.said or not failure.said:
+                raise self._no_commit(commit, pinned) from None
+            raise self._unreachable(failure) from None
+
+    def _history(self, repository: Path) -> None:
+        git, url = self._git, self.reference.name
+        git.run("init", "-q", "--bare", "--", str(repository))
+        git.fetch(
+            "fetch",
+            "-q",
+            "--no-tags",
+            *_other_side(url),
+            "--",
+            url,
+            "+refs/*:refs/fetched/*",
+            folder=repository,
+        )
+
+    def _write(self, repository: Path, commit: str, target: Path) -> dict[str, str]:
+        try:
+            return write_tree(self._git, repository, commit, target=target)
+        except GitFailure as failure:
+            raise self._unreachable(failure) from None
+
+    def _unreachable(self, failure: GitFailure) -> SourceError:
+        if _NO_ROOM.search(failure.said) or (_TOO_LARGE.search(failure.said) and _files_are_small()):
+            return SourceError(
+                "store-unusable", f"the store `{self.store.folder}` has no room for `{self.reference.name}`",
+                notes=words_of(failure), help="make room, or name another folder in `MJCOMPOSE_CACHE`",
+            )  # fmt: skip
+        for found, limit in ((_TOO_LARGE, "source-size"), (_NO_MEMORY, "git-memory")):
+            if found.search(failure.said):
+                most = written(limit, getattr(in_force(), limit.replace("-", "_")))
+                what = "is larger than" if limit == "source-size" else "needs more memory than"
+                return SourceError(
+                    "archive-refused", f"the repository `{self.reference.name}` is refused: it {what} {most}",
+                    notes=words_of(failure), help=advice(limit),
+                )  # fmt: skip
+        help = (
+            "see that `git ls-remote` with that address works; with `--offline` what is in the store is used"
+        )
+        if "@" in self.reference.name.rpartition("/")[2]:
+            help = "an `@` in the name of a branch or tag is written `%40`"
+        message = f"the repository `{self.reference.name}` cannot be fetched"
+        return SourceError("source-fetch", message, notes=words_of(failure), help=help)
+
+    def _no_revision(self, refs: Mapping[str, str]) -> SourceError:
+        wanted, url = self.reference.revision, self.reference.name
+        tags = [name.removeprefix("refs/tags/") for name in refs if name.startswith("refs/tags/")]
+        tags = [tag for tag in tags if not tag.endswith("^{}")]
+        heads = [name.removeprefix("refs/heads/") for name in refs if name.startswith("refs/heads/")]
+        near = closest(wanted, [*tags, *heads])
+        return SourceError(
+            "source-revision",
+            f"`{url}` has no branch, tag or commit `{wanted}`",
+            notes=(exists_note("tag", tags, wanted).message, exists_note("branch", heads, wanted).message),
+            help=f"write `{self._with_revision(near[0])}`" if near else None,
+        )
+
+    def _with_revision(self, name: str) -> str:
+        before, _, path = self.reference.text.partition("#")
+        return f"{before.rpartition('@')[0]}@{_escaped(name)}#{path}"
+
+    def _no_commit(self, commit: str, pinned: bool) -> SourceError:
+        url, text = self.reference.name, self.reference.text
+        if not pinned:
+            return SourceError("source-revision", f"`{url}` has no commit `{commit}`, in `{text}`")
+        return SourceError(
+            "source-revision",
+            f"`{url}` no longer has the commit `{commit}` that the lock pins for `{text}`",
+            notes=("the branch or tag was moved and the old commit is gone",),
+            help=f"see what it has now, then run `mjcompose update {self.fetching.recipe} {self.id}`",
+        )
+
+
+def _escaped(revision: str) -> str:
+    """Return the name of a branch or tag as it is written in a reference.
+
+    >>> _escaped("robots@1.2")
+    'robots%401.2'
+    """
+    return revision.replace("%", "%25").replace("@", "%40").replace("#", "%23")
+
+
+def _files_are_small() -> bool:
+    """Return whether this process may only write files smaller than the size limit of a source."""
+    try:
+        import resource
+    except ImportError:
+        return False
+    soft = resource.getrlimit(resource.RLIMIT_FSIZE)[0]
+    return soft != resource.RLIM_INFINITY and soft < in_force().source_size
+
+
+def _other_side(url: str) -> tuple[str, ...]:
+    """Return the options that keep git from holding large files in memory while it serves a local repository.
+
+    That git starts with the repository's own settings, without the command-line settings of this side.
+    """
+    if not url.startswith("file://"):
+        return ()
+    return (f"--upload-pack=git {' '.join(bounded())} upload-pack",)
+
+
+def _refs(out: bytes) -> dict[str, str]:
+    """Return the commits of a repository by ref name; annotated tags also have `NAME^{}`."""
+    found = {}
+    for line in out.decode("utf-8", "replace").splitlines():
+        commit, _, name = line.partition("\t")
+        found[name] = commit
+    return found

@@ -1,0 +1,244 @@
+"""The licence files of a model, and the SPDX identifier of their text."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable
+from functools import lru_cache
+from pathlib import Path
+
+from mjcompose.base.files import Memory, open_regular, real_folder
+from mjcompose.sources.reference import Source
+
+UNKNOWN = "unknown"
+"""The name of an unidentified licence, which is not an SPDX identifier."""
+
+_LARGEST = 1 << 20
+_DECLARED = re.compile(
+    r"SPDX-License-Identifier:[ \t]*([A-Za-z0-9(][A-Za-z0-9.+() -]*?)\s*(?:-->|\*/|[\"'<]|$)", re.MULTILINE
+)
+_HEAD = 4096
+
+_PHRASES: tuple[tuple[str, str], ...] = (
+    ("Apache-2.0", r"apache license,? version 2\.0"),
+    ("MPL-2.0", r"mozilla public license,? version 2\.0"),
+    ("AGPL-3.0-only", r"gnu affero general public license version 3"),
+    ("LGPL-3.0-only", r"gnu lesser general public license version 3"),
+    ("LGPL-2.1-only", r"gnu lesser general public license version 2\.1"),
+    ("GPL-3.0-only", r"gnu general public license version 3"),
+    ("GPL-2.0-only", r"gnu general public license version 2"),
+    ("EPL-2.0", r"eclipse public license - v ?2\.0"),
+    ("BSL-1.0", r"boost software license - version 1\.0"),
+    ("CC-BY-NC-ND-4.0", r"attribution-noncommercial-noderivatives 4\.0"),
+    ("CC-BY-NC-SA-4.0", r"attribution-noncommercial-sharealike 4\.0"),
+    ("CC-BY-NC-4.0", r"attribution-noncommercial 4\.0"),
+    ("CC-BY-ND-4.0", r"attribution-noderivatives 4\.0"),
+    ("CC-BY-SA-4.0", r"attribution-sharealike 4\.0"),
+    ("CC-BY-4.0", r"attribution 4\.0"),
+    ("CC-BY-3.0", r"attribution 3\.0"),
+    ("CC0-1.0", r"cc0 1\.0 universal"),
+    ("Zlib", r"altered source versions must be plainly marked as such"),
+    ("Unlicense", r"free and unencumbered software released into the public domain"),
+    ("ISC", r"permission to use, copy, modify, and/?(?:or)? distribute this software for any purpose with or"),
+    ("MIT", r"permission is hereby granted, free of charge, to any person obtaining a copy .{0,400}restriction"),
+)  # fmt: skip
+"""Phrases that occur in one licence only; the first one in the text counts."""
+
+_BSD = r"redistribution and use in source and binary forms, with or without modification"
+_BSD_3 = r"neither the name of .{1,200} may be used to endorse or promote"
+_BSD_4 = r"all advertising materials mentioning features"
+
+
+@lru_cache(maxsize=64)
+def identify(text: str) -> str | None:
+    r"""Return the SPDX identifier of a licence text, or None if it is not one of the common licences. No I/O.
+
+    A line `SPDX-License-Identifier: …` takes precedence over the text itself.
+
+    >>> identify("The MIT License\n\nPermission is hereby granted, free of charge, to any person\n"
+    ...          "obtaining a copy of this software, to deal in it without restriction")
+    'MIT'
+    """
+    declared = _DECLARED.search(text)
+    if declared is not None:
+        return declared[1]
+    plain = " ".join(re.sub(r"[\s#*/;]+", " ", text.casefold().replace("licence", "license")).split())
+    found: list[tuple[int, str]] = []
+    for name, phrase in _PHRASES:
+        if (match := re.search(phrase, plain)) is not None:
+            found.append((match.start(), name))
+    if (match := re.search(_BSD, plain)) is not None:
+        clauses = "BSD-4-Clause" if re.search(_BSD_4, plain) else "BSD-3-Clause"
+        found.append((match.start(), clauses if re.search(_BSD_3, plain) else "BSD-2-Clause"))
+    return min(found)[1] if found else None
+
+
+def licence_of(source: Source) -> str | None:
+    """Return the licence of a model as an SPDX expression, or None if it is not stated.
+
+    The model file itself comes first (`SPDX-License-Identifier`), then its licence files, then the package.
+    Different licence files are joined by AND.
+    """
+    if (declared := _DECLARED.search(_text(source.path, _HEAD))) is not None:
+        return declared[1]
+    named = sorted(
+        {name for path in source.licences if (name := identify(_text(path, _LARGEST))) is not None}
+    )
+    if named:
+        return " AND ".join(f"({each})" if " OR " in each and len(named) > 1 else each for each in named)
+    return source.licence if all(map(is_empty, source.licences)) else None
+
+
+def is_empty(licence: Path) -> bool:
+    """Return whether a licence file is blank."""
+    return not _text(licence, _LARGEST).strip()
+
+
+def _text(path: Path, size: int) -> str:
+    return _heads.ask(os.fspath(path)) if size == _HEAD else _texts.ask(os.fspath(path))
+
+
+def _read(path: str, size: int) -> str:
+    try:
+        with open_regular(path) as file:
+            return file.read(size).decode("utf-8", "replace")
+    except OSError:
+        return ""
+
+
+# Many models of one run share the same licence files.
+_heads = Memory(lambda path: _read(path, _HEAD), lambda _: "")
+_texts = Memory(lambda path: _read(path, _LARGEST), lambda _: "")
+
+
+_CLASSIFIERS = {
+    "Apache Software License": "Apache-2.0",
+    "MIT License": "MIT",
+    "MIT No Attribution License (MIT-0)": "MIT-0",
+    "ISC License (ISCL)": "ISC",
+    "Mozilla Public License 2.0 (MPL 2.0)": "MPL-2.0",
+    "GNU General Public License v2 (GPLv2)": "GPL-2.0-only",
+    "GNU General Public License v3 (GPLv3)": "GPL-3.0-only",
+    "CC0 1.0 Universal (CC0 1.0) Public Domain Dedication": "CC0-1.0",
+}
+_WRITTEN = {
+    "apache 2.0": "Apache-2.0",
+    "apache-2.0": "Apache-2.0",
+    "apache license 2.0": "Apache-2.0",
+    "apache license, version 2.0": "Apache-2.0",
+    "mit": "MIT",
+    "mit license": "MIT",
+    "bsd-3-clause": "BSD-3-Clause",
+    "bsd-2-clause": "BSD-2-Clause",
+    "isc": "ISC",
+    "mpl-2.0": "MPL-2.0",
+}
+
+
+def of_package(expression: str | None, written: str | None, classifiers: Iterable[str]) -> str | None:
+    """Return the licence in the metadata of a package: its `License-Expression`, `License`, or classifiers. No I/O.
+
+    >>> of_package(None, "Apache 2.0", [])
+    'Apache-2.0'
+    """
+    if expression:
+        return expression
+    if written and (named := _WRITTEN.get(written.strip().casefold()) or identify(written)):
+        return named
+    for classifier in classifiers:
+        if (named := _CLASSIFIERS.get(classifier.rpartition(" :: ")[2])) is not None:
+            return named
+    return None
+
+
+LEVELS = 3
+"""How many folders above its own a model's licence may be."""
+_NAME = re.compile(r"(licen[sc]e|copying|notice)s?([-_. ].*)?", re.IGNORECASE)
+_FOLDER = re.compile("licen[sc]es", re.IGNORECASE)
+_DEPTH = 3
+_NOT_TEXT = frozenset(
+    {".py", ".pyc", ".pyi", ".js", ".json", ".xml", ".yaml", ".yml", ".toml", ".sh", ".h", ".png"}
+)
+
+
+def find(model: Path, base: Path | None = None) -> tuple[Path, ...]:
+    """Return the licence files of the nearest folder that has any: the model's own, or one of the `LEVELS` above it.
+
+    All texts in a folder `LICENSES` count. The search stays inside `base`, does not go above a folder with `.git`,
+    and stops below the folder where Python packages are installed. Empty if there are none. Reads folders only, no
+    files.
+    """
+    folder = Path(real_folder(os.fspath(model.parent)))
+    top = Path(os.path.realpath(base)) if base is not None else None
+    for _ in range(LEVELS + 1):
+        if folder.name in ("site-packages", "dist-packages"):
+            break
+        if found := tuple(sorted(_in_folder(folder))):
+            return found
+        if folder in (top, folder.parent) or os.path.exists(folder / ".git"):
+            break
+        folder = folder.parent
+    return ()
+
+
+def _in_folder(folder: Path) -> list[Path]:
+    try:
+        return [path for name in licences_in(os.fspath(folder)) if os.path.isfile(path := folder / name)]
+    except OSError:
+        return []
+
+
+def is_licence(name: str) -> bool:
+    """Return whether a file name is that of a licence or a notice. No I/O.
+
+    >>> [name for name in ("LICENSE", "licence-mit.txt", "licenses.py", "NOTICED") if is_licence(name)]
+    ['LICENSE', 'licence-mit.txt']
+    """
+    return _NAME.fullmatch(name) is not None and _is_text(name)
+
+
+def licences_in(folder: str) -> list[str]:
+    """Return the sorted relative paths of the licences in a folder. Raises OSError.
+
+    All texts in a folder `LICENSES` count, as in the layout of REUSE and in a bundle.
+    """
+    names = _remembered.ask(folder)
+    found = [name for name in names if is_licence(name) and not os.path.isdir(os.path.join(folder, name))]
+    for name in filter(_FOLDER.fullmatch, names):
+        for path, _, files in os.walk(os.path.join(folder, name)):
+            below = os.path.relpath(path, folder)
+            found += [os.path.join(below, file) for file in files if _is_text(file)]
+    return sorted(found)
+
+
+def _names(folder: str) -> list[str]:
+    """What has to do with licences in a folder."""
+    return [name for name in os.listdir(folder) if is_licence(name) or _FOLDER.fullmatch(name)]
+
+
+# Each of many models looks in the same four folders.
+_remembered = Memory(_names, _names)
+
+
+def licence_folders(folder: str) -> list[str]:
+    """Return the folders `LICENSES` in a folder and all folders below them; none if it cannot be read."""
+    try:
+        names = [name for name in os.listdir(folder) if _FOLDER.fullmatch(name)]
+    except OSError:
+        return []
+    return sorted(path for name in names for path, _, _ in os.walk(os.path.join(folder, name)))
+
+
+def licence_names(folder: str) -> str:
+    """Return a text that changes when the licences in a folder change. Raises OSError.
+
+    Folders that may hold more licences are checked separately.
+    """
+    if any(map(_FOLDER.fullmatch, folder.split(os.sep)[-_DEPTH:])):
+        return "\n".join(sorted(os.listdir(folder)))
+    return "\n".join(sorted(name for name in os.listdir(folder) if is_licence(name)))
+
+
+def _is_text(name: str) -> bool:
+    return not name.startswith(".") and os.path.splitext(name)[1].lower() not in _NOT_TEXT

@@ -1,0 +1,311 @@
+"""The lock of a recipe as data and as a file, and sources that are resolved by it."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping as AbcMapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
+
+from mjcompose.base.access import Door
+from mjcompose.base.diagnostic import Span
+from mjcompose.base.files import CODE, Refused, read_regular
+from mjcompose.base.limits import in_force
+from mjcompose.base.sink import Sink
+from mjcompose.sources.fetching import Fetching, Lookup
+from mjcompose.sources.kinds import kind_called, parse
+from mjcompose.sources.reference import PINS, Source, SourceError, SourceKind
+from mjcompose.sources.trust import check_reach
+from mjcompose.text.load import load
+from mjcompose.text.node import Mapping, Scalar, locate, to_python
+
+FORMAT = 1
+_Sha256 = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
+_GitHash = Annotated[str, StringConstraints(pattern=r"^([0-9a-f]{40}|[0-9a-f]{64})$")]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, defer_build=True)
+
+
+class Locked(_Part):
+    """One source: a repository, an archive, a robot, a package, a file beside the recipe."""
+
+    kind: str
+    commit: _GitHash | None = None
+    tree: _GitHash | None = None
+    sha256: _Sha256 | None = None
+    package: str | None = None
+    version: str | None = None
+    files: dict[str, _Sha256]
+    licences: list[str] = Field(default_factory=list)
+    used_by: list[str] = Field(default_factory=list)
+
+    @property
+    def pin(self) -> str | None:
+        """The commit or sha256 that fetches the same bytes again."""
+        return self.commit or self.sha256
+
+
+if missing := {*PINS} - Locked.model_fields.keys():
+    raise TypeError(f"kinds of source pin {sorted(missing)}, and a lock has no such field")
+
+
+class Lock(_Part):
+    """All sources of a recipe and its nested recipes, by id; file names are relative to the source.
+
+    `mjcompose` and `mujoco` are the versions that the lock was made with. `shapes` has the sha256 of what was made of
+    each mesh and is kept beside the recipe, by its key.
+    """
+
+    lock: Literal[1] = 1
+    mjcompose: str
+    mujoco: str | None
+    sources: dict[str, Locked]
+    shapes: dict[_Sha256, _Sha256] = Field(default_factory=dict)
+
+
+def lock_path(recipe: Path) -> Path:
+    """Return the path of a recipe's lock: next to it, `arm.lock` for `arm.yaml`. No I/O.
+
+    >>> lock_path(Path("robots/recipe.yaml")).as_posix()
+    'robots/recipe.lock'
+    """
+    return recipe.with_suffix(".lock")
+
+
+def shapes_folder(lock: Path) -> Path:
+    """Where what is made of meshes is kept for everybody: beside the lock, `arm.shapes` for `arm.lock`. No I/O.
+
+    >>> shapes_folder(Path("robots/recipe.lock")).as_posix()
+    'robots/recipe.shapes'
+    """
+    return lock.with_suffix(".shapes")
+
+
+_MERGE = re.compile(r"^<<<<<<<( |$)", re.MULTILINE)
+
+
+def to_text(lock: Lock) -> str:
+    """Return the lock as text; equal locks have equal texts. No I/O."""
+    data = lock.model_dump(exclude_defaults=True)
+    data["sources"] = {
+        id: {**source, "files": dict(sorted(source["files"].items()))}
+        for id, source in sorted(data["sources"].items())
+    }
+    if lock.shapes:
+        data["shapes"] = dict(sorted(lock.shapes.items()))
+    return json.dumps({"lock": FORMAT, **data}, indent=2, ensure_ascii=False) + "\n"
+
+
+def kind_of(locked: Locked) -> SourceKind:
+    """Return the row of a source's kind. It exists, because a lock with an unknown kind is not read. No I/O."""
+    kind = kind_called(locked.kind)
+    assert kind is not None, locked.kind
+    return kind
+
+
+Disputed = dict[str, tuple[str, str]]
+"""Sources that the two sides of a merge pin differently, with both pins in words."""
+
+
+def read_lock(path: Path, shown: str, sink: Sink, disputes: Disputed | None = None) -> Lock | None:
+    """Return the lock in a file, or None if there is none or it cannot be read, which goes to `sink`.
+
+    If `disputes` is given, a lock with merge conflicts becomes the union of both sides; sources that they pin
+    differently go into `disputes`.
+    """
+    try:
+        text = read_regular(path, in_force().recipe_size)
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        why = (error.strerror or str(error)).lower()
+        sink.error("lock-invalid", f"the lock `{shown}` cannot be read: {why}")
+        return None
+    return from_text(text, shown, sink, disputes=disputes)
+
+
+def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | None = None) -> Lock | None:
+    """Parse a lock; the first fault goes to `sink` with its place. No I/O."""
+    plain = text.decode("utf-8", "replace") if isinstance(text, bytes) else text
+    if (mark := _MERGE.search(plain)) is not None:
+        return _in_a_merge(plain, mark.start(), shown, sink=sink, disputes=disputes)
+    own = Sink()
+    node = load(text, shown, own)
+    if own.errors:
+        first = own.sorted()[0]
+        sink.error("lock-invalid", f"`{shown}` is not a lock: {first.message}", first.span, help=_HELP)
+        return None
+    if not isinstance(node, Mapping):
+        sink.error(
+            "lock-invalid", f"`{shown}` is not a lock", None if node is None else node.span, help=_HELP
+        )
+        return None
+    version = node.entries.get("lock")
+    number = version[1] if version is not None else None
+    if isinstance(number, Scalar) and isinstance(number.value, int) and number.value > FORMAT:
+        sink.error(
+            "lock-invalid",
+            f"`{shown}` was written by a newer mjcompose: its format is {number.value}, this one knows {FORMAT}",
+            number.span,
+            help="update mjcompose, or remove the lock and run `mjcompose lock`",
+        )
+        return None
+    try:
+        lock = Lock.model_validate(to_python(node))
+    except ValidationError as error:
+        fault = error.errors()[0]
+        _report(fault["type"], tuple(fault["loc"]), node, shown=shown, sink=sink)
+        return None
+    unknown = [id for id, locked in lock.sources.items() if kind_called(locked.kind) is None]
+    if unknown:
+        _report("", ("sources", unknown[0], "kind"), node, shown=shown, sink=sink)
+        return None
+    if (
+        version is None or not isinstance(number, Scalar) or type(number.value) is not int
+    ):  # in Python, `True == 1`
+        _report("missing" if version is None else "", ("lock",), node, shown=shown, sink=sink)
+        return None
+    return lock
+
+
+def _in_a_merge(text: str, start: int, shown: str, sink: Sink, disputes: Disputed | None) -> Lock | None:
+    """Return what both sides pin if `disputes` is given; else report the fault at the first conflict marker."""
+    if disputes is not None:
+        ours, theirs = (from_text(side, shown, Sink()) for side in _sides(text))
+        if ours is not None and theirs is not None:
+            disputes.update(_disputed(ours, theirs))
+            return _both(ours, theirs)
+    line = text.count("\n", 0, start) + 1
+    help = "run `mjcompose lock`, which keeps what both sides pin"
+    if disputes is not None:
+        help = "take one side of the merge, and run `mjcompose lock`"
+    message = f"`{shown}` has the marks of a merge in it"
+    sink.error("lock-invalid", message, Span(shown, line, 1, end_line=line, end_column=8), help=help)
+    return None
+
+
+_HELP = "take the lock from version control, or remove it and run `mjcompose lock`"
+
+
+def _report(fault: str, path: tuple[str | int, ...], node: Mapping, shown: str, sink: Sink) -> None:
+    key = fault in ("missing", "extra_forbidden")
+    where = " / ".join(f"`{step}`" for step in path)
+    said = {
+        "missing": "is missing",
+        "extra_forbidden": "is not a key of a lock",
+        "string_pattern_mismatch": "is not a hash",
+    }.get(fault, "is not what it must be")
+    sink.error(
+        "lock-invalid", f"`{shown}` is not a lock: {where} {said}", locate(node, path, key=key), help=_HELP
+    )
+
+
+def _sides(text: str) -> tuple[str, str]:
+    r"""Return the text of each side of a file with conflict markers. No I/O.
+
+    >>> _sides("a\n<<<<<<< HEAD\nb\n||||||| base\nc\n=======\nd\n>>>>>>> x\ne\n")
+    ('a\nb\ne\n', 'a\nd\ne\n')
+    """
+    ours: list[str] = []
+    theirs: list[str] = []
+    writing: tuple[list[str], ...] = (ours, theirs)
+    for line in text.splitlines(keepends=True):
+        if line.startswith("<<<<<<<"):
+            writing = (ours,)
+        elif line.startswith("|||||||"):
+            writing = ()
+        elif line.startswith("======="):
+            writing = (theirs,)
+        elif line.startswith(">>>>>>>"):
+            writing = (ours, theirs)
+        else:
+            for each in writing:
+                each.append(line)
+    return "".join(ours), "".join(theirs)
+
+
+def _both(ours: Lock, theirs: Lock) -> Lock:
+    """Return everything that either side pins; for conflicts, our side. No I/O."""
+    both = {
+        id: _joined(ours.sources[id], locked) if id in ours.sources else locked
+        for id, locked in theirs.sources.items()
+    }
+    shapes = {**theirs.shapes, **ours.shapes}
+    return ours.model_copy(update={"sources": {**ours.sources, **both}, "shapes": shapes})
+
+
+def _disputed(ours: Lock, theirs: Lock) -> dict[str, tuple[str, str]]:
+    """Return the sources that the two sides pin differently, with both pins in words. No I/O.
+
+    The user's own files are not among them: they are hashed again.
+    """
+    found = {}
+    for id, mine in ours.sources.items():
+        other = theirs.sources.get(id)
+        if other is None or kind_of(mine).is_local:
+            continue
+        if mine.pin != other.pin or mine.version != other.version:
+            found[id] = (_pinned(mine), _pinned(other))
+        elif any(other.files.get(name, digest) != digest for name, digest in mine.files.items()):
+            found[id] = ("some bytes", "other bytes")
+    return found
+
+
+def _joined(mine: Locked, other: Locked) -> Locked:
+    return mine.model_copy(
+        update={
+            "files": {**other.files, **mine.files},
+            "licences": sorted({*mine.licences, *other.licences}),
+            "used_by": sorted({*mine.used_by, *other.used_by}),
+        }
+    )
+
+
+def _pinned(locked: Locked) -> str:
+    return locked.pin or f"version {locked.version}"
+
+
+def resolve(
+    reference: str, *, relative_to: Path, environment: AbcMapping[str, str], fetching: Fetching | None = None
+) -> Source:
+    """Find the file of a model reference and its licences; fetch it if necessary.
+
+    `relative_to` is the folder of the file that contains the reference; `environment` replaces the environment of
+    the process; `fetching` has the rules and the memory of the run. A reference in a fetched file may not name
+    anything on this machine. Raises SourceError.
+    """
+    fetching = Fetching() if fetching is None else fetching
+    parsed = parse(reference)
+    kind = kind_called(parsed.kind.name)
+    assert kind is not None, "what is parsed is of a kind"
+    if not kind.is_fetched:  # another variable could change the result without the build cache noticing
+        environment = {name: environment[name] for name in kind.variables if name in environment}
+    asking = fetching.around(relative_to)
+    is_confined = asking is not None and asking.is_fetched
+    if asking is not None and is_confined:
+        check_reach(parsed, kind, asking, trust=fetching.trust, offline=fetching.offline)
+        is_confined = not fetching.trust.allows(reference)
+    source = kind.resolve(parsed, Lookup(relative_to, environment, fetching, is_confined=is_confined))
+    if source.origin is not None:
+        fetching.origins[source.origin.id] = source.origin
+        fetching.first.setdefault(source.origin.id, source)
+        return _with_door(source, fetching.door_of_origin(source.origin))
+    return _with_door(source, fetching.door_of_model(source.path))
+
+
+def _with_door(source: Source, door: Door) -> Source:
+    """Return the source with its door, after the door has admitted its file and its licences, which may be links."""
+    try:
+        door.admit(source.path)
+        for licence in source.licences:
+            if licence.is_symlink():
+                door.admit(licence)
+    except Refused as refused:
+        raise SourceError(CODE, refused.message(), refused.help) from None
+    return replace(source, door=door)

@@ -1,0 +1,178 @@
+"""Model references to files of an installed Python package, which is located without importing it."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from importlib.machinery import ModuleSpec
+from importlib.util import find_spec
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
+
+from mjcompose.base.suggest import closest
+from mjcompose.sources import fetching as nearby
+from mjcompose.sources import licence
+from mjcompose.sources.fetching import Lookup
+from mjcompose.sources.licence import of_package
+from mjcompose.sources.reference import (
+    Form,
+    Origin,
+    Reference,
+    Source,
+    SourceError,
+    SourceKind,
+    always,
+    bare,
+    has_format,
+    malformed,
+    no_host,
+)
+
+if TYPE_CHECKING:
+    # Takes as long to import as the rest of the room together, so it is imported on first use.
+    from importlib.metadata import Distribution
+
+_FORM = Form("package:NAME/path/in/package.xml", "a file inside an installed Python package")
+
+
+def _parse(text: str) -> Reference:
+    name, _, path = bare(text, _FORM).partition("/")
+    if not name or not path.strip("/"):
+        lacks = "the file inside the package" if name else "the package"
+        raise malformed(text, _FORM, f"does not say {lacks}")
+    # Hyphens pass: a later error names the package for a distribution name as in `pip install`.
+    if not all(part.replace("-", "_").isidentifier() for part in name.split(".")):
+        raise malformed(text, _FORM, f"names `{name}`, which cannot be a Python package")
+    return Reference(text, KIND, name, path=path)
+
+
+def _resolve(reference: Reference, lookup: Lookup) -> Source:
+    """Return the file in a package, without running its code. Raises SourceError."""
+    inside = PurePosixPath(reference.path)
+    if inside.is_absolute() or ".." in inside.parts:
+        raise SourceError("source-kind", f"the model reference `{reference.text}` leaves the package")
+    roots = folders(reference.name)
+    if not roots:
+        raise _not_installed(reference)
+    if not has_format(inside):
+        raise nearby.without_suffix(reference.text, _existing(reference, roots))
+    for root in roots:
+        wanted = root / inside
+        if os.path.isfile(wanted):
+            return _found(reference, wanted, root)
+    raise nearby.not_found(reference.text, roots[0] / inside, _existing(reference, roots))
+
+
+def folders(name: str) -> list[Path]:
+    """Return the folders of an installed package, several for a namespace package; empty if there is none.
+
+    A dotted name is looked up as subfolders of its first component, because finding a subpackage imports its
+    parent.
+    """
+    top, *rest = name.split(".")
+    spec = _spec(top)
+    if spec is None or spec.submodule_search_locations is None:
+        return []
+    candidates = (Path(location, *rest) for location in spec.submodule_search_locations)
+    return [folder for folder in candidates if os.path.isdir(folder)]
+
+
+def _spec(top: str) -> ModuleSpec | None:
+    try:
+        return find_spec(top)
+    except (ImportError, ValueError):
+        return None
+
+
+def distribution(name: str) -> Distribution | None:
+    """Return the distribution that installed the package `name`, judged by its list of files."""
+    from importlib import metadata
+
+    top = name.partition(".")[0]
+    try:
+        same_name = metadata.distribution(top)
+    except metadata.PackageNotFoundError:
+        pass
+    else:
+        if any(file.parts[0] == top for file in same_name.files or ()):
+            return same_name
+    owners = metadata.packages_distributions().get(top, [])
+    return metadata.distribution(owners[0]) if owners else None
+
+
+def _found(reference: Reference, path: Path, root: Path) -> Source:
+    owner = distribution(reference.name)
+    licences = licence.find(path, root)
+    if not licences and owner is not None:
+        licences = tuple(sorted(_licences_of(owner)))
+    return Source(
+        path,
+        reference.kind,
+        reference.text,
+        package=owner.metadata["Name"] if owner is not None else reference.name,
+        version=owner.version if owner is not None else None,
+        licences=licences,
+        origin=Origin(reference.id, reference.kind, root),
+        licence=None if owner is None else _licence_of(owner),
+    )
+
+
+def _licence_of(owner: Distribution) -> str | None:
+    metadata = owner.metadata
+    written = {name: (metadata.get_all(name) or [None])[0] for name in ("License-Expression", "License")}
+    return of_package(written["License-Expression"], written["License"], metadata.get_all("Classifier") or ())
+
+
+def _licences_of(owner: Distribution) -> Iterator[Path]:
+    """Yield the licence files in a distribution's metadata."""
+    for file in owner.files or ():
+        if not file.parts[0].endswith((".dist-info", ".egg-info")):
+            continue
+        if licence.is_licence(file.name) or "licenses" in file.parts[1:-1]:
+            path = Path(str(owner.locate_file(file)))
+            if os.path.isfile(path):
+                yield path
+
+
+def _existing(reference: Reference, roots: list[Path]) -> list[str]:
+    return [
+        f"package:{reference.name}/{each}" for root in roots for each in nearby.model_files(root, depth=6)
+    ]
+
+
+def _not_installed(reference: Reference) -> SourceError:
+    from importlib import metadata
+
+    name, text = reference.name, reference.text
+    spec = _spec(name.partition(".")[0])
+    if spec is not None and spec.submodule_search_locations is None:
+        return SourceError("source-not-found", f"`{name}` is a Python module without a folder, in `{text}`")
+    known = {top: owners for top, owners in metadata.packages_distributions().items() if top.isidentifier()}
+    # The user may have written the distribution name, as in `pip install`, instead of the import name.
+    named = [top for top, owners in known.items() if _normalised(name) in map(_normalised, owners)]
+    near = named or closest(name, (top for top in known if not top.startswith("_")))
+    fix = f"write `package:{near[0]}/{reference.path}`" if near else "install the package with the model"
+    return SourceError("source-not-found", f"no Python package `{name}` is installed, in `{text}`", help=fix)
+
+
+def _normalised(distribution_name: str) -> str:
+    return re.sub(r"[-_.]+", "_", distribution_name).lower()
+
+
+KIND = SourceKind(
+    name="package",
+    forms=(_FORM,),
+    local_schemes=(),
+    separator="/",
+    is_local=False,
+    is_fetched=False,
+    runs_code=False,
+    pins=frozenset({"package", "version"}),
+    variables=("PYTHONPATH",),
+    libraries=(),
+    parse=_parse,
+    resolve=_resolve,
+    host=no_host,
+    is_of_this_machine=always,
+)

@@ -1,0 +1,334 @@
+"""A model reference and the source that it leads to, as data."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import field
+from pathlib import Path, PurePath
+from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
+
+from mjcompose.base.access import NOTHING, Door
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import DiagnosticError, hide
+from mjcompose.sources.ros import AS_WRITTEN, UrdfChoices
+
+if TYPE_CHECKING:
+    from urllib.parse import SplitResult
+
+    from mjcompose.sources.fetching import Lookup
+
+
+def take_apart(url: str, base: str = "") -> SplitResult | None:
+    """Split an address, relative to `base`; return None if it has no valid host. No I/O.
+
+    Python's own parser raises ValueError for unbalanced brackets, for a port that is not a number and for
+    characters that normalize to `/` or `@`.
+
+    >>> take_apart("https://host:8080/a.zip").port
+    8080
+    >>> take_apart("https://[::1/a.zip") is None
+    True
+    """
+    from urllib.parse import urljoin, urlsplit  # most builds fetch nothing
+
+    try:
+        parts = urlsplit(urljoin(base, url))
+        return parts if parts.hostname and parts.port != 0 else None
+    except ValueError:
+        return None
+
+
+class SourceError(DiagnosticError):
+    """A fault in a model reference; the notes say what exists, `help` what to write instead."""
+
+
+Pin = Literal["commit", "tree", "sha256", "package", "version"]
+"""What a lock can record about a source besides the hashes of its files."""
+
+PINS: tuple[Pin, ...] = get_args(Pin)
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """One way to write a reference: an example for messages and docs, and what it refers to."""
+
+    example: str
+    meaning: str
+
+    @property
+    def scheme(self) -> str:
+        """The text before the first colon; empty for a path, which has none.
+
+        >>> Form("menagerie:ROBOT/ENTRY", "a robot").scheme, Form("./arm.xml", "a file").scheme
+        ('menagerie', '')
+        """
+        scheme, colon, _ = self.example.partition(":")
+        return scheme if colon else ""
+
+
+@dataclass(frozen=True, slots=True)
+class Library:
+    """A Python package that a kind of reference needs, by its name on PyPI, and the extra of mjcompose with it."""
+
+    name: str
+    extra: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Kind:
+    """The facts about a kind of model reference. Every field is required.
+
+    | field | what it says |
+    |---|---|
+    | `name` | the name in locks, manifests, `plan --format json` and messages |
+    | `forms` | how references of the kind are written, one or more |
+    | `local_schemes` | further schemes, for a server on this machine only |
+    | `separator` | the text between the id of an origin and the path of a file in it |
+    | `is_local` | whether the files belong to the user, who may change them |
+    | `is_fetched` | whether the files are in mjcompose's store, separate from all other files of this machine |
+    | `runs_code` | whether resolving a reference runs code of the source |
+    | `pins` | what a lock records besides the hashes of the files |
+    | `variables` | the environment variables that determine the file of a reference |
+    | `libraries` | the Python packages that determine it; they need not be installed |
+
+    A change of one of `variables` or `libraries` makes entries of the build cache outdated. A kind that is not
+    fetched sees no other variables; one that is fetched sees all of them, because its bytes are pinned or requested
+    in every build.
+    """
+
+    name: str
+    forms: tuple[Form, ...]
+    local_schemes: tuple[str, ...]
+    separator: Literal["#", "/"]
+    is_local: bool
+    is_fetched: bool
+    runs_code: bool
+    pins: frozenset[Pin]
+    variables: tuple[str, ...]
+    libraries: tuple[Library, ...]
+
+    def check_pinned(self, **known: str | None) -> None:
+        """Raise ValueError if a source of this kind has a fact that its lock would not record."""
+        if missing := [pin for pin, value in known.items() if value is not None and pin not in self.pins]:
+            raise ValueError(
+                f"the kind {self.name!r} knows {missing}, and `pins` in its row does not name it"
+            )
+
+    def __post_init__(self) -> None:
+        if not self.name.isidentifier() or not self.forms:
+            raise ValueError(f"the kind {self.name!r} needs a name of letters and at least one form")
+        if self.is_local and (self.is_fetched or self.pins):
+            raise ValueError(f"the files of the kind {self.name!r} are the user's own: they are not pinned")
+        if not self.pins.issubset(PINS):
+            raise ValueError(
+                f"the kind {self.name!r} pins {sorted(self.pins.difference(PINS))}: no lock has that"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """The components of a model reference.
+
+    | kind | `name` | `path` |
+    |---|---|---|
+    | path | empty | the path as written |
+    | package | the Python package | the file inside of it |
+    | menagerie | the robot | the entry, empty for the robot's own model |
+    | descriptions | the description | empty |
+    | git | the URL of the repository | the file inside of it, at `revision` |
+    | archive | the URL of the archive | the file inside of it; `revision` is its sha256 if it is written |
+    """
+
+    text: str
+    kind: Kind
+    name: str
+    path: str
+    revision: str = ""
+
+    @property
+    def id(self) -> str:
+        """The reference without the file: what is fetched or installed as a whole."""
+        if self.kind.separator == "#":
+            return self.text.partition("#")[0]
+        return f"{self.text.partition(':')[0]}:{self.name}" if self.name else self.text
+
+
+CONTROL = re.compile(r"[\x00-\x1f\x7f]")
+_LOOPBACK = re.compile(r"(localhost|127(\.\d+){3}|\[::1\])(:\d+)?")
+
+
+def is_this_machine(host: str) -> bool:
+    """Return whether a host, with or without a port, is the loopback, which needs no encryption. No I/O."""
+    return _LOOPBACK.fullmatch(host) is not None
+
+
+def bare(text: str, form: Form) -> str:
+    """Return the text after the colon; leading slashes, a habit from other tools, are an error. Raises SourceError."""
+    rest = text.partition(":")[2]
+    if rest.startswith("/"):
+        stripped = rest.lstrip("/")
+        raise SourceError(
+            "source-kind",
+            f"the model reference `{text}` has slashes after `{form.scheme}:`",
+            help=f"write `{form.scheme}:{stripped}`" if stripped else f"write `{form.example}`",
+        )
+    return rest
+
+
+def malformed(text: str, form: Form, problem: str) -> SourceError:
+    """Return the error for a reference that lacks something of its form."""
+    return SourceError(
+        "source-kind", f"the model reference `{text}` {problem}", help=f"the form is `{form.example}`"
+    )
+
+
+def check_secrets(text: str, host: str) -> None:
+    """Refuse a secret in a reference, because locks and bundles would publish it. Raises SourceError."""
+    login, _, _ = host.rpartition("@")
+    user, colon, _ = login.partition(":")
+    shown = hide(text.replace(f"{login}@", f"{user}:…@", 1) if colon else text)
+    if colon or shown != text:
+        what = "password" if colon else "secret"
+        raise SourceError(
+            "source-kind",
+            f"the model reference `{shown}` holds a {what}, which would stand in the lock and in every bundle",
+            help="leave it out: git asks its own credential helper or ssh; an archive that wants a login is"
+            " downloaded first and named by a path",
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """A repository at a commit, an archive, a robot of Menagerie, or an installed package.
+
+    `id` is the model reference without the file (`git+https://host/repo@v1`); `root` is the folder that file names
+    are relative to. `commit` and `tree` are git's hashes, `sha256` that of an archive. `without` has the paths that
+    were left out when it was fetched, each with a description; `stored` has the sha256 of every file as it was put
+    into the store.
+    """
+
+    id: str
+    kind: Kind
+    root: Path
+    commit: str | None = None
+    tree: str | None = None
+    sha256: str | None = None
+    without: tuple[tuple[str, str], ...] = ()
+    stored: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)
+
+    def __post_init__(self) -> None:
+        self.kind.check_pinned(commit=self.commit, tree=self.tree, sha256=self.sha256)
+
+    @property
+    def is_fetched(self) -> bool:
+        """Whether its files are in the store, separate from all other files of this machine."""
+        return self.kind.is_fetched
+
+    def named(self, inside: str) -> str:
+        """Return the reference to a file in it, by its path from `root`."""
+        return f"{self.id}{self.kind.separator}{inside}"
+
+    @property
+    def pin(self) -> str | None:
+        """The commit or sha256 that fetches the same bytes again; None for an installed package."""
+        return self.commit or self.sha256
+
+
+_COMMIT = re.compile(r"[0-9a-f]{40}([0-9a-f]{24})?")
+
+
+def is_commit(text: str) -> bool:
+    """Return whether a text is a full commit hash. No I/O."""
+    return _COMMIT.fullmatch(text) is not None
+
+
+Format = Literal["recipe", "mjcf", "urdf"]
+
+FORMATS: dict[str, Format] = {
+    ".yaml": "recipe",
+    ".yml": "recipe",
+    ".xml": "mjcf",
+    ".mjcf": "mjcf",
+    ".urdf": "urdf",
+    ".xacro": "urdf",
+}
+"""The format of a file by its suffix in lower case."""
+
+
+ReadAs: TypeAlias = tuple[Path, tuple[tuple[str, Path], ...], UrdfChoices]
+"""A file, and how it is read; equal for sources that give the same model."""
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """The model file of a reference.
+
+    `reference` is the text as written. `package` and `version` name the distribution of the file; the version is
+    None if the file may differ from the distribution's; for a repository it is the commit, for an archive its
+    sha256. `licences` are the licence files of the model, sorted by name. `packages` are the folders for
+    `package://NAME` in URDF, if the recipe gives them. `origin` is what the file belongs to, None for a plain path.
+    `licence` is the SPDX expression of its package. `door` limits what the model may read.
+    `urdf` is how a URDF is to be read.
+    """
+
+    path: Path
+    kind: Kind
+    reference: str
+    package: str | None = None
+    version: str | None = None
+    licences: tuple[Path, ...] = ()
+    packages: tuple[tuple[str, Path], ...] = ()
+    origin: Origin | None = None
+    licence: str | None = None
+    door: Door = field(default=NOTHING, compare=False, repr=False)
+    urdf: UrdfChoices = AS_WRITTEN
+
+    def __post_init__(self) -> None:
+        belongs_to = self.kind if self.origin is None else self.origin.kind
+        belongs_to.check_pinned(package=self.package)
+
+    @property
+    def format(self) -> Format:
+        """The format of the file by its suffix; a file with another suffix never becomes a source."""
+        return FORMATS[self.path.suffix.lower()]
+
+    @property
+    def read_as(self) -> ReadAs:
+        return self.path, self.packages, self.urdf
+
+
+def has_format(path: PurePath) -> bool:
+    """Return whether the suffix is that of a recipe, MJCF or URDF. No I/O."""
+    return path.suffix.lower() in FORMATS
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SourceKind(Kind):
+    """A kind of model reference as a row of `mjcompose.sources.kinds.KINDS`. Every field is required.
+
+    `parse` takes the text of a reference apart, without I/O; `resolve` finds its file, and fetches it if necessary.
+    Both raise SourceError for a faulty reference. `host` returns the server of a reference, with its port, or None;
+    `is_of_this_machine` returns whether a reference without a server names something that only this machine has.
+    Neither does I/O; they decide whether a fetched recipe may contain the reference.
+    """
+
+    parse: Callable[[str], Reference]
+    resolve: Callable[[Reference, Lookup], Source]
+    host: Callable[[Reference], str | None]
+    is_of_this_machine: Callable[[Reference], bool]
+
+
+def no_host(reference: Reference) -> str | None:
+    """Return None, for kinds without a server."""
+    return None
+
+
+def always(reference: Reference) -> bool:
+    """Return True, for kinds whose references always name something on this machine."""
+    return True
+
+
+def never(reference: Reference) -> bool:
+    """Return False, for kinds whose references never name something that only this machine has."""
+    return False

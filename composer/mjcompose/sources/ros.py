@@ -1,0 +1,110 @@
+"""Folders of `package://` in URDF, and choices for reading one."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Literal
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.files import read_regular
+
+Visuals = Literal["keep", "drop"]
+Fixed = Literal["keep", "fuse"]
+Inertia = Literal["mend", "keep"]
+Actuators = Literal["declared", "all", "none"]
+
+
+@dataclass(frozen=True, slots=True)
+class UrdfChoices:
+    """What a recipe says beside a URDF: `arguments` of a xacro template, and the choices of `urdf:`.
+
+    None leaves it to the file, and where that says nothing to MuJoCo, which drops visuals and fuses fixed links.
+    """
+
+    arguments: tuple[tuple[str, str], ...] = ()
+    visuals: Visuals | None = None
+    fixed: Fixed | None = None
+    actuators: Actuators = "declared"
+    inertia: Inertia | None = None
+
+
+AS_WRITTEN = UrdfChoices()
+
+
+_REFERENCE = re.compile(r"(?:package|model):///*([^/\"'<>\s]+)/|\$\(find\s+([^)\s]+)\)")
+_NAME = re.compile(rb"<name>\s*([^<\s]+)\s*</name>")
+MANIFEST = "package.xml"
+_NO_SOURCES = frozenset({"build", "install", "log", "node_modules"})
+_DEPTH = 5
+
+
+def packages_in(text: str) -> tuple[str, ...]:
+    """Return the sorted names of the packages that a text refers to. No I/O.
+
+    >>> packages_in('<mesh filename="package://arm/a.stl"/> <mesh filename="package://arm/b.stl"/>')
+    ('arm',)
+    """
+    return tuple(sorted({one or other for one, other in _REFERENCE.findall(text)}))
+
+
+def folders(names: tuple[str, ...], urdf: Path, given: Mapping[str, Path]) -> dict[str, Path]:
+    """Return the folder of each package: the given one, or the nearest folder of that name above the file.
+
+    What a folder's `package.xml` calls it counts first. ROS keeps the description of a robot in the package that its
+    meshes are named by.
+    """
+    known = all_folders(urdf, given)
+    return {name: known[name] for name in names if name in known}
+
+
+def all_folders(urdf: Path, given: Mapping[str, Path]) -> dict[str, Path]:
+    """Every package that a file may name: those that are given, and the folders above it by all their names."""
+    above: dict[str, Path] = {}
+    for folder in reversed(list(_above(urdf))):
+        above[folder.name] = folder
+    for folder in reversed(list(_above(urdf))):  # a clone may be called otherwise than the package in it
+        if (called := _called(folder)) is not None:
+            above[called] = folder
+    return {**above, **given}
+
+
+def in_workspace(folder: Path) -> Iterator[tuple[str, Path]]:
+    """The packages in a folder and below, by their `package.xml`, sorted by path."""
+    waiting = [(folder, 0)]
+    while waiting:
+        at, depth = waiting.pop(0)
+        if (name := _called(at)) is not None:
+            yield name, at
+            continue
+        if depth < _DEPTH and not os.path.exists(at / "COLCON_IGNORE"):
+            try:
+                inner = sorted(each for each in at.iterdir() if os.path.isdir(each) and not each.is_symlink())
+            except OSError:
+                continue
+            waiting += [
+                (each, depth + 1)
+                for each in inner
+                if each.name not in _NO_SOURCES and not each.name.startswith(".")
+            ]
+
+
+def _called(folder: Path) -> str | None:
+    """What the `package.xml` of a folder calls its package."""
+    manifest = folder / MANIFEST
+    try:
+        found = _NAME.search(read_regular(manifest)) if os.path.isfile(manifest) else None
+    except OSError:
+        return None
+    return None if found is None else found[1].decode("utf-8", "replace")
+
+
+def beside(name: str, urdf: Path) -> Path | None:
+    """Return a folder of that name beside one above the file. It is probably meant, but only suggested."""
+    return next((found for folder in _above(urdf) if os.path.isdir(found := folder / name)), None)
+
+
+def _above(urdf: Path) -> Iterator[Path]:
+    yield from Path(os.path.abspath(urdf)).parents

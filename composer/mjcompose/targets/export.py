@@ -1,0 +1,204 @@
+"""A bundle is written for a target."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Cause, Note, Span
+from mjcompose.base.scratch import scratch
+from mjcompose.build.bundle.bundle import LICENCES, MANIFEST, WORLDS, Bundle
+from mjcompose.build.bundle.manifest import Aimed, LeftOut, files_of, from_json, index_of, with_manifest
+from mjcompose.build.bundle.staging import write_files
+from mjcompose.model.unit import Unit
+from mjcompose.mujoco import engine
+from mjcompose.mujoco.attributes import NameTable
+from mjcompose.mujoco.index import Index, index
+from mjcompose.mujoco.order import compiled_order
+from mjcompose.sources.context import Context
+from mjcompose.targets.plain import CannotBePlain, plain
+from mjcompose.targets.same import differences
+from mjcompose.targets.table import FEATURES, PLAIN, TARGETS
+from mjcompose.targets.target import Loss, grouped, in_words
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from mjcompose.mujoco.engine import Session
+
+MJCF = ".xml"
+
+
+def export(mujoco: Any, argument: dict[str, str]) -> dict[str, Any]:
+    """Write what the target `name` reads of the file `model` into the folder `out`.
+
+    It is called by `mjcompose.mujoco.engine.call`. It returns the losses, the differences between the plain
+    text and the
+    model (with any, no file is written), the names of the elements by kind, and, if MuJoCo can read what was
+    written, its index.
+    """
+    model, out = Path(argument["model"]), Path(argument["out"])
+    try:
+        draft = plain(mujoco, model)
+        written = PLAIN.write(draft)
+        _put(out, written)
+        again = mujoco.MjModel.from_xml_path(str(out / draft.output))
+    except (CannotBePlain, ValueError) as error:
+        return {"error": " ".join(str(error).split()), "losses": [], "differences": []}
+    found: dict[str, Any] = {
+        "error": None,
+        "differences": list(differences(draft.model, again)),
+        "names": NameTable(draft.model).names,
+    }
+    target = TARGETS[argument["name"]]
+    if target is not PLAIN:
+        for path in written:
+            (out / path).unlink()
+        for limit in target.limits:
+            limit.apply(draft)
+        _put(out, target.write(draft))
+    made = out / draft.output
+    found |= {"losses": [asdict(each) for each in draft.losses], "model": draft.output, "index": None}
+    if made.suffix == MJCF and draft.mujoco_reads:
+        found["index"] = index(mujoco.MjModel.from_xml_path(str(made)), mujoco)
+    return found
+
+
+def _put(folder: Path, files: dict[str, bytes]) -> None:
+    for path, content in files.items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_bytes(content)
+
+
+CANNOT, LOSS, FAILED = "target-cannot", "target-loss", "target-failed"
+
+
+def aimed(
+    bundle: Bundle, target: str, model: Unit, *, at: Span, context: Context, session: Session
+) -> Bundle | None:
+    """Return the bundle that `target` reads, made from a bundle that MuJoCo has verified.
+
+    Errors and losses go to the context's sink. `model` is the composed model, which knows where elements are
+    written; `at` is the place of losses that belong to no element. The result is None if the target cannot express
+    the model, or if MuJoCo reads the plain text as another model.
+    """
+    if WORLDS in bundle.files:
+        message = f"`{target}` has no room for worlds"
+        context.sink.error(CANNOT, message, at, help="write `emit: models` in `randomize`")
+        return None
+    with scratch("target") as folder:
+        source, out = Path(folder, "in"), Path(folder, "out")
+        source.mkdir()
+        out.mkdir()
+        write_files(bundle, source)
+        asked = {"name": target, "model": str(source / bundle.model), "out": str(out)}
+        answer = engine.call(session, export, (), argument=asked)
+        wrong = answer.error if not answer.ok else answer.value["error"]
+        if wrong is not None:
+            said = engine.without_folder(engine.without_folder(wrong, out), source)
+            context.sink.error(FAILED, f"the model cannot be written for `{target}`: {said}", at)
+            return None
+        made = _files(out)
+    found: dict[str, Any] = answer.value
+    for each in found["differences"]:
+        context.sink.error(
+            FAILED, f"MuJoCo reads the plain text of the model back as another one: {each}", at,
+            cause=Cause(f"{FAILED} {target}", each),
+        )  # fmt: skip
+    losses = [Loss(**each) for each in found["losses"]]
+    places = _Places(model, found["names"])
+    for loss in losses:
+        if loss.refused:
+            cause = Cause(f"{loss.feature} {loss.why}", loss.shown)
+            span = places.span(loss) or at
+            context.sink.error(CANNOT, f"{loss.shown}: {loss.why}", span, help=loss.help, cause=cause)
+    _warn(target, [loss for loss in losses if not loss.refused], places, at=at, context=context)
+    if found["differences"] or any(loss.refused for loss in losses):
+        return None
+    return _bundle(bundle, target, found, made=made, losses=losses)
+
+
+def _warn(target: str, losses: Sequence[Loss], places: _Places, at: Span, context: Context) -> None:
+    """Report all losses in one warning, with a line for each kind."""
+    title = TARGETS[target].title
+    groups = sorted(grouped(losses), key=lambda group: group[0].otherwise)
+    lines = [(places.span(group[0]) or at, in_words(title, group)) for group in groups]
+    ignored = sum(not group[0].otherwise for group in groups)
+    if not groups:
+        return
+    (span, message), *others = lines
+    notes: list[Note] = []
+    if others:
+        if ignored > 1:
+            message = f"{title} ignores {ignored} kinds of what is in the model"
+        notes = [Note("\n".join(f"{place}: {words}" for place, words in lines))]
+    help = "the manifest names all of these elements under `target`" if others else None
+    context.sink.warning(LOSS, message, span, notes=notes, help=help)
+
+
+def _files(folder: Path) -> dict[str, bytes]:
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if os.path.isfile(path)
+    }
+
+
+def _bundle(
+    bundle: Bundle, target: str, found: Mapping[str, Any], made: Mapping[str, bytes], losses: Sequence[Loss]
+) -> Bundle:
+    """Return the files, with the licences and the manifest of the model from which they are made."""
+    licences = {path: text for path, text in bundle.files.items() if path.startswith(f"{LICENCES}/")}
+    aimed = Bundle({**made, **licences}, found["model"])
+    manifest = from_json(bundle.files[MANIFEST])
+    title = TARGETS[target].title
+    left_out = tuple(
+        LeftOut(
+            feature=FEATURES[group[0].feature], tag=group[0].tag, why=in_words(title, group), count=len(group),
+            names=tuple(loss.name for loss in group if loss.name),
+        )
+        for group in grouped(losses)
+    )  # fmt: skip
+    index = None if found["index"] is None else index_of(Index.from_data(found["index"]))
+    return with_manifest(
+        aimed,
+        manifest.model_copy(
+            update={
+                "model": aimed.model,
+                "target": Aimed(name=target, left_out=left_out),
+                "files": files_of(aimed),
+                "index": index,
+                "parts": (),
+            }
+        ),
+    )
+
+
+@dataclass(slots=True)
+class _Places:
+    """Finds where the elements of a compiled model are written."""
+
+    model: Unit
+    names: Mapping[str, Sequence[str]]
+    _order: Mapping[str, Sequence[Node | None]] = field(default_factory=dict)
+
+    def span(self, loss: Loss) -> Span | None:
+        """Return the place of the element, or None for a copy that MuJoCo has made."""
+        node = self._node(loss) if loss.kind else None
+        return None if node is None else self.model.origins.span(node, self.model.file)
+
+    def _node(self, loss: Loss) -> Node | None:
+        self._order = self._order or compiled_order(self.model.root)
+        nodes = self._order.get(loss.kind, ())
+        if len(nodes) == len(self.names.get(loss.kind, ())) and None not in nodes:
+            return nodes[loss.number]
+        return next(self._called(nodes, loss.name), None)
+
+    def _called(self, nodes: Sequence[Node | None], name: str) -> Iterator[Node]:
+        for node in nodes:
+            if name and node is not None and node.get("name") == name:
+                yield node

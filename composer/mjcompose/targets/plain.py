@@ -1,0 +1,477 @@
+"""The plainest MJCF of a model, pass by pass.
+
+Pass: write every mesh as an OBJ file with the vertices of MuJoCo's compiled mesh, in its own frame.
+
+MuJoCo's compiler moves each mesh into a frame of its own, and its geoms accordingly. With these vertices and geoms,
+a program that uses files unchanged sees the same surface.
+"""
+
+from __future__ import annotations
+
+import copy
+import posixpath
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from mjcompose.model.classes import ORIENTATIONS, Classes, chain, given, text_in_effect
+from mjcompose.model.files import file_attributes, join
+from mjcompose.model.grammar import GRAMMAR, number_text
+from mjcompose.model.select import kind_of
+from mjcompose.model.values import items, parse_real
+from mjcompose.mujoco.arrays import words
+from mjcompose.mujoco.attributes import NameTable
+from mjcompose.mujoco.facts import save_all_digits
+from mjcompose.mujoco.order import compiled_order
+from mjcompose.targets.target import Draft
+
+
+def text(values: Any) -> str:
+    """Return one or several numbers with the fewest digits that their precision needs.
+
+    >>> text([0.1, 2.0]), text(np.float32(0.1))
+    ('0.1 2', '0.1')
+    """
+    return " ".join(_one(value) for value in np.ravel(values))
+
+
+def _one(value: Any) -> str:
+    if isinstance(value, np.integer):
+        return str(int(value))
+    if isinstance(value, np.bool_):
+        return "true" if value else "false"
+    if value == 0:
+        return "0"
+    plain = 1e-5 <= abs(value) < 1e16
+    write = np.format_float_positional if plain else np.format_float_scientific
+    return write(value, trim="-", unique=True)
+
+
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+
+
+def saved(mujoco: Any, spec: Any) -> Node:
+    """Return the tree that MuJoCo saves for a compiled spec. Angles are in radians."""
+    compiler = spec.compiler
+    for setting in ("savecompiled", "savecanonical"):
+        if hasattr(compiler, setting):
+            setattr(compiler, setting, True)
+    save_all_digits(mujoco)
+    # A comment may contain `--`, which MuJoCo reads and writes although XML does not allow it.
+    root = etree.fromstring(_COMMENT.sub("", spec.to_xml()))
+    for text in root.iterfind("custom/text"):
+        if text.text and text.get("data") is None:  # MuJoCo saves what has to be escaped as CDATA
+            text.set("data", str(text.text))
+            text.text = None
+    for element in root.iter("*"):
+        kind = kind_of(element)
+        for name, value in element.items():
+            attribute = kind.attributes.get(str(name))
+            if attribute is not None and attribute.is_number:
+                element.set(str(name), _short(str(value)))
+    return root
+
+
+def _short(value: str) -> str:
+    """Return the same numbers with the fewest digits: MuJoCo writes 0.1 as 0.10000000000000001."""
+    found = [parse_real(each) for each in items(value)]
+    return value if None in found else " ".join(number_text(each) for each in found if each is not None)
+
+
+def without_classes(root: Node) -> None:
+    """Write all values that elements get from their classes, then remove the classes.
+
+    >>> from lxml import etree
+    >>> classes = '<default><geom friction=".5"/></default>'
+    >>> root = etree.fromstring(f'<mujoco>{classes}<worldbody><geom size="1"/></worldbody></mujoco>')
+    >>> without_classes(root)
+    >>> etree.tostring(root)
+    b'<mujoco><worldbody><geom size="1" friction=".5 0.005 0.0001"/></worldbody></mujoco>'
+    """
+    classes = Classes(root)
+    found = []
+    for section in root.iterchildren("*"):
+        if section.tag != "default":
+            for element in section.iter("*"):
+                kind = kind_of(element)
+                names = [attribute.name for attribute, _ in given(element, kind, classes)]
+                if element.tag == "material":
+                    _layers(element, classes)
+                found.append(
+                    (element, {name: text_in_effect(element, kind, name, classes=classes) for name in names})
+                )
+    for element, texts in found:
+        for name, text in texts.items():
+            if text is not None:
+                element.set(name, _trimmed(text) if name in _POLYNOMIALS else text)
+    for element in root.iter("*"):
+        for name in ("class", "childclass") if element.tag != "default" else ():
+            element.attrib.pop(name, "")
+    for section in list(root.iterchildren("default")):
+        root.remove(section)
+
+
+_POLYNOMIALS = ("damping", "stiffness")
+"""What older versions of MJCF, and what reads those, have one number for."""
+
+
+def _trimmed(text: str) -> str:
+    words = text.split()
+    while len(words) > 1 and float(words[-1]) == 0:
+        words.pop()
+    return " ".join(words)
+
+
+def _layers(material: Node, classes: Classes) -> None:
+    """Write the textures of a material by their roles. Those of the class count if the material has none of its own."""
+    if next(material.iterchildren("layer"), None) is not None:
+        return
+    for each in chain(material, classes):
+        for writer in reversed(each.elements.get("material", [])):
+            layers = list(writer.iterchildren("layer"))
+            if layers:
+                material.extend(copy.deepcopy(layers))
+                return
+
+
+def without_frames(root: Node) -> None:
+    """Replace each frame by its children.
+
+    >>> from lxml import etree
+    >>> inner = "<frame><body/><frame><geom/></frame></frame><site/>"
+    >>> root = etree.fromstring(f"<mujoco><worldbody>{inner}</worldbody></mujoco>")
+    >>> without_frames(root)
+    >>> [str(each.tag) for each in root[0]]
+    ['body', 'geom', 'site']
+    """
+    for frame in list(root.iter("frame"))[::-1]:
+        holder = frame.getparent()
+        assert holder is not None
+        at = holder.index(frame)
+        holder[at : at + 1] = list(frame)
+
+
+def keep_files(root: Node, folder: Path, spec: Any) -> dict[str, bytes]:
+    """Return the content of the files by path. Meshes are not among them: they are written anew. Raises OSError."""
+    files: dict[str, bytes] = {}
+    for element, attribute, name in list(file_attributes(root)):
+        if element.tag == "mesh":
+            continue
+        under = spec.texturedir if element.tag == "texture" else spec.meshdir
+        path = join(under or "", posixpath.basename(name) if spec.strippath else name)
+        element.set(attribute, path)
+        files[path] = (folder / path).read_bytes()
+    return files
+
+
+FOLDER = "assets"
+_GONE = (
+    "file", "content_type", "vertex", "normal", "texcoord", "face", "refpos", "refquat", "scale", "smoothnormal",
+    "builtin", "params",
+)  # fmt: skip
+_NOT_IN_FILES = re.compile(r"[^A-Za-z0-9_.-]+")
+
+
+def write_meshes(root: Node, model: Any, names: list[str]) -> dict[str, bytes]:
+    """Make each mesh name its file, and return the files by path. `names` are those of the compiled meshes."""
+    ids = {name: number for number, name in enumerate(names)}
+    files: dict[str, bytes] = {}
+    for mesh in root.iterfind("asset/mesh"):
+        number = ids[mesh.get("name") or _stem(str(mesh.get("file")))]
+        if next(mesh.iterchildren("plugin"), None) is not None:
+            continue  # a plugin makes its surface
+        mesh.set("name", names[number])
+        for attribute in _GONE:
+            mesh.attrib.pop(attribute, "")
+        path = _free(f"{FOLDER}/{_NOT_IN_FILES.sub('_', names[number])}", files)
+        mesh.set("file", path)
+        files[path] = obj(model, number)
+    return files
+
+
+def obj(model: Any, number: int) -> bytes:
+    """Return a mesh of a compiled model as an OBJ file."""
+    return ("\n".join(_lines(model, number)) + "\n").encode()
+
+
+def _lines(model: Any, number: int) -> Iterator[str]:
+    vertices = _run(model.mesh_vert, model.mesh_vertadr[number], model.mesh_vertnum[number])
+    normals = _run(model.mesh_normal, model.mesh_normaladr[number], model.mesh_normalnum[number])
+    faces = slice(model.mesh_faceadr[number], model.mesh_faceadr[number] + model.mesh_facenum[number])
+    corners = [model.mesh_face[faces], model.mesh_facenormal[faces]]
+    yield from ("v {:.9g} {:.9g} {:.9g}".format(*each) for each in vertices.tolist())
+    if model.mesh_texcoordadr[number] >= 0:
+        coordinates = _run(
+            model.mesh_texcoord, model.mesh_texcoordadr[number], model.mesh_texcoordnum[number]
+        )
+        # MuJoCo flips the second texture coordinate of OBJ files.
+        yield from (f"vt {u:.9g} {np.float32(1) - np.float32(v):.9g}" for u, v in coordinates.tolist())
+        corners.insert(1, model.mesh_facetexcoord[faces])
+    yield from ("vn {:.9g} {:.9g} {:.9g}".format(*each) for each in normals.tolist())
+    between = "/" if len(corners) == 3 else "//"
+    for face in np.stack(corners, axis=-1) + 1:
+        yield "f " + " ".join(between.join(map(str, corner)) for corner in face.tolist())
+
+
+def _run(array: Any, start: int, count: int) -> Any:
+    return array[start : start + count]
+
+
+def _stem(file: str) -> str:
+    name = file.replace("\\", "/").rpartition("/")[2]
+    return name.rpartition(".")[0] or name
+
+
+def _free(path: str, files: dict[str, bytes]) -> str:
+    taken = {each.casefold() for each in files}
+    number, found = 1, f"{path}.obj"
+    while found.casefold() in taken:
+        number, found = number + 1, f"{path}_{number + 1}.obj"
+    return found
+
+
+_DYNAMICS = ("dyntype", "dynprm", "actrange", "actlimited", "actdim", "actearly")
+_MOTOR = {
+    *GRAMMAR.element("actuator/motor").attributes,
+    "gaintype",
+    "gainprm",
+    "biastype",
+    "biasprm",
+    "input",
+}
+_GAIN = ("gaintype", "gainprm", "biastype", "biasprm", "input")
+
+
+def simple_actuators(root: Node, *, any_input: bool = False) -> None:
+    """Rename each `general` actuator that has a simpler form.
+
+    MuJoCo 4 records what the control of an actuator means. With `any_input`, its gains alone decide whether it is a
+    servo.
+
+    >>> from lxml import etree
+    >>> servo = '<general joint="j" biastype="affine" gainprm="5" biasprm="0 -5 -1"/>'
+    >>> root = etree.fromstring(f"<mujoco><actuator>{servo}</actuator></mujoco>")
+    >>> simple_actuators(root, any_input=True)
+    >>> etree.tostring(root[0][0])
+    b'<position joint="j" kp="5" kv="1"/>'
+    """
+    unsaid = "" if any_input else "pos"
+    for actuator in list(root.iterfind("actuator/general")):
+        if any(actuator.get(name) for name in _DYNAMICS) or actuator.get("gaintype", "fixed") != "fixed":
+            continue
+        gain, bias = _numbers(actuator, "gainprm", 1.0), _numbers(actuator, "biasprm", 0.0)
+        affine = actuator.get("biastype", "none") == "affine"
+        said = actuator.get("input", "")
+        if any(gain[1:]) or any(bias[3:]) or not _MOTOR.issuperset(map(str, actuator.keys())):
+            continue
+        if not affine and gain[0] == 1 and actuator.get("biastype", "none") == "none" and not said:
+            _rename(actuator, "motor", {})
+        elif affine and said in ("pos", unsaid) and _is_position(gain[0], bias):
+            kv = {"kv": -bias[2]} if bias[2] else {}
+            _rename(actuator, "position", {"kp": gain[0], **kv})
+        elif (
+            affine
+            and not bias[0]
+            and not bias[1]
+            and bias[2] == -gain[0]
+            and said in ("vel", unsaid and "vel")
+        ):
+            _rename(actuator, "velocity", {"kv": gain[0]})
+
+
+def _is_position(gain: float, bias: list[float]) -> bool:
+    return not bias[0] and bias[1] == -gain and gain > 0 and bias[2] <= 0
+
+
+def _rename(actuator: Node, tag: str, values: dict[str, float]) -> None:
+    actuator.tag = tag
+    for name in _GAIN:
+        actuator.attrib.pop(name, "")
+    for name, value in values.items():
+        actuator.set(name, f"{value!r}".removesuffix(".0"))
+
+
+def _numbers(actuator: Node, name: str, first: float) -> list[float]:
+    written = [float(each) for each in (actuator.get(name) or "").split()]
+    return [*written, *([first, 0.0, 0.0])[len(written) :]]
+
+
+Elements = Mapping[str, Sequence[Node]]
+"""By kind: the elements in the order of the compiled model."""
+
+_MESHES = ("mesh", "sdf")
+
+
+def write_values(mujoco: Any, model: Any, elements: Elements) -> None:
+    """Write the compiled values of everything in the body tree."""
+    for number, body in enumerate(elements["body"]):
+        if number:
+            _place(body, model.body_pos[number], model.body_quat[number])
+            _inertia(model, number, body)
+    for number, joint in enumerate(elements["joint"]):
+        if joint.tag == "freejoint":
+            joint.set("align", "false")  # has been done
+        else:
+            joint.set("type", words(mujoco, "jnt_type")[int(model.jnt_type[number])])
+            _joint(model, number, joint)
+    for number, geom in enumerate(elements["geom"]):
+        _shape(geom, words(mujoco, "geom_type")[int(model.geom_type[number])], model.geom_size[number])
+        _place(geom, model.geom_pos[number], model.geom_quat[number])
+        _geom(model, number, geom)
+    for number, site in enumerate(elements["site"]):
+        _shape(site, words(mujoco, "site_type")[int(model.site_type[number])], model.site_size[number])
+        _place(site, model.site_pos[number], model.site_quat[number])
+        # MuJoCo 3.12 saves no `class="main"`, which keeps a site out of the class of its body.
+        site.set("group", text(model.site_group[number]))
+        if site.get("material") is None:
+            site.set("rgba", text(model.site_rgba[number]))
+    for number, camera in enumerate(elements["camera"]):
+        _place(camera, model.cam_pos[number], model.cam_quat[number])
+    for number, light in enumerate(elements["light"]):
+        light.set("pos", text(model.light_pos[number]))
+        light.set("dir", text(model.light_dir[number]))
+
+
+def _place(element: Node, pos: Any, quat: Any) -> None:
+    for name in ORIENTATIONS:
+        element.attrib.pop(name, "")
+    element.set("pos", text(pos))
+    element.set("quat", text(quat))
+
+
+def _inertia(model: Any, number: int, body: Node) -> None:
+    for old in list(body.iterchildren("inertial")):
+        body.remove(old)
+    # MuJoCo 4.0 gives a body without one the `pos` of the body as its centre of mass.
+    inertial = etree.Element("inertial", mass=text(model.body_mass[number]))
+    _place(inertial, model.body_ipos[number], model.body_iquat[number])
+    inertial.set("diaginertia", text(model.body_inertia[number]))
+    body.insert(0, inertial)
+
+
+_SPINNING = ("hinge", "slide")
+
+
+def _joint(model: Any, number: int, joint: Node) -> None:
+    joint.set("pos", text(model.jnt_pos[number]))
+    limited = bool(model.jnt_limited[number])
+    joint.set("limited", "true" if limited else "false")
+    dof = int(model.jnt_dofadr[number])
+    if joint.get("type") in _SPINNING:
+        joint.set("axis", text(model.jnt_axis[number]))
+    if limited:
+        joint.set("range", text(model.jnt_range[number]))
+    for name, value in (
+        ("armature", model.dof_armature[dof]), ("frictionloss", model.dof_frictionloss[dof]),
+        ("damping", model.dof_damping[dof]), ("stiffness", model.jnt_stiffness[number]),
+    ):  # fmt: skip
+        if joint.get(name) is None:
+            joint.set(name, text(value))
+
+
+_SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2}
+
+
+def _shape(element: Node, shape: str, size: Any) -> None:
+    element.attrib.pop("fromto", "")
+    element.set("type", shape)
+    if shape in _MESHES or shape == "hfield":
+        if element.tag == "geom":
+            element.attrib.pop("size", "")
+    else:
+        count = _SIZES.get(shape, 3)
+        element.set("size", text(size if size[count:].any() else size[:count]))
+        element.attrib.pop("mesh", "")
+    element.attrib.pop("fitscale", "")
+
+
+_GEOM = ("contype", "conaffinity", "condim", "friction", "group")
+
+
+def _geom(model: Any, number: int, geom: Node) -> None:
+    for name in _GEOM:
+        geom.set(name, text(getattr(model, f"geom_{name}")[number]))
+    for name in ("mass", "density", "shellinertia"):
+        geom.attrib.pop(name, "")  # the inertia of its body is written
+    if model.body_mass[model.geom_bodyid[number]] == 0:
+        geom.set("mass", "0")
+    if geom.get("material") is None:
+        geom.set("rgba", text(model.geom_rgba[number]))
+
+
+_DONE = (
+    "boundmass", "boundinertia", "balanceinertia", "settotalmass", "fusestatic", "discardvisual", "alignfree",
+    "fitaabb", "inertiagrouprange", "saveinertial", "savecompiled", "savecanonical", "strippath", "meshdir",
+    "texturedir",
+    "assetdir", "eulerseq", "passthrough",
+)  # fmt: skip
+
+_WITH_INPUTS = 4_000_000
+"""MuJoCo before 4.0 saves a servo as its gains alone."""
+
+
+class CannotBePlain(Exception):
+    """Raised if MuJoCo saves another number of elements than the model has."""
+
+
+def plain(mujoco: Any, path: Path) -> Draft:
+    """Return the draft of the model in a file. Raises CannotBePlain, and ValueError for a model that MuJoCo refuses."""
+    spec = mujoco.MjSpec.from_file(str(path))
+    model = spec.compile()
+    root = saved(mujoco, spec)
+    without_classes(root)
+    without_frames(root)
+    names = NameTable(model)
+    elements = {
+        kind: [each for each in nodes if each is not None] for kind, nodes in compiled_order(root).items()
+    }
+    for kind in (
+        "body",
+        "joint",
+        "geom",
+        "site",
+        "camera",
+        "light",
+        "actuator",
+        "equality",
+        "tendon",
+        "sensor",
+    ):
+        if len(elements[kind]) != names.count(kind):
+            count = f"{len(elements[kind])} of {names.count(kind)}"
+            raise CannotBePlain(f"MuJoCo {mujoco.__version__} saves {count} elements of the kind {kind}")
+    _compiler(root)
+    files = keep_files(root, path.parent, spec)
+    files |= write_meshes(root, model, names.names["mesh"])
+    write_values(mujoco, model, elements)
+    _materials(model, elements, names)
+    simple_actuators(root, any_input=mujoco.mj_version() < _WITH_INPUTS)
+    elements["actuator"] = list(root.iterfind("actuator/*"))
+    etree.indent(root)
+    return Draft(mujoco, model, root, files=files, elements=elements)
+
+
+def _compiler(root: Node) -> None:
+    """Remove the compiler settings that are already applied to the values."""
+    for compiler in root.iterchildren("compiler"):
+        for name in _DONE:
+            compiler.attrib.pop(name, "")
+        compiler.set("inertiafromgeom", "false")
+
+
+def _materials(model: Any, elements: dict[str, list[Node]], names: NameTable) -> None:
+    """Write the material of each geom and site.
+
+    MuJoCo 4.0 does not save `material=""`, which undoes the material of a class.
+    """
+    for kind in ("geom", "site"):
+        for number, element in enumerate(elements[kind]):
+            material = int(getattr(model, f"{kind}_matid")[number])
+            element.attrib.pop("material", "")
+            if material >= 0:
+                element.set("material", names.names["material"][material])

@@ -1,0 +1,179 @@
+"""Facts of a model as MuJoCo has it, or a simulator that is made of a `mujoco.MjModel`. The names are MuJoCo's.
+
+`composer/mjcompose/targets/judge.py` uses it for what the other programs are compared with.
+"""
+
+import json
+import sys
+from typing import Any
+
+import numpy as np
+
+FREE, BALL, SLIDE, HINGE = range(4)
+_JOINT, _FIXED, _NO_DYNAMICS, _AFFINE = 0, 0, 0, 1  # mjTRN_JOINT, mjGAIN_FIXED, mjDYN_NONE, mjBIAS_AFFINE
+STEP = 0.0005
+"""Of a motion, in seconds."""
+_FORCE_FREE = ("mjDSBL_CONTACT", "mjDSBL_LIMIT", "mjDSBL_EQUALITY", "mjDSBL_ACTUATION")
+SHAPES = ("plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf")
+
+
+def write_facts(version, model, array, placed, moved):
+    """Write the facts of a model to `argv[3]`, with those of the questions in `argv[2]`.
+
+    `array(name)` is an array of the simulator's model. `placed(qpos)` gives the positions and the matrices of all
+    bodies, `(poses, nbody, 3)` and `(poses, nbody, 3, 3)`, for joint positions `(poses, nq)`. `moved(qpos, steps)` is
+    where the joints are after a motion.
+    """
+    with open(sys.argv[2]) as file:
+        asked = json.load(file)
+    rows = [qpos(model, pose) for pose in asked["poses"]]
+    xpos, xmat = map(np.asarray, placed(np.array(rows))) if rows else ([], [])
+    found = {"version": version, **numbers(model, array), "poses": poses(model, xpos, xmat)}
+    if asked["seconds"]:
+        end = moved(qpos(model, asked["home"]), round(asked["seconds"] / STEP))
+        found["motion"] = motion(model, np.asarray(end))
+    with open(sys.argv[3], "w") as file:
+        json.dump(found, file)
+
+
+def numbers(model: Any, array: Any) -> Any:
+    """Return the facts without poses: of bodies, joints and actuators by name, and the count of each shape."""
+    shapes = [SHAPES[kind] for kind in np.asarray(array("geom_type")).tolist() if kind < len(SHAPES)]
+    found = {
+        "bodies": {
+            model.body(number).name: body(array, number)
+            for number in range(1, model.nbody)
+            if model.body(number).name
+        },
+        "joints": {
+            model.joint(number).name: joint(model, array, number)
+            for number in range(model.njnt)
+            if model.joint(number).name and model.jnt_type[number] != FREE
+        },
+        "actuators": {
+            model.actuator(number).name: actuator(model, array, number)
+            for number in range(model.nu)
+            if model.actuator(number).name
+        },
+        "shapes": {kind: shapes.count(kind) for kind in sorted(set(shapes))},
+    }
+    for number in range(model.njnt):
+        name = model.joint(number).name
+        if (
+            name in found["joints"]
+            and model.jnt_type[number] in (HINGE, SLIDE)
+            and not model.jnt_actgravcomp[number]
+        ):
+            found["joints"][name]["force"] = _force(found["joints"][name], name, model, array=array)
+    return found
+
+
+def _force(joint, name, model, array):
+    """Return the greatest force at a joint, by its own limit and the sum of those of its actuators; None without."""
+    drives = [
+        actuator(model, array, number)
+        for number in range(model.nu)
+        if model.actuator_trntype[number] == _JOINT
+        and model.joint(int(model.actuator_trnid[number][0])).name == name
+    ]
+    ends = [each.get("effort") or [None] for each in drives]
+    both = [max((abs(end) for end in each), default=0) for each in ends if None not in each]
+    limits = [max(map(abs, joint["effort"]))] if joint["effort"] else []
+    if drives and len(both) == len(drives):
+        limits.append(sum(both))
+    return min(limits, default=None)
+
+
+def without_forces(mujoco: Any, model: Any) -> Any:
+    """Prepare a model for a motion without contacts, limits, constraints and actuators."""
+    for flag in _FORCE_FREE:
+        model.opt.disableflags |= int(getattr(mujoco.mjtDisableBit, flag))
+    model.opt.timestep = STEP
+    return model
+
+
+def qpos(model: Any, pose: Any) -> Any:
+    q = model.qpos0.copy()
+    for name, value in pose["joints"].items():
+        at = int(model.joint(name).qposadr[0])
+        q[at : at + len(value)] = value
+    for name, value in pose["free"].items():
+        at = int(model.jnt_qposadr[model.body(name).jntadr[0]])
+        q[at : at + 7] = value
+    return q
+
+
+def poses(model: Any, xpos: Any, xmat: Any) -> Any:
+    names = [model.body(number).name for number in range(model.nbody)]
+    return [
+        {
+            name: [at[n].tolist(), turned[n].reshape(3, 3).tolist()]
+            for n, name in enumerate(names)
+            if n and name
+        }
+        for at, turned in zip(xpos, xmat)
+    ]
+
+
+def motion(model: Any, end: Any) -> Any:
+    """Return where hinges and slides are, by name."""
+    return {
+        model.joint(number).name: float(end[model.jnt_qposadr[number]])
+        for number in range(model.njnt)
+        if model.jnt_type[number] in (HINGE, SLIDE) and model.joint(number).name
+    }
+
+
+def body(array, number):
+    w, x, y, z = np.array(array("body_iquat")[number], dtype=float)
+    axes = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    return {
+        "mass": float(array("body_mass")[number]),
+        "com": np.asarray(array("body_ipos")[number]).tolist(),
+        "inertia": (axes @ np.diag(array("body_inertia")[number]) @ axes.T).tolist(),
+    }
+
+
+def joint(model, array, number):
+    dof = int(model.jnt_dofadr[number])
+    found = {
+        "damping": float(array("dof_damping")[dof]),
+        "friction": float(array("dof_frictionloss")[dof]),
+        "armature": float(array("dof_armature")[dof]),
+        "stiffness": float(array("jnt_stiffness")[number]),
+    }
+    if model.jnt_type[number] in (HINGE, SLIDE):
+        ranges, forces = array("jnt_range")[number], array("jnt_actfrcrange")[number]
+        found["range"] = np.asarray(ranges).tolist() if model.jnt_limited[number] else None
+        found["effort"] = np.asarray(forces).tolist() if model.jnt_actfrclimited[number] else None
+    return found
+
+
+def actuator(model, array, number):
+    """Return what an actuator is at its joint: gains and greatest forces through the gear, of a motor or a servo."""
+    if model.actuator_trntype[number] != _JOINT:
+        return {"joint": None}
+    found = {"joint": model.joint(int(model.actuator_trnid[number][0])).name}
+    if model.actuator_gaintype[number] != _FIXED or model.actuator_dyntype[number] != _NO_DYNAMICS:
+        return found
+    gear = float(array("actuator_gear")[number][0])
+    gain, bias = (
+        np.asarray(array(name)[number], dtype=float) for name in ("actuator_gainprm", "actuator_biasprm")
+    )
+    affine = model.actuator_biastype[number] == _AFFINE
+    found |= {"kp": -bias[1] * gear**2 if affine else 0.0, "kd": -bias[2] * gear**2 if affine else 0.0}
+    ends = np.array([-np.inf, np.inf])
+    if model.actuator_forcelimited[number]:
+        ends = np.asarray(array("actuator_forcerange")[number], dtype=float)
+    if model.actuator_ctrllimited[number] and not affine:
+        control = np.sort(np.asarray(array("actuator_ctrlrange")[number], dtype=float) * gain[0])
+        ends = np.clip(ends, *control)
+    ends = np.sort(ends * gear) if gear else ends
+    found["effort"] = [float(each) if np.isfinite(each) else None for each in ends]
+    return found

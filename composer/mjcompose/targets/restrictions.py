@@ -1,0 +1,441 @@
+"""Limits of targets: trees, actuators, and what is not read.
+
+Limits about the tree of bodies: one body in the world, one joint in each body, no joint references.
+
+The model moves as before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from functools import partial
+from typing import Any
+
+import numpy as np
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from mjcompose.targets.plain import simple_actuators, text
+from mjcompose.targets.same import Pose, about, back, joined, pose, quat, shifted
+from mjcompose.targets.target import Draft, Limit, Outcome
+
+NAME = "world_root"
+_EMPTY = {"mass": "0", "pos": "0 0 0", "quat": "1 0 0 0", "diaginertia": "0 0 0"}
+
+
+def one_root(*, with_free: bool) -> Limit:
+    """Return a limit that puts the bodies of the world into one.
+
+    It is for a target that reads one body in the world, or places it by its centre of mass. Bodies with a free joint
+    are moved only `with_free`, because MuJoCo does not read them there.
+    """
+    return Limit("roots", Outcome.WRITTEN, partial(_one_root, with_free))
+
+
+def _one_root(with_free: bool, draft: Draft) -> None:
+    for world in draft.root.iterfind("worldbody"):
+        bodies = list(world.iterchildren("body"))
+        free = [body for body in bodies if _is_free(body)]
+        if with_free and len(bodies) == 1 and free:
+            continue
+        held = bodies if with_free else [body for body in bodies if body not in free]
+        if not held:
+            continue
+        draft.mujoco_reads &= not (with_free and free)  # MJCF has free joints at the top alone
+        root = etree.SubElement(world, "body", name=NAME, pos="0 0 0", quat="1 0 0 0")
+        etree.SubElement(root, "inertial", _EMPTY)
+        root.extend(held)
+        for body in held:
+            draft.lose(
+                "roots", body, f"a body `{NAME}` holds the bodies of the world", outcome=Outcome.WRITTEN
+            )
+
+
+def _is_free(body: Node) -> bool:
+    joints = body.iterchildren("joint", "freejoint")
+    return any(each.tag == "freejoint" or each.get("type") == "free" for each in joints)
+
+
+def single_joints(mass: str = "0") -> Limit:
+    """Return a limit that gives each further joint of a body a body of its own, with this mass (kg) and inertia."""
+    return Limit("joints", Outcome.WRITTEN, partial(_split, mass))
+
+
+def _split(mass: str, draft: Draft) -> None:
+    for body in list(draft.root.iterfind(".//body")):
+        joints = list(body.iterchildren("joint"))
+        holder = body.getparent()
+        if len(joints) < 2 or holder is None:
+            continue
+        draft.mujoco_reads &= mass != "0"  # nothing that moves may be without a mass there
+        draft.lose("joints", body, "each joint but the last has a body of its own", outcome=Outcome.WRITTEN)
+        at = holder.index(body)
+        place = {"pos": str(body.get("pos")), "quat": str(body.get("quat"))}
+        for joint in joints[:-1]:
+            between = etree.Element("body", {"name": f"{body.get('name')}__{joint.get('name')}", **place})
+            etree.SubElement(
+                between, "inertial", _EMPTY | {"mass": mass, "diaginertia": f"{mass} {mass} {mass}"}
+            )
+            between.append(joint)
+            holder.insert(at, between)
+            holder, at, place = between, len(between), {"pos": "0 0 0", "quat": "1 0 0 0"}
+        body.set("pos", place["pos"])
+        body.set("quat", place["quat"])
+        holder.append(body)
+
+
+def _zeroed(draft: Draft) -> None:
+    """Place bodies where their joints are at zero."""
+    for body in draft.root.iterfind(".//body"):
+        joints = [each for each in body.iterchildren("joint") if each.get("type") in ("hinge", "slide")]
+        if not any(_reference(each) for each in joints):
+            continue
+        stands = pose(_numbers(body, "pos"), _numbers(body, "quat"))
+        behind = shifted((0, 0, 0))
+        for joint in reversed(joints):
+            to_zero = _moved(joint, -_reference(joint))
+            _carry(joint, back(behind))
+            behind = joined(to_zero, behind)
+        at, turned = joined(stands, behind)
+        body.set("pos", text(at))
+        body.set("quat", text(quat(turned)))
+        for joint in joints:
+            if joint.attrib.pop("ref", ""):
+                draft.lose(
+                    "references",
+                    joint,
+                    "their bodies are where the joints are at zero",
+                    outcome=Outcome.WRITTEN,
+                )
+
+
+def _moved(joint: Node, by: float) -> Pose:
+    """Return the motion of a joint's body, in its frame, when the joint moves by an angle (rad) or a distance (m)."""
+    anchor, axis = shifted(_numbers(joint, "pos")), _numbers(joint, "axis")
+    if joint.get("type") == "slide":
+        return shifted(by * axis)
+    return joined(anchor, about(axis, by), back(anchor))
+
+
+def _carry(joint: Node, by: Pose) -> None:
+    """Transform the position and axis of a joint by a pose, because the frame of its body has moved."""
+    joint.set("pos", text(by[0] + by[1] @ _numbers(joint, "pos")))
+    joint.set("axis", text(by[1] @ _numbers(joint, "axis")))
+
+
+def _reference(joint: Node) -> float:
+    return float(joint.get("ref") or 0)
+
+
+def _numbers(element: Node, name: str) -> Any:
+    return np.array([float(each) for each in str(element.get(name)).split()])
+
+
+SINGLE_JOINTS = single_joints()
+NO_REFERENCES = Limit("references", Outcome.WRITTEN, _zeroed)
+
+
+_DYNAMICS = {"damping": "damping", "frictionloss": "friction", "armature": "armature"}
+_WORDS = {"frictionloss": "dry friction"}
+_SHOWN_GROUP = 2
+"""Programs show the groups up to this one, as MuJoCo does at first."""
+_ZERO = frozenset("0. ")
+
+
+def left_out(feature: str, *paths: str, why: str = "") -> Limit:
+    """Return a limit that removes the elements at these paths. `why` says what follows from that."""
+    return Limit(feature, Outcome.LEFT_OUT, partial(_leave_out, feature, paths, why))
+
+
+def only(feature: str, path: str, tags: Collection[str], why: str = "") -> Limit:
+    """Return a limit that removes the elements at a path whose tag is none of these."""
+    return Limit(feature, Outcome.PARTLY, partial(_only, feature, path, frozenset(tags), why))
+
+
+def refused(feature: str, path: str, why: str, help: str) -> Limit:
+    """Return a limit that refuses a model with an element at this path."""
+    return Limit(feature, Outcome.REFUSED, partial(_refuse, feature, path, why, help))
+
+
+def without_attribute(
+    feature: str, path: str, name: str, what: str, why: str = "", *, also: Collection[str] = ()
+) -> Limit:
+    """Return a limit that removes an attribute, and those that mean nothing without it.
+
+    A value other than zero is a loss.
+    """
+    return Limit(feature, Outcome.LEFT_OUT, partial(_take, feature, path, name, what, why, also))
+
+
+def no_shapes(*kinds: str) -> Limit:
+    """Return a limit that removes geoms of these types, and the height fields that no geom uses then."""
+    return Limit("shapes", Outcome.PARTLY, partial(_without_shapes, kinds))
+
+
+def unread_in(joints: str, *attributes: str) -> tuple[Limit, ...]:
+    """Return limits that remove attributes from joints of a type."""
+    path = f".//joint[@type='{joints}']"
+    return tuple(
+        without_attribute(_DYNAMICS[name], path, name, what=_WORDS.get(name, name)) for name in attributes
+    )
+
+
+def _leave_out(feature: str, paths: Collection[str], why: str, draft: Draft) -> None:
+    for path in paths:
+        for element in list(draft.root.iterfind(path)):
+            draft.lose(feature, element, why)
+            draft.remove(element)
+
+
+def _only(feature: str, path: str, tags: frozenset[str], why: str, draft: Draft) -> None:
+    for element in list(draft.root.iterfind(path)):
+        if element.tag not in tags:
+            draft.lose(feature, element, why)
+            draft.remove(element)
+
+
+def _refuse(feature: str, path: str, why: str, help: str, draft: Draft) -> None:
+    for element in draft.root.iterfind(path):
+        draft.lose(feature, element, why, outcome=Outcome.REFUSED, help=help)
+
+
+def _take(
+    feature: str, path: str, name: str, what: str, why: str, also: Collection[str], draft: Draft
+) -> None:
+    for element in draft.root.iterfind(path):
+        value = str(element.attrib.pop(name, ""))
+        for each in also:
+            element.attrib.pop(each, "")
+        if not _ZERO.issuperset(value):
+            draft.lose(feature, element, why, what=what)
+
+
+def _without_shapes(kinds: Collection[str], draft: Draft) -> None:
+    for _, geom in list(draft.of("geom")):
+        if geom.get("type") in kinds:
+            draft.lose(
+                "shapes",
+                geom,
+                what=f"the {'height field' if geom.get('type') == 'hfield' else geom.get('type')}",
+            )
+            draft.remove(geom)
+    used = {geom.get("hfield") for geom in draft.root.iterfind(".//geom")}
+    for field in list(draft.root.iterfind("asset/hfield")):
+        if field.get("name") not in used:
+            draft.remove(field)
+
+
+def _hidden(draft: Draft) -> None:
+    for number, geom in list(draft.of("geom")):
+        touches = draft.model.geom_contype[number] or draft.model.geom_conaffinity[number]
+        if not touches and draft.model.geom_group[number] > _SHOWN_GROUP:
+            draft.lose("shapes", geom, "they neither collide nor are shown")
+            draft.remove(geom)
+
+
+def _linear(draft: Draft) -> None:
+    for path in (".//joint", "tendon/*", "actuator/*"):
+        for element in draft.root.iterfind(path):
+            for name in ("damping", "stiffness"):
+                first, *rest = str(element.get(name) or "0").split()
+                if rest:
+                    element.set(name, first)
+                    draft.lose(
+                        "polynomials", element, "what is linear is read", what=f"the higher terms of {name}"
+                    )
+
+
+def _plain_colours(draft: Draft) -> None:
+    for material in draft.root.iterfind("asset/material"):
+        layers = list(material.iterchildren("layer"))
+        for layer in layers:
+            material.remove(layer)
+        if material.attrib.pop("texture", "") or layers:
+            draft.lose("textures", material, what="textures")
+    for texture in list(draft.root.iterfind("asset/texture")):
+        draft.remove(texture)
+
+
+def _bare(draft: Draft) -> None:
+    for inertial in list(draft.root.iterfind(".//inertial")):
+        if float(str(inertial.get("mass"))) == 0:
+            draft.remove(inertial)
+    for compiler in draft.root.iterchildren("compiler"):
+        compiler.attrib.pop("inertiafromgeom", "")  # their geoms are written without a mass
+
+
+NO_HIDDEN_SHAPES = Limit("shapes", Outcome.PARTLY, _hidden)
+NO_EMPTY_INERTIA = Limit("massless", Outcome.KEPT, _bare)
+"""For a target in which an inertia needs a mass."""
+NO_KEYS = left_out("keys", "keyframe/key")
+NO_SENSORS = left_out("sensors", "sensor/*")
+NO_CAMERAS = left_out("cameras", ".//camera")
+NO_LIGHTS = left_out("lights", ".//light")
+NO_SITES = left_out("sites", ".//site")
+NO_TENDONS = left_out("tendons", "tendon/*")
+NO_EQUALITY = left_out("equality", "equality/*", why="what they couple moves freely")
+NO_PAIRS = left_out("pairs", "contact/pair")
+NO_EXCLUDES = left_out("excludes", "contact/exclude", why="these bodies collide")
+NO_SOFT = left_out("soft", "deformable/*", "asset/skin")
+NO_PLUGINS = left_out("plugins", "extension/*", ".//plugin")
+NO_CUSTOM = left_out("custom", "custom/*")
+NO_SPRINGS = without_attribute(
+    "springs", ".//joint", "stiffness", what="stiffness", also=("springref", "springdamper", "springyield")
+)
+NO_FRICTION = without_attribute("friction", ".//joint", "frictionloss", what="dry friction")
+NO_DAMPING = without_attribute("damping", ".//joint", "damping", what="damping")
+NO_ARMATURE = without_attribute("armature", ".//joint", "armature", what="armature")
+NO_EFFORT = without_attribute(
+    "effort",
+    ".//joint",
+    "actuatorfrcrange",
+    what="the greatest force",
+    also=("actuatorfrclimited", "actuatorgravcomp"),
+)
+NO_TEXTURES = Limit("textures", Outcome.LEFT_OUT, _plain_colours)
+NO_YIELD = without_attribute("springs", ".//joint", "springyield", what="`springyield`")
+NO_POLYNOMIALS = Limit("polynomials", Outcome.LEFT_OUT, _linear)
+
+
+_SINGLE = ("hinge", "slide")
+_GAINS = ("kp", "kv")
+_SIMPLE = ("motor", "position", "velocity")
+_JOINT = 0  # mjTRN_JOINT
+
+
+def servos(*tags: str) -> Limit:
+    """Return a limit that keeps actuators with these tags that act on a hinge or a slide, and removes the others."""
+    return Limit("actuators", Outcome.PARTLY if tags else Outcome.LEFT_OUT, partial(_servos, tags))
+
+
+def _servos(tags: tuple[str, ...], draft: Draft) -> None:
+    simple_actuators(draft.root, any_input=True)
+    single = {joint.get("name") for joint in draft.root.iterfind(".//joint") if joint.get("type") in _SINGLE}
+    for actuator in list(draft.root.iterfind("actuator/*")):
+        if actuator.tag in tags and actuator.get("joint") in single:
+            continue
+        why = f"it reads {' and '.join(f'`{tag}`' for tag in tags)} of hinges and slides" if tags else ""
+        draft.lose("actuators", actuator, why)
+        draft.remove(actuator)
+
+
+def _one_for_each_joint(draft: Draft) -> None:
+    """Keep actuators without dynamics that are the only ones of a hinge or a slide."""
+    single = {joint.get("name") for joint in draft.root.iterfind(".//joint") if joint.get("type") in _SINGLE}
+    actuators = list(draft.root.iterfind("actuator/*"))
+    joints = [actuator.get("joint") for actuator in actuators]
+    for actuator, joint in zip(actuators, joints, strict=True):
+        if joint not in single or joints.count(joint) > 1 or actuator.get("dyntype", "none") != "none":
+            draft.lose("actuators", actuator, "it reads one for each hinge or slide, without dynamics")
+            draft.remove(actuator)
+
+
+def _at_joints(draft: Draft) -> None:
+    """Multiply each gear into what it changes."""
+    for actuator in draft.root.iterfind("actuator/*"):
+        gear = _gear(actuator)
+        if actuator.get("joint") is None or gear in (0, 1):
+            continue
+        if actuator.tag not in _SIMPLE:
+            draft.lose("gears", actuator, what="`gear`")
+            continue
+        del actuator.attrib["gear"]
+        for name in _GAINS:
+            if actuator.get(name):
+                actuator.set(name, text(float(str(actuator.get(name))) * gear**2))
+        _scale(actuator, "forcerange", gear)
+        _scale(actuator, "ctrlrange", gear if actuator.tag == "motor" else 1 / gear)
+        draft.lose("gears", actuator, "their gear is in their gains, and controls are at the joint",
+                   outcome=Outcome.WRITTEN)  # fmt: skip
+
+
+def _gear(actuator: Node) -> float:
+    return float((actuator.get("gear") or "1").split()[0])
+
+
+def _scale(element: Node, name: str, by: float) -> None:
+    if element.get(name):
+        element.set(name, text(sorted(float(each) * by for each in str(element.get(name)).split())))
+
+
+def _symmetric(draft: Draft) -> None:
+    """Widen each range of a force to the same limit on both sides."""
+    for actuator in draft.root.iterfind("actuator/*"):
+        for name in ("forcerange", "ctrlrange") if actuator.tag == "motor" else ("forcerange",):
+            ends = [float(each) for each in (actuator.get(name) or "").split()]
+            most = max(map(abs, ends), default=0.0)
+            if ends and (ends[0] != -most or ends[1] != most):
+                actuator.set(name, text((-most, most)))
+                draft.lose("effort", actuator, "it has the same limit on both sides",
+                           what=f"the narrower side of `{name}`")  # fmt: skip
+
+
+def _reflected(draft: Draft) -> None:
+    """Leave out the armature of joints without an actuator.
+
+    Drake 1.51 reads the armature of a joint as the inertia of the rotor of its actuator. Of several it takes one.
+    """
+    driven = {actuator.get("joint") for actuator in draft.root.iterfind("actuator/*")}
+    for joint in draft.root.iterfind(".//joint"):
+        if joint.get("name") not in driven and float(joint.attrib.pop("armature", "") or 0):
+            draft.lose("armature", joint, "it reads that of joints with an actuator", what="armature")
+
+
+def _carried(draft: Draft) -> None:
+    """Write the greatest force of the actuators of a joint as that of the joint, too."""
+    for number, joint in draft.of("joint"):
+        most = greatest_force(draft.model, number)
+        if joint.get("type") in _SINGLE and most is not None and not draft.model.jnt_actgravcomp[number]:
+            joint.set("actuatorfrcrange", text((-most, most)))
+            joint.set("actuatorfrclimited", "true")
+
+
+def greatest_force(model: Any, joint: int) -> float | None:
+    """Return the greatest force (N) or torque (N·m) at a joint, from its actuators and its own limit; None without."""
+    limits = [float(np.abs(model.jnt_actfrcrange[joint]).max())] if model.jnt_actfrclimited[joint] else []
+    drives = np.flatnonzero(
+        (model.actuator_trntype == _JOINT) & (model.actuator_trnid[:, 0] == joint)
+    ).tolist()
+    forces = [_greatest(model, each) for each in drives]
+    known = [each for each in forces if each is not None]
+    if drives and len(known) == len(drives):
+        limits.append(sum(known))
+    return min(limits, default=None)
+
+
+def _greatest(model: Any, actuator: int) -> float | None:
+    """Return the greatest force of an actuator at its joint: by its range, or of a motor by that of its control."""
+    ends = np.array([-np.inf, np.inf])
+    if model.actuator_forcelimited[actuator]:
+        ends = model.actuator_forcerange[actuator]
+    plain = not (
+        model.actuator_gaintype[actuator]
+        or model.actuator_biastype[actuator]
+        or model.actuator_dyntype[actuator]
+    )
+    if plain and model.actuator_ctrllimited[actuator]:
+        ends = np.clip(
+            ends, *np.sort(model.actuator_ctrlrange[actuator] * model.actuator_gainprm[actuator][0])
+        )
+    most = float(np.abs(ends).max()) * abs(float(model.actuator_gear[actuator][0]))
+    return most if np.isfinite(most) else None
+
+
+def _geared(draft: Draft) -> None:
+    for actuator in draft.root.iterfind("actuator/*"):
+        if actuator.get("joint") and _gear(actuator) != 1:
+            draft.lose(
+                "gears", actuator, "its solvers other than MuJoCo take the gains as they are", what="`gear`"
+            )
+
+
+ONE_FOR_EACH_JOINT = Limit("actuators", Outcome.PARTLY, _one_for_each_joint)
+AT_JOINTS = Limit("gears", Outcome.WRITTEN, _at_joints)
+GEARS = Limit("gears", Outcome.PARTLY, _geared)
+SYMMETRIC_FORCES = Limit("effort", Outcome.PARTLY, _symmetric)
+REFLECTED_ARMATURE = Limit("armature", Outcome.PARTLY, _reflected)
+CARRIED_FORCES = Limit("effort", Outcome.WRITTEN, _carried)
+NO_SERVO_DAMPING = without_attribute("gains", "actuator/position", "kv", what="`kv`")
+NO_ACTUATOR_ARMATURE = without_attribute("armature", "actuator/*", "armature", what="armature")
+NO_DELAY = without_attribute("actuators", "actuator/*", "delay", what="`delay`", also=("nsample", "interp"))
+NO_ACTUATOR_DAMPING = without_attribute("damping", "actuator/*", "damping", what="damping")

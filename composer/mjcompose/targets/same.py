@@ -1,0 +1,213 @@
+"""Whether MuJoCo reads a model back as the intended one.
+
+Runs in MuJoCo's child process.
+
+Every array of `mjModel` is compared. MuJoCo computes the frame of a mesh from the vertices that it reads, so that
+it may differ; an element with a mesh is therefore compared by where its surface is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from mjcompose.mujoco.attributes import NameTable
+from mjcompose.mujoco.varying import unequal_arrays
+
+Pose = tuple[Any, Any]
+"""Position, shape (3,), and rotation matrix, shape (3, 3)."""
+
+
+def pose(pos: Any, quat: Any = (1.0, 0.0, 0.0, 0.0)) -> Pose:
+    """Return the pose with a position (m) and a quaternion (w, x, y, z), which is normalised."""
+    w, x, y, z = (float(each) for each in np.asarray(quat) / np.linalg.norm(quat))
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.asarray(pos, dtype=float), np.array(rows)
+
+
+def about(axis: Any, angle: float) -> Pose:
+    """Return the rotation by an angle (rad) about an axis through the origin."""
+    half = angle / 2
+    return pose((0, 0, 0), (math.cos(half), *(math.sin(half) * np.asarray(axis))))
+
+
+def shifted(by: Any) -> Pose:
+    return np.asarray(by, dtype=float), np.eye(3)
+
+
+def joined(*poses: Pose) -> Pose:
+    """Return the product of poses: each one is in the frame of the one before it."""
+    at, turned = shifted((0, 0, 0))
+    for pos, rotation in poses:
+        at, turned = at + turned @ pos, turned @ rotation
+    return at, turned
+
+
+def back(of: Pose) -> Pose:
+    """Return the inverse of a pose."""
+    return -(of[1].T @ of[0]), of[1].T
+
+
+def quat(turned: Any) -> Any:
+    """Return the quaternion (w, x, y, z) of a rotation matrix, shape (4,).
+
+    >>> [round(float(each), 6) for each in quat(about((0, 0, 1), 1.0)[1])]
+    [0.877583, 0.0, 0.0, 0.479426]
+    """
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = turned
+    squares = np.array([1 + xx + yy + zz, 1 + xx - yy - zz, 1 - xx + yy - zz, 1 - xx - yy + zz])
+    mixed = np.array(
+        [
+            [squares[0], zy - yz, xz - zx, yx - xy],
+            [zy - yz, squares[1], yx + xy, xz + zx],
+            [xz - zx, yx + xy, squares[2], zy + yz],
+            [yx - xy, xz + zx, zy + yz, squares[3]],
+        ]
+    )
+    row = mixed[int(squares.argmax())]
+    return row / np.linalg.norm(row)
+
+
+TOLERANCE = 1e-6
+"""Relative to 1 or the largest value of an array, and to the size of a surface."""
+
+_OF_MESH_FRAMES = (
+    "mesh_",
+    "nmesh",
+    "npolygonmax",
+    "bvh_",
+    "nbvh",
+    "oct_",
+    "noct",
+    "geom_aabb",
+    "geom_rbound",
+    "body_bvh",
+    "site_size",
+)
+_POSES = ("geom_pos", "geom_quat", "geom_sameframe", "geom_size", "site_pos", "site_quat", "site_sameframe")
+_MESHES = (7, 8)  # mjGEOM_MESH, mjGEOM_SDF
+_SURFACE = "surface"
+_LOOKS = ("tendon_rgba", "tendon_width")  # a fixed tendon has no attributes for them, only its class
+_FIXED = 0  # mjTENDON_FIXED
+_NO_BIAS = 0  # mjBIAS_NONE; with it, a motor of MuJoCo 3.12 keeps what its class gives to positions
+_OF_THE_TEXT = ("names_map", "signature", "tex_pathadr")
+
+
+def differences(model: Any, again: Any) -> Iterator[str]:
+    """Yield the differences of the model that was read back, in words with the names of the arrays."""
+    for name in unequal_arrays(model, again):
+        holder, _, inner = name.rpartition(".")
+        before, after = (_of(each, holder, inner) for each in (model, again))
+        if name.startswith(_OF_MESH_FRAMES) or name in _OF_THE_TEXT:
+            continue
+        rows = _rows(model, name)
+        if not _close(before, after, rows):
+            yield f"`{name}`{_where(model, name, before, after=after)}"
+    if model.ngeom == again.ngeom and model.nmesh == again.nmesh:
+        for kind in ("geom", "site"):
+            yield from _surfaces(kind, model, again)
+
+
+def _of(model: Any, holder: str, name: str) -> Any:
+    for each in holder.split(".") if holder else ():
+        model = getattr(model, each)
+    return getattr(model, name, None)
+
+
+def _close(before: Any, after: Any, rows: Any) -> bool:
+    if not isinstance(before, np.ndarray) or not isinstance(after, np.ndarray):
+        return (
+            isinstance(before, float)
+            and isinstance(after, float)
+            and bool(np.isclose(before, after, rtol=TOLERANCE, atol=0))
+        )
+    if before.shape != after.shape or not np.issubdtype(before.dtype, np.floating):
+        return before.shape == after.shape and bool((before[rows] == after[rows]).all())
+    before, after = before[rows].astype(float), after[rows].astype(float)
+    finite = before[np.isfinite(before)]
+    scale = max(1.0, float(np.abs(finite).max())) if finite.size else 1.0
+    return bool(np.isclose(before, after, rtol=0, atol=TOLERANCE * scale, equal_nan=True).all())
+
+
+def _rows(model: Any, name: str) -> Any:
+    """Return which rows of an array are compared.
+
+    The poses of meshes, the looks of fixed tendons and the bias of actuators without one mean nothing, so they are
+    not compared.
+    """
+    kind = name.partition("_")[0]
+    if name in _POSES:
+        return ~np.isin(getattr(model, f"{kind}_type"), _MESHES)
+    if name == "actuator_biasprm":
+        return model.actuator_biastype != _NO_BIAS
+    return model.tendon_type != _FIXED if name in _LOOKS else slice(None)
+
+
+def _where(model: Any, name: str, before: Any, after: Any) -> str:
+    """Return a description of the first row that differs."""
+    if getattr(before, "shape", None) != getattr(after, "shape", None):
+        return f" has another length: {np.size(before)}, not {np.size(after)}"
+    if not np.shape(before):
+        return f": {after}, not {before}"
+    differ = before != after
+    if before.dtype.kind == "f":
+        differ &= ~np.isclose(before, after, rtol=0, atol=TOLERANCE)
+    differing = np.argwhere(differ)
+    row = int(differing[0][0]) if len(differing) else 0
+    return f", row {row}: {after[row]}, not {before[row]}"
+
+
+def _surfaces(kind: str, model: Any, again: Any) -> Iterator[str]:
+    table = NameTable(model)
+    for number in np.flatnonzero(np.isin(getattr(model, f"{kind}_type"), _MESHES)).tolist():
+        if getattr(model, f"{kind}_dataid")[number] < 0:
+            continue
+        read = _surface(kind, again, number)
+        for (what, tolerance), before in _surface(kind, model, number).items():
+            after = read.get((what, tolerance))
+            called = f"the {what} of {kind} {table.describe(kind, number)}"
+            if after is None or before.shape != after.shape:
+                yield f"{called} has another number of faces"
+                continue
+            size = max(float(np.ptp(before, axis=0).max(initial=0.0)), 1e-9) if what == _SURFACE else 1.0
+            if not np.isclose(before, after, rtol=0, atol=tolerance * size).all():
+                yield f"{called} is up to {float(np.abs(before - after).max()):g} off"
+
+
+def _surface(kind: str, model: Any, number: int) -> dict[tuple[str, float], Any]:
+    """Return data at the corners of a mesh's faces in the frame of its body, by name and tolerance.
+
+    Each array has the shape (n, 3), or (n, 2) for texture coordinates.
+    """
+    mesh = int(getattr(model, f"{kind}_dataid")[number])
+    quat, pos = (getattr(model, f"{kind}_{name}")[number] for name in ("quat", "pos"))
+    faces = slice(model.mesh_faceadr[mesh], model.mesh_faceadr[mesh] + model.mesh_facenum[mesh])
+
+    def corners(values: Any, start: int, of_faces: Any) -> Any:
+        return values[start + of_faces[faces].ravel()]
+
+    vertices = corners(model.mesh_vert, int(model.mesh_vertadr[mesh]), model.mesh_face)
+    normals = corners(model.mesh_normal, int(model.mesh_normaladr[mesh]), model.mesh_facenormal)
+    found = {
+        (_SURFACE, 10 * TOLERANCE): rotated(quat, vertices) + pos,
+        ("normals", 1000 * TOLERANCE): rotated(quat, normals),
+    }
+    if (start := int(model.mesh_texcoordadr[mesh])) >= 0:
+        found["texture coordinates", 10 * TOLERANCE] = corners(
+            model.mesh_texcoord, start, model.mesh_facetexcoord
+        )
+    return found
+
+
+def rotated(quat: Any, points: Any) -> Any:
+    """Return points, shape (n, 3), rotated by a quaternion (w, x, y, z)."""
+    w, axis = quat[0], np.asarray(quat[1:])
+    turned = 2 * np.cross(axis, points)
+    return points + w * turned + np.cross(axis, turned)

@@ -1,0 +1,335 @@
+"""Limits of MJX and MuJoCo Warp."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import chain
+from typing import Any
+
+import numpy as np
+
+from mjcompose.mujoco.arrays import words
+from mjcompose.targets.restrictions import NO_SOFT
+from mjcompose.targets.solver import (
+    is_enabled,
+    refused_elements,
+    refused_members,
+    refused_options,
+    with_plugins,
+)
+from mjcompose.targets.target import Outcome
+
+# From `_COLLISION_FUNC` of MJX 3.17.
+_KNOWN = frozenset(
+    tuple(pair.split("-"))
+    for pair in (
+        "plane-sphere plane-capsule plane-box plane-ellipsoid plane-cylinder plane-mesh hfield-sphere hfield-capsule"
+        " hfield-box hfield-mesh sphere-sphere sphere-capsule sphere-cylinder sphere-ellipsoid sphere-box sphere-mesh"
+        " capsule-capsule capsule-box capsule-ellipsoid capsule-cylinder capsule-mesh ellipsoid-ellipsoid"
+        " ellipsoid-cylinder cylinder-cylinder box-box box-mesh mesh-mesh"
+    ).split()
+)
+
+
+def _unknown_pairs(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    shapes = words(mujoco, "geom_type")
+    told = set()
+    pairs = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True)
+    for first, second in chain(colliding(model), pairs):
+        pair = sorted((first, second), key=lambda number: int(model.geom_type[number]))
+        one, other = (shapes[int(model.geom_type[number])] for number in pair)
+        if (one, other) not in _KNOWN and (pair[0], one, other) not in told:
+            told.add((pair[0], one, other))
+            yield pair[0], f"MJX cannot compute contacts of a {one} with a {other}"
+
+
+def colliding(model: Any) -> Iterator[tuple[int, int]]:
+    """Yield the pairs of geoms that may touch by MuJoCo's filters: bits, bodies, parents and excludes."""
+    excluded = set(model.exclude_signature.tolist())
+    welded, parents = model.body_weldid.tolist(), model.body_parentid.tolist()
+    bodies, bits = model.geom_bodyid.tolist(), model.geom_contype.tolist()
+    others = model.geom_conaffinity.tolist()
+    for first in range(model.ngeom):
+        for second in range(first + 1, model.ngeom):
+            if not (bits[first] & others[second] or bits[second] & others[first]):
+                continue
+            one, other = bodies[first], bodies[second]
+            roots = welded[one], welded[other]
+            if roots[0] == roots[1] or (min(one, other) << 16) + max(one, other) in excluded:
+                continue
+            above = welded[parents[roots[0]]], welded[parents[roots[1]]]
+            if all(roots) and (roots[0] == above[1] or roots[1] == above[0]):
+                continue
+            yield first, second
+
+
+MJX_COLLISIONS = refused_elements(
+    "collisions", "geom", _unknown_pairs,
+    help="edit one of the two: `set: {type: capsule}`, or `set: {contype: 0, conaffinity: 0}`", outcome=Outcome.REFUSED,
+)  # fmt: skip
+
+
+_SENSORS = (
+    "JOINTLIMITPOS", "JOINTLIMITVEL", "JOINTLIMITFRC", "TENDONLIMITPOS", "TENDONLIMITVEL", "TENDONLIMITFRC",
+    "INSIDESITE", "GEOMDIST", "GEOMNORMAL", "GEOMFROMTO", "E_POTENTIAL", "E_KINETIC", "PLUGIN", "USER",
+)  # fmt: skip
+_ACTUATORS = "leave it out with `edit`, or write a `motor` in its place"
+_NETFORCE = 3  # of `reduce`, in `sensor_intprm`
+
+MJX_ACTUATORS = refused_members(
+    "actuators", "actuator",
+    (
+        ("actuator_trntype", "mjtTrn", ("mjTRN_SLIDERCRANK", "mjTRN_BODY", "mjTRN_SO3"),
+         "MJX has no such transmission"),
+        ("actuator_dyntype", "mjtDyn", ("mjDYN_DCMOTOR", "mjDYN_PID", "mjDYN_USER"), "MJX has no such dynamics"),
+        ("actuator_gaintype", "mjtGain", ("mjGAIN_DCMOTOR", "mjGAIN_SO3", "mjGAIN_PID", "mjGAIN_USER"),
+         "MJX has no such gain"),
+        ("actuator_biastype", "mjtBias", ("mjBIAS_DCMOTOR", "mjBIAS_SO3", "mjBIAS_USER"), "MJX has no such bias"),
+    ),
+    help=_ACTUATORS,
+)  # fmt: skip
+MJX_EQUALITY = refused_members(
+    "equality", "equality",
+    (("eq_type", "mjtEq", ("mjEQ_FLEX", "mjEQ_FLEXVERT", "mjEQ_FLEXSTRAIN", "mjEQ_DISTANCE"),
+      "MJX has no such constraint"),),
+    help="leave it out with `edit`",
+)  # fmt: skip
+MJX_SENSORS = refused_members(
+    "sensors", "sensor",
+    (("sensor_type", "mjtSensor", tuple(f"mjSENS_{name}" for name in _SENSORS), "MJX has no such sensor"),),
+    help="leave it out with `edit`",
+)  # fmt: skip
+
+
+def _medium(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    """`implicitfast`, where a medium brakes."""
+    option = model.opt
+    if option.integrator == int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST) and (
+        option.density > 0 or option.viscosity > 0 or option.wind.any()
+    ):
+        yield 0, "MJX has no integrator `implicitfast` in a medium: with `density`, `viscosity` or `wind`"
+
+
+MJX_OPTIONS = refused_options(
+    "options",
+    "MJX",
+    (("integrator", "mjtIntegrator", ("mjINT_IMPLICIT",)), ("solver", "mjtSolver", ("mjSOL_PGS",))),
+    flags=("override", "energy", "fwdinv", "diagexact", "speculative"),
+    help="write another one in the section `option` of the recipe",
+    together=_medium,
+)
+
+
+def _margins(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    """Yield a geom with a margin from each pair that may touch and that has a mesh or a height field."""
+    shapes = words(mujoco, "geom_type")
+    reported = set()
+    for pair in colliding(model):
+        kinds = {shapes[int(model.geom_type[geom])] for geom in pair}
+        if kinds & {"mesh", "hfield"} and any(model.geom_margin[geom] for geom in pair):
+            geom = next(each for each in pair if model.geom_margin[each])
+            if geom not in reported:
+                reported.add(geom)
+                yield geom, "MJX has no margin for contacts with meshes and height fields"
+
+
+def _pair_margins(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    """Yield the contact pairs with a margin and a mesh or a height field."""
+    shapes = words(mujoco, "geom_type")
+    for pair in range(model.npair):
+        geoms = int(model.pair_geom1[pair]), int(model.pair_geom2[pair])
+        if model.pair_margin[pair] and {shapes[int(model.geom_type[each])] for each in geoms} & {
+            "mesh",
+            "hfield",
+        }:
+            yield pair, "MJX has no margin for contacts with meshes and height fields"
+
+
+MJX_PAIR_MARGINS = refused_elements("margins", "pair", _pair_margins, help="write `set: {margin: 0}`")
+MJX_MARGINS = refused_elements("margins", "geom", _margins, help="write `set: {margin: 0}`")
+
+
+def _contact_sensors(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    """Yield the contact sensors that MJX does not support: of a site, a body or a subtree, and sums of forces."""
+    kinds = mujoco.mjtObj
+    contact = getattr(mujoco.mjtSensor, "mjSENS_CONTACT", None)
+    for number in range(model.nsensor):
+        if contact is None or int(model.sensor_type[number]) != int(contact):
+            continue
+        objects = {int(model.sensor_objtype[number]), int(model.sensor_reftype[number])}
+        if int(kinds.mjOBJ_SITE) in objects:
+            yield number, "MJX has no contact sensor of a site"
+        elif objects & {int(kinds.mjOBJ_BODY), int(kinds.mjOBJ_XBODY)}:
+            yield number, "MJX has no contact sensor of a body"
+        elif int(model.sensor_intprm[number][1]) == _NETFORCE:
+            yield number, "MJX has no contact sensor of the net force"
+
+
+MJX_CONTACT_SENSORS = refused_elements(
+    "contact sensors", "sensor", _contact_sensors, help="name geoms in its place, with another `reduce`"
+)
+
+
+def _flexes_mjx(_mujoco: object, model: Any) -> Iterator[tuple[int, str]]:
+    for number in range(model.nflex):
+        yield number, "MJX has no flexes"
+
+
+MJX_SOFT = replace(
+    NO_SOFT, refuses=refused_elements("soft", "flex", _flexes_mjx, help="leave it out with `edit`").refuses
+)
+"""What is written for MJX is without them; a model that still has one is refused."""
+
+
+_OUT = "leave it out with `edit`"
+_DENSE_DOFS = 60
+_AXES = np.eye(3)
+
+WARP_ACTUATORS = refused_members(
+    "actuators", "actuator",
+    (
+        ("actuator_trntype", "mjtTrn", ("mjTRN_SO3",), "MuJoCo Warp has no such transmission"),
+        ("actuator_dyntype", "mjtDyn", ("mjDYN_PID",), "MuJoCo Warp has no such dynamics"),
+        ("actuator_gaintype", "mjtGain", ("mjGAIN_PID",), "MuJoCo Warp has no such gain"),
+        ("actuator_biastype", "mjtBias", ("mjBIAS_SO3",), "MuJoCo Warp has no such bias"),
+    ),
+    help="write a `motor` or a `position` in its place: `convert: {to: position}`",
+)  # fmt: skip
+WARP_EQUALITY = refused_members(
+    "equality", "equality",
+    (("eq_type", "mjtEq", ("mjEQ_FLEXVERT", "mjEQ_DISTANCE"), "MuJoCo Warp has no such constraint"),),
+    help=_OUT,
+)  # fmt: skip
+
+
+def _options(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    """Options that MuJoCo Warp has, but not beside others."""
+    option, sleeps = model.opt, is_enabled(mujoco, model, "sleep")
+    discrete = getattr(mujoco.mjtIntegrator, "mjINT_DISCRETE", None)
+    if option.noslip_iterations > 0 and discrete is not None and option.integrator == int(discrete):
+        yield 0, "MuJoCo Warp has no `noslip_iterations` with the integrator `discrete`"
+    if option.jacobian == int(mujoco.mjtJacobian.mjJAC_DENSE) and model.nv > _DENSE_DOFS:
+        yield 0, f"MuJoCo Warp has no `jacobian` `dense` for more than {_DENSE_DOFS} degrees of freedom"
+    if sleeps and option.solver != int(mujoco.mjtSolver.mjSOL_NEWTON):
+        yield 0, "MuJoCo Warp has the flag `sleep` with the solver `Newton` alone"
+    if sleeps and (model.eq_type == int(mujoco.mjtEq.mjEQ_FLEX)).any():
+        yield 0, "MuJoCo Warp has no flag `sleep` with equality constraints of flexes"
+
+
+def _simple(mujoco: Any, model: Any, flex: int) -> bool:
+    """Whether each vertex of a flex is in the world or on a body of its own, with the three slides of a flexcomp."""
+    first = int(model.flex_vertadr[flex])
+    for holder in set(model.flex_vertbodyid[first : first + int(model.flex_vertnum[flex])].tolist()):
+        body = int(model.body_weldid[holder]) if holder >= 0 else 0
+        if model.body_dofnum[body] == 0:
+            continue
+        joints = slice(int(model.body_jntadr[body]), int(model.body_jntadr[body] + model.body_jntnum[body]))
+        slides = (model.jnt_type[joints] == int(mujoco.mjtJoint.mjJNT_SLIDE)).all()
+        above = int(model.body_weldid[model.body_parentid[body]])
+        if not (slides and model.body_dofnum[body] == len(_AXES) and model.body_dofnum[above] == 0):
+            return False
+        if not np.allclose(model.jnt_axis[joints], _AXES, atol=1e-15):
+            return False
+    return True
+
+
+def _is_elastic(model: Any, flex: int) -> bool:
+    bends = model.flex_bendingadr[flex] >= 0
+    at = int(model.flex_stiffnessadr[flex])
+    return bool(bends or (model.flex_dim[flex] > 1 and at >= 0 and model.flex_stiffness[at] != 0))
+
+
+WARP_OPTIONS = refused_options(
+    "options",
+    "MuJoCo Warp",
+    (("solver", "mjtSolver", ("mjSOL_PGS",)),),
+    flags=("override", "fwdinv", "diagexact", "ipc", "speculative"),
+    help="write another one in the section `option` of the recipe",
+    together=_options,
+)
+
+
+WARP_PLUGINS = refused_elements("plugins", "body", with_plugins("body"), help=_OUT)
+WARP_ACTUATOR_PLUGINS = refused_elements("actuators", "actuator", with_plugins("actuator"), help=_OUT)
+WARP_SENSORS = refused_elements("sensors", "sensor", with_plugins("sensor"), help=_OUT)
+
+
+def _sleepers(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    """Yield the bodies that set `sleep` themselves; otherwise the compiler chooses `auto_…`."""
+    policies = getattr(mujoco, "mjtSleepPolicy", None)
+    if policies is not None:
+        for body, policy in zip(model.tree_bodyadr.tolist(), model.tree_sleep_policy.tolist(), strict=True):
+            if policy in map(int, (policies.mjSLEEP_NEVER, policies.mjSLEEP_ALLOWED, policies.mjSLEEP_INIT)):
+                yield body, "MuJoCo Warp does not have `sleep` of a body"
+
+
+WARP_SLEEP = refused_elements(
+    "sleep", "body", _sleepers, help="write `unset: [sleep]`", outcome=Outcome.REFUSED
+)
+
+
+def _flexes_warp(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    """Yield the flexes that it refuses: quadratic and rigid ones, and those with some kinds of contacts."""
+    nothing = np.zeros(model.nflex, dtype=int)  # a MuJoCo may not have all of these
+    interpolated, rigid, internal, passive = (
+        getattr(model, name, nothing)
+        for name in ("flex_interp", "flex_rigid", "flex_internal", "flex_passive")
+    )
+    discrete = getattr(mujoco.mjtIntegrator, "mjINT_DISCRETE", None)
+    newton = (
+        discrete is not None
+        and model.opt.integrator == int(discrete)
+        and model.opt.solver == int(mujoco.mjtSolver.mjSOL_NEWTON)
+        and hasattr(model, "flex_stiffnessadr")
+    )
+    touching = (model.flex_contype & model.flex_conaffinity) != 0
+    for number in range(model.nflex):
+        if abs(int(interpolated[number])) == 2:
+            yield number, "MuJoCo Warp has no flexes of quadratic elements"
+        elif rigid[number]:
+            yield number, "MuJoCo Warp has no rigid flexes"
+        elif internal[number]:
+            yield number, "MuJoCo Warp has no contacts inside a flex: `internal`"
+        elif interpolated[number] and model.flex_selfcollide[number] and touching[number]:
+            yield number, "MuJoCo Warp has no contacts of an interpolated flex with itself: `selfcollide`"
+        elif interpolated[number] and passive[number] and model.flex_dim[number] >= 2:
+            yield number, "MuJoCo Warp has no passive contacts of an interpolated flex: `passive`"
+        elif (
+            newton
+            and not interpolated[number]
+            and _is_elastic(model, number)
+            and not _simple(mujoco, model, number)
+        ):
+            yield (
+                number,
+                "MuJoCo Warp has no elastic flex on moving bodies with `discrete` and the solver `Newton`",
+            )
+
+
+def _beside_flexes(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    """The shapes that MuJoCo Warp refuses in a model with flexes, whether they touch one or not."""
+    if model.nflex:
+        for word in ("sdf", "hfield"):
+            shape = int(getattr(mujoco.mjtGeom, f"mjGEOM_{word.upper()}"))
+            for number in np.flatnonzero(model.geom_type == shape).tolist():
+                yield number, f"MuJoCo Warp has no `{word}` in a model with flexes"
+
+
+def _velocities(mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    """The contact sensors with `linvel` or `angvel` in a model with flexes."""
+    fields = getattr(mujoco, "mjtConDataField", None)
+    if fields is None or not model.nflex:
+        return
+    bits = 1 << int(fields.mjCONDATA_LINVEL) | 1 << int(fields.mjCONDATA_ANGVEL)
+    contact = int(mujoco.mjtSensor.mjSENS_CONTACT)
+    for number in np.flatnonzero(model.sensor_type == contact).tolist():
+        if int(model.sensor_intprm[number][0]) & bits:
+            yield number, "MuJoCo Warp has no `linvel` and `angvel` of contacts in a model with flexes"
+
+
+WARP_FLEXES = refused_elements("soft", "flex", _flexes_warp, help=_OUT)
+WARP_BESIDE_FLEXES = refused_elements("soft", "geom", _beside_flexes, help=_OUT)
+WARP_VELOCITIES = refused_elements(
+    "contact sensors", "sensor", _velocities, help="leave `linvel` and `angvel` out of its `data`"
+)

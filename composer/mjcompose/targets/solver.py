@@ -1,0 +1,219 @@
+"""Limits about MuJoCo's solver and the compiled model.
+
+Limits for MuJoCo's own solver: options, the softness of contacts and limits, gravity compensation.
+
+Only values that differ from MuJoCo's defaults are reported, since nobody has chosen the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from mjcompose.targets.target import Draft, Limit, Outcome, Refusal, Refuses
+
+OPTION = "option"
+Missing = tuple[str, str, Collection[str], str]
+"""An array of the compiled model, its enumeration, those members that the simulator lacks, and what that means."""
+Flagged = Callable[[Any, Any], Iterator[tuple[int, str]]]
+"""Of MuJoCo and a model: the numbers of the elements that the simulator refuses, each with the reason."""
+
+
+def refused_members(feature: str, kind: str, missing: Sequence[Missing], help: str) -> Limit:
+    """Return a limit that refuses a model if an array has one of these enum members.
+
+    A member that the running MuJoCo does not have is ignored.
+    """
+    return refused_elements(feature, kind, partial(_members, tuple(missing)), help=help)
+
+
+def refused_elements(
+    feature: str, kind: str, flagged: Flagged, help: str, outcome: Outcome = Outcome.SOME_REFUSED
+) -> Limit:
+    """Return a limit that refuses a model with an element that `flagged` finds."""
+    refuses = partial(_elements, kind, flagged, help)
+    return Limit(feature, outcome, partial(_refuse, feature, refuses), refuses=refuses)
+
+
+def refused_options(
+    feature: str,
+    name: str,
+    enums: Sequence[tuple[str, str, Collection[str]]],
+    flags: Collection[str],
+    help: str,
+    together: Flagged | None = None,
+) -> Limit:
+    """Return a limit that refuses a model with one of these values of an option, or one of these flags enabled.
+
+    `together` finds what is refused only in combination with something else; its numbers mean nothing.
+    """
+    flagged = partial(_options_compiled, name, tuple(enums), tuple(flags), together)
+    return refused_elements(feature, OPTION, flagged, help=help)
+
+
+def _refuse(feature: str, refuses: Refuses, draft: Draft) -> None:
+    nodes = {OPTION: {0: next(draft.root.iterchildren(OPTION), draft.root)}}
+    for each in refuses(draft.mujoco, draft.model):
+        if each.kind not in nodes:
+            nodes[each.kind] = dict(draft.of(each.kind))
+        if each.number in nodes[each.kind]:
+            node = nodes[each.kind][each.number]
+            draft.lose(feature, node, each.why, outcome=Outcome.REFUSED, help=each.help)
+
+
+def _elements(kind: str, flagged: Flagged, help: str, mujoco: Any, model: Any) -> Iterator[Refusal]:
+    for number, why in flagged(mujoco, model):
+        yield Refusal(kind, number, why, help=help)
+
+
+def _members(missing: Sequence[Missing], mujoco: Any, model: Any) -> Iterator[tuple[int, str]]:
+    for array, enum, names, why in missing:
+        for number in np.flatnonzero(np.isin(getattr(model, array), _numbers(mujoco, enum, names))).tolist():
+            yield number, why
+
+
+def _options_compiled(
+    name: str,
+    enums: Sequence[tuple[str, str, Collection[str]]],
+    flags: Sequence[str],
+    together: Flagged | None,
+    mujoco: Any,
+    model: Any,
+) -> Iterator[tuple[int, str]]:
+    for field, enum, names in enums:
+        word = _word(mujoco, enum, int(getattr(model.opt, field)))
+        if word in names:
+            yield 0, f"{name} has no {field} `{word.partition('_')[2].lower()}`"
+    for flag in flags:
+        if is_enabled(mujoco, model, flag):
+            yield 0, f"{name} does not have the flag `{flag}`"
+    if together is not None:
+        yield from together(mujoco, model)
+
+
+def is_enabled(mujoco: Any, model: Any, flag: str) -> bool:
+    """Whether a flag is on that is off by default; a MuJoCo may not have it."""
+    bit = getattr(mujoco.mjtEnableBit, f"mjENBL_{flag.upper()}", None)
+    return bit is not None and bool(int(model.opt.enableflags) & int(bit))
+
+
+def _numbers(mujoco: Any, enum: str, names: Collection[str]) -> list[int]:
+    members = getattr(mujoco, enum).__members__
+    return [int(members[name]) for name in names if name in members]
+
+
+def _word(mujoco: Any, enum: str, value: int) -> str:
+    members = getattr(mujoco, enum).__members__
+    return next((name for name, each in members.items() if int(each) == value), str(value))
+
+
+def with_plugins(kind: str) -> Flagged:
+    """Return the elements of a kind that plugins compute."""
+
+    def flagged(_mujoco: object, model: Any) -> Iterator[tuple[int, str]]:
+        for number in np.flatnonzero(getattr(model, f"{kind}_plugin") >= 0).tolist():
+            yield number, f"a plugin computes this {kind}"
+
+    return flagged
+
+
+_PLAIN = "<mujoco><worldbody><body><joint/><geom size='1'/></body></worldbody></mujoco>"
+_OPTIONS = (
+    "timestep", "integrator", "cone", "impratio", "density", "viscosity", "wind", "magnetic", "noslip_iterations",
+    "disableflags", "enableflags",
+)  # fmt: skip
+_WORDS = {"disableflags": "flag", "enableflags": "flag"}
+_SOFTNESS = ("solref", "solimp", "margin", "gap", "priority", "solmix", "condim")
+_FRICTION = {"sliding": 0, "torsional": 1, "rolling": 2}
+
+
+def unread_contacts(*friction: str, but: Collection[str] = ()) -> Limit:
+    """Return a limit that reports the softness and margins of contacts as lost.
+
+    Attributes in `but` and these kinds of `friction` are read by the target.
+    """
+    return Limit("contacts", Outcome.LEFT_OUT, partial(_contacts, friction, but))
+
+
+def _plain(draft: Draft) -> Any:
+    return draft.mujoco.MjModel.from_xml_string(_PLAIN)
+
+
+def _options(draft: Draft) -> None:
+    mine, plain = draft.model.opt, _plain(draft).opt
+    changed = [
+        _WORDS.get(name, name)
+        for name in _OPTIONS
+        if not np.array_equal(getattr(mine, name), getattr(plain, name))
+    ]
+    for option in draft.root.iterchildren("option"):
+        if changed:
+            draft.lose("computing", option, "it has settings of its own", what=_listed(changed))
+
+
+def _gravity(draft: Draft) -> None:
+    if np.array_equal(draft.model.opt.gravity, _plain(draft).opt.gravity):
+        return
+    for option in draft.root.iterchildren("option"):
+        shown = " ".join(f"{each:g}" for each in draft.model.opt.gravity)
+        draft.lose("gravity", option, f"set it to {shown} in the program", what="gravity")
+
+
+def _contacts(friction: Collection[str], but: Collection[str], draft: Draft) -> None:
+    model, plain = draft.model, _plain(draft)
+    for number, node in draft.of("geom"):
+        if not model.geom_contype[number] and not model.geom_conaffinity[number]:
+            continue
+        changed = [
+            each for each in _changed(model, plain, number, names=_SOFTNESS, kind="geom") if each not in but
+        ]
+        for word in friction:
+            at = _FRICTION[word]
+            if model.geom_friction[number][at] != plain.geom_friction[0][at]:
+                changed.append(f"{word} friction")
+        if changed:
+            draft.lose("contacts", node, what=f"{_listed(changed)} of the contacts")
+
+
+def _changed(model: Any, plain: Any, number: int, names: Collection[str], kind: str) -> Iterator[str]:
+    for name in names:
+        array = f"{kind}_{name}"
+        if not np.array_equal(getattr(model, array)[number], getattr(plain, array)[0]):
+            yield name
+
+
+def _bits(draft: Draft) -> None:
+    model = draft.model
+    for number, node in draft.of("geom"):
+        bits = int(model.geom_contype[number]), int(model.geom_conaffinity[number])
+        if bits not in ((0, 0), (1, 1)):
+            draft.lose("bits", node, "they collide with everything", what="`contype` and `conaffinity`")
+
+
+def _joints(draft: Draft) -> None:
+    model, plain = draft.model, _plain(draft)
+    for number, node in draft.of("joint"):
+        if model.jnt_limited[number]:
+            changed = list(_changed(model, plain, number, names=("solref", "solimp", "margin"), kind="jnt"))
+            if changed:
+                draft.lose("softness", node, what=f"{_listed(changed)} of the limits")
+
+
+def _gravcomp(draft: Draft) -> None:
+    for number, node in draft.of("body"):
+        if draft.model.body_gravcomp[number]:
+            draft.lose("gravcomp", node, "all of their weight pulls", what="`gravcomp`")
+
+
+def _listed(names: Collection[str]) -> str:
+    return ", ".join(f"`{each}`" if " " not in each else each for each in dict.fromkeys(names))
+
+
+COMPUTING = Limit("computing", Outcome.LEFT_OUT, _options)
+GRAVITY = Limit("gravity", Outcome.LEFT_OUT, _gravity)
+BITS = Limit("bits", Outcome.LEFT_OUT, _bits)
+SOFTNESS = Limit("softness", Outcome.LEFT_OUT, _joints)
+GRAVCOMP = Limit("gravcomp", Outcome.LEFT_OUT, _gravcomp)

@@ -1,0 +1,247 @@
+"""The definition of a target, of its limits, and of what is lost."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import field
+from enum import StrEnum
+from typing import Any
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.model.files import file_attributes
+from mjcompose.model.xml_text import write
+
+
+class Outcome(StrEnum):
+    """What happens to a feature."""
+
+    KEPT = "written"
+    WRITTEN = "written otherwise"
+    PARTLY = "partly"
+    LEFT_OUT = "left out"
+    SOME_REFUSED = "some refused"
+    REFUSED = "refused"
+
+
+@dataclass(frozen=True, slots=True)
+class Loss:
+    """An element that a target cannot express, and what happens to it.
+
+    `feature` is a row of the table of features. `kind` and `number` identify the element in the compiled model,
+    `tag` and `name` are for messages. `what` names the part of the element that is left out; it is empty for the
+    element itself. `why` is a remark, or, if the element is written otherwise or refused, the sentence about it.
+    With one that is refused, no model is written.
+    """
+
+    feature: str
+    kind: str
+    number: int
+    tag: str
+    name: str
+    why: str = ""
+    what: str = ""
+    outcome: str = Outcome.LEFT_OUT
+    help: str | None = None
+
+    @property
+    def refused(self) -> bool:
+        return self.outcome == Outcome.REFUSED
+
+    @property
+    def otherwise(self) -> bool:
+        """Whether the target gets the same model, written in another way."""
+        return self.outcome == Outcome.WRITTEN
+
+    @property
+    def shown(self) -> str:
+        return f"{self.tag} `{self.name}`" if self.name else self.tag
+
+
+_PLURALS = {
+    "body": "bodies", "equality": "equality constraints", "key": "keyframes", "flex": "flexes", "pair": "contact pairs",
+    "exclude": "excluded contacts", "mesh": "meshes",
+}  # fmt: skip
+_SINGULARS = {
+    "equality": "equality constraint",
+    "key": "keyframe",
+    "pair": "contact pair",
+    "exclude": "excluded contact",
+}
+_NAMED = 3
+_OPTION = "option"
+
+
+def grouped(losses: Iterable[Loss]) -> Iterator[list[Loss]]:
+    """Yield the losses of one kind together, in their order."""
+    groups: dict[tuple[str, ...], list[Loss]] = {}
+    for loss in losses:
+        groups.setdefault(
+            (loss.outcome, loss.feature, loss.what, loss.why, loss.kind or loss.tag), []
+        ).append(loss)
+    yield from groups.values()
+
+
+def in_words(title: str, group: list[Loss]) -> str:
+    """Return a sentence about losses of one kind: how many, and the first names.
+
+    >>> in_words("Pinocchio", [Loss("damping", "joint", n, "joint", f"j{n}", what="damping") for n in range(5)])
+    'Pinocchio ignores damping of 5 joints: `j0`, `j1`, `j2` and 2 more'
+    """
+    first = group[0]
+    counted = _counted(group)
+    if first.otherwise:
+        return f"{title} gets {counted} in another form: {first.why}"
+    if first.refused:
+        return f"{counted}: {first.why}"
+    of = f"{first.what} of " if first.what else ""
+    if first.tag == _OPTION and first.what:
+        counted, of = first.what, ""
+    return f"{title} ignores {of}{counted}" + (f"; {first.why}" if first.why else "")
+
+
+def _counted(group: list[Loss]) -> str:
+    """Return the number of elements with their kind and the first of their names."""
+    first = group[0]
+    kind = first.kind or first.tag
+    if kind == _OPTION:
+        return _OPTION
+    word = _SINGULARS.get(kind, kind) if len(group) == 1 else _PLURALS.get(kind, f"{kind}s")
+    names = [f"`{each.name}`" for each in group if each.name]
+    if not names:
+        return f"{len(group)} {word}"
+    shown = names if len(names) <= _NAMED + 1 else names[:_NAMED]
+    more = len(names) - len(shown)
+    listed = f"{', '.join(shown)} and {more} more" if more else ", ".join(shown)
+    return f"{len(group)} {word}: {listed}"
+
+
+@dataclass(slots=True)
+class Draft:
+    """The plain text of a model with its files, and the compiled model itself.
+
+    `elements` has the elements of the text by kind, in the order of the compiled model. `files` has the content of
+    the files that the text names, by path. The limits of a target change `root` and record in `losses` what is
+    lost.
+    """
+
+    mujoco: Any
+    model: Any
+    root: Node
+    files: dict[str, bytes]
+    elements: Mapping[str, Sequence[Node]]
+    losses: list[Loss] = field(default_factory=list)
+    output: str = "model.xml"
+    mujoco_reads: bool = True
+    _rows: dict[Node, tuple[str, int]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._rows = {
+            node: (kind, number) for kind, nodes in self.elements.items() for number, node in enumerate(nodes)
+        }
+
+    def lose(
+        self,
+        feature: str,
+        node: Node,
+        why: str = "",
+        *,
+        what: str = "",
+        outcome: Outcome = Outcome.LEFT_OUT,
+        help: str | None = None,
+    ) -> None:
+        """Record that the target cannot express an element, or `what` it has."""
+        kind, number = self._rows.get(node, ("", -1))
+        tag, name = str(node.tag), str(node.get("name") or "")
+        self.losses.append(
+            Loss(feature, kind, number, tag=tag, name=name, why=why, what=what, outcome=outcome, help=help)
+        )
+
+    def remove(self, node: Node) -> None:
+        """Remove an element, and its section if it becomes empty."""
+        holder = node.getparent()
+        if holder is not None:
+            holder.remove(node)
+            if not len(holder) and holder.tag in _SECTIONS and holder.getparent() is not None:
+                self.remove(holder)
+
+    def of(self, kind: str) -> Iterator[tuple[int, Node]]:
+        """Yield the elements of a kind that are still in the text, with their numbers in the compiled model."""
+        for number, node in enumerate(self.elements[kind]):
+            if any(above is self.root for above in node.iterancestors()):
+                yield number, node
+
+
+_SECTIONS = (
+    "actuator",
+    "sensor",
+    "equality",
+    "tendon",
+    "contact",
+    "keyframe",
+    "asset",
+    "custom",
+    "deformable",
+    "extension",
+)
+
+
+def write_mjcf(draft: Draft) -> dict[str, bytes]:
+    """Return the text and the files that it names, by path."""
+    etree.indent(draft.root)
+    named = {name for _, _, name in file_attributes(draft.root)}
+    files = {path: content for path, content in draft.files.items() if path in named}
+    return {draft.output: write(draft.root), **files}
+
+
+__all__ = ["Limit", "Outcome", "Refusal", "Refuses"]
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """An element of a compiled model that a simulator does not take; of its options the kind is `option`."""
+
+    kind: str
+    number: int
+    why: str
+    help: str
+
+
+Refuses = Callable[[Any, Any], Iterator[Refusal]]
+"""Of MuJoCo and a compiled model: what a simulator refuses of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """A feature that a target does not support. `apply` changes the draft and records what is lost.
+
+    `refuses` judges the compiled model alone, for simulators that take MuJoCo's own `mjModel`.
+    """
+
+    feature: str
+    outcome: Outcome
+    apply: Callable[[Draft], None]
+    refuses: Refuses | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A program that reads models, or a form in which models are written.
+
+    `words` describe it. `package` is the package on PyPI with which it is tested, or None. `limits` are what it
+    cannot express, in the order in which they change the model. `write` returns the text and the files of what
+    remains, by path.
+    """
+
+    name: str
+    words: str
+    limits: tuple[Limit, ...]
+    write: Callable[[Draft], dict[str, bytes]]
+    package: str | None = None
+
+    @property
+    def title(self) -> str:
+        """Return the name of the program in sentences: `MuJoCo Warp`."""
+        return self.words.partition(",")[0]

@@ -1,0 +1,398 @@
+"""A model as a ROS package with URDF, `ros2_control` and SRDF."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from mjcompose.targets.plain import simple_actuators, text
+from mjcompose.targets.restrictions import greatest_force
+from mjcompose.targets.same import Pose, about, joined, pose, shifted
+from mjcompose.targets.target import Draft, Outcome
+
+
+def origin(of: Pose) -> Node:
+    """Return the element `<origin>`."""
+    return etree.Element("origin", xyz=text(_clean(of[0])), rpy=text(_clean(angles(of[1]))))
+
+
+def angles(turned: Any) -> Any:
+    """Return roll, pitch and yaw (rad) of a rotation matrix, shape (3,).
+
+    >>> [round(float(each), 6) for each in angles([[0, -1, 0], [1, 0, 0], [0, 0, 1]])]
+    [0.0, 0.0, 1.570796]
+    """
+    level = math.hypot(turned[0][0], turned[1][0])
+    pitch = math.atan2(-turned[2][0], level)
+    if level < 1e-9:  # looks straight up or down: yaw and roll are about one axis
+        return np.array([math.atan2(-turned[1][2], turned[1][1]), pitch, 0.0])
+    return np.array([math.atan2(turned[2][1], turned[2][2]), pitch, math.atan2(turned[1][0], turned[0][0])])
+
+
+def _clean(values: Any) -> Any:
+    return np.where(np.abs(values) < 1e-16, 0.0, values)
+
+
+_SHOWN_GROUPS = 3
+"""MuJoCo shows the groups 0, 1 and 2; shapes that only collide are in others by convention."""
+
+
+def link(draft: Draft, body: int, name: str, package: str) -> Node:
+    """Return the link of a body."""
+    found = etree.Element("link", name=name)
+    if body:
+        found.append(_inertial(draft.model, body))
+    for number, geom in draft.of("geom"):
+        if int(draft.model.geom_bodyid[number]) == body:
+            _shapes(draft, number, geom, into=found, package=package)
+    return found
+
+
+def massless(name: str) -> Node:
+    """Return a link that only connects joints.
+
+    Its inertia is written as zero: some programs give a link without inertia a mass of their own.
+    """
+    found = etree.Element("link", name=name)
+    inertial = etree.SubElement(found, "inertial")
+    etree.SubElement(inertial, "mass", value="0")
+    etree.SubElement(inertial, "inertia", dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0"))
+    return found
+
+
+def _inertial(model: Any, body: int) -> Node:
+    found = etree.Element("inertial")
+    found.append(origin(shifted(model.body_ipos[body])))
+    etree.SubElement(found, "mass", value=text(model.body_mass[body]))
+    axes = pose((0, 0, 0), model.body_iquat[body])[1]
+    matrix = axes @ np.diag(model.body_inertia[body]) @ axes.T
+    places = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
+    etree.SubElement(found, "inertia", {name: text(matrix[at]) for name, at in places.items()})
+    return found
+
+
+def _shapes(draft: Draft, number: int, geom: Node, into: Node, package: str) -> None:
+    model = draft.model
+    collides = bool(model.geom_contype[number]) or bool(model.geom_conaffinity[number])
+    shown = int(model.geom_group[number]) < _SHOWN_GROUPS
+    where = pose(model.geom_pos[number], model.geom_quat[number])
+    shapes = list(_geometry(draft, number, geom, package=package))
+    if not shapes:
+        draft.lose(
+            "shapes", geom, what=f"the {'height field' if geom.get('type') == 'hfield' else geom.get('type')}"
+        )
+    for kind in [kind for kind, wanted in (("visual", shown), ("collision", collides)) if wanted]:
+        for at, shape in shapes:
+            holder = etree.SubElement(into, kind)
+            holder.append(origin(joined(where, at)))
+            etree.SubElement(holder, "geometry").append(etree.fromstring(etree.tostring(shape)))
+            if kind == "visual":
+                material = etree.SubElement(holder, "material", name=f"{into.get('name')}_{number}")
+                etree.SubElement(material, "color", rgba=text(_colour(model, number)))
+
+
+def _colour(model: Any, number: int) -> Any:
+    material = int(model.geom_matid[number])
+    default = bool(np.allclose(model.geom_rgba[number], (0.5, 0.5, 0.5, 1)))
+    return model.mat_rgba[material] if material >= 0 and default else model.geom_rgba[number]
+
+
+def _geometry(draft: Draft, number: int, geom: Node, package: str) -> Iterator[tuple[Pose, Node]]:
+    """Yield the shapes of a geom in its frame."""
+    size, here = draft.model.geom_size[number], shifted((0, 0, 0))
+    match geom.get("type"):
+        case "box":
+            yield here, etree.Element("box", size=text(2 * size))
+        case "sphere":
+            yield here, etree.Element("sphere", radius=text(size[0]))
+        case "cylinder":
+            yield here, _cylinder(size)
+        case "capsule":  # which URDF does not have: the same surface in three pieces
+            yield here, _cylinder(size)
+            for end in (size[1], -size[1]):
+                yield shifted((0, 0, end)), etree.Element("sphere", radius=text(size[0]))
+        case "mesh":
+            meshes = draft.root.iterfind("asset/mesh")
+            file = next(each.get("file") for each in meshes if each.get("name") == geom.get("mesh"))
+            yield here, etree.Element("mesh", filename=f"package://{package}/{file}")
+
+
+def _cylinder(size: Any) -> Node:
+    return etree.Element("cylinder", radius=text(size[0]), length=text(2 * size[1]))
+
+
+NO_LIMIT = "1000000"
+"""URDF wants a number where MuJoCo has no limit."""
+_FREE, _BALL, _SLIDE, _HINGE = range(4)
+
+
+def hung(draft: Draft, body: int, name: str, parent: str) -> Iterator[Node]:
+    """Yield the joints between a body and its parent, and the links between them."""
+    model = draft.model
+    joints = [(number, node) for number, node in draft.of("joint") if int(model.jnt_bodyid[number]) == body]
+    stands = pose(model.body_pos[body], model.body_quat[body])
+    if not joints:
+        yield fixed(f"{name}_fixed", parent, name, frame=stands)
+        return
+    last = np.zeros(3)
+    for at, (number, node) in enumerate(joints):
+        called = str(node.get("name") or f"{name}_joint{at or ''}")
+        if int(model.jnt_type[number]) == _FREE:
+            yield _joint(called, "floating", parent, child=name, frame=stands)
+            return
+        anchor = np.asarray(model.jnt_pos[number], dtype=float)
+        ends = at == len(joints) - 1 and not anchor.any()
+        child = name if ends else f"{name}__{called}"
+        frame = joined(stands, shifted(anchor - last), _before_reference(model, number))
+        found = _joint(called, _type(model, number), parent, child=child, frame=frame)
+        _motion(draft, number, node, joint=found)
+        yield found
+        if not ends:
+            yield massless(child)
+        parent, last, stands = child, anchor, shifted((0, 0, 0))
+    if last.any():
+        yield fixed(f"{name}_fixed", parent, name, frame=shifted(-last))
+
+
+def fixed(name: str, parent: str, child: str, frame: Pose) -> Node:
+    """Return a joint that does not move."""
+    return _joint(name, "fixed", parent, child=child, frame=frame)
+
+
+def _before_reference(model: Any, number: int) -> Pose:
+    """Return the pose from the reference of a joint to its zero, at which URDF has the frame."""
+    reference = float(model.qpos0[model.jnt_qposadr[number]])
+    axis = model.jnt_axis[number]
+    return about(axis, -reference) if int(model.jnt_type[number]) == _HINGE else shifted(-reference * axis)
+
+
+def _type(model: Any, number: int) -> str:
+    if int(model.jnt_type[number]) == _SLIDE:
+        return "prismatic"
+    return "revolute" if model.jnt_limited[number] else "continuous"
+
+
+def _joint(name: str, kind: str, parent: str, child: str, frame: Pose) -> Node:
+    found = etree.Element("joint", name=name, type=kind)
+    found.append(origin(frame))
+    etree.SubElement(found, "parent", link=parent)
+    etree.SubElement(found, "child", link=child)
+    return found
+
+
+def _motion(draft: Draft, number: int, node: Node, joint: Node) -> None:
+    model = draft.model
+    dof = int(model.jnt_dofadr[number])
+    etree.SubElement(joint, "axis", xyz=text(model.jnt_axis[number]))
+    most = greatest_force(model, number)
+    effort = NO_LIMIT if most is None else text(most)
+    limit = etree.SubElement(joint, "limit", effort=effort, velocity=NO_LIMIT)
+    if model.jnt_limited[number]:
+        low, high = model.jnt_range[number]
+        limit.set("lower", text(low))
+        limit.set("upper", text(high))
+    elif joint.get("type") == "prismatic":
+        limit.set("lower", f"-{NO_LIMIT}")
+        limit.set("upper", NO_LIMIT)
+    etree.SubElement(
+        joint, "dynamics", damping=text(model.dof_damping[dof]), friction=text(model.dof_frictionloss[dof])
+    )
+    if model.dof_armature[dof]:
+        draft.lose("armature", node, what="armature")
+
+
+_HINGE_OR_SLIDE = (2, 3)
+
+
+def mimics(draft: Draft, joints: dict[str, Node]) -> None:
+    """Write proportional constraints as `<mimic>`. Other equality constraints are recorded as losses."""
+    model = draft.model
+    for number, node in list(draft.of("equality")):
+        leader, follower = str(node.get("joint2") or ""), str(node.get("joint1") or "")
+        polynomial = model.eq_data[number][:5]
+        if node.tag != "joint" or leader not in joints or follower not in joints:
+            draft.lose("equality", node, "what they couple moves freely")
+        elif polynomial[2:].any():
+            draft.lose("equality", node, "a joint follows another in proportion only")
+        elif not model.eq_active0[number]:
+            draft.lose("equality", node, "they are not active at the start, and nothing can switch them on")
+        elif joints[follower].find("mimic") is not None:
+            draft.lose("equality", node, "a joint follows one other")
+        else:
+            zero = [
+                float(model.qpos0[model.jnt_qposadr[each]])
+                for each in (int(model.eq_obj1id[number]), int(model.eq_obj2id[number]))
+            ]
+            offset = zero[0] + polynomial[0] - polynomial[1] * zero[1]
+            etree.SubElement(
+                joints[follower], "mimic", joint=leader, multiplier=text(polynomial[1]), offset=text(offset)
+            )
+
+
+_INTERFACE = {"motor": "effort", "position": "position", "velocity": "velocity"}
+_PLUGIN = "mock_components/GenericSystem"
+"""The system that `ros2_control` has for tests; a robot puts its own there."""
+
+
+def control(draft: Draft, joints: dict[str, Node]) -> Node | None:
+    """Return the element, or None if no joint has an actuator. Actuators of anything else are recorded as losses."""
+    found = etree.Element("ros2_control", name=str(draft.root.get("model") or "model"), type="system")
+    etree.SubElement(etree.SubElement(found, "hardware"), "plugin").text = _PLUGIN
+    for number, node in list(draft.of("actuator")):
+        name = str(node.get("joint") or "")
+        if node.tag not in _INTERFACE or name not in joints:
+            draft.lose("actuators", node, "`ros2_control` has motors and servos of joints")
+            continue
+        joint = next((each for each in found.iterchildren("joint") if each.get("name") == name), None)
+        if joint is None:
+            joint = etree.SubElement(found, "joint", name=name)
+        command = etree.SubElement(joint, "command_interface", name=_INTERFACE[str(node.tag)])
+        if draft.model.actuator_ctrllimited[number]:
+            for side, end in zip(("min", "max"), draft.model.actuator_ctrlrange[number], strict=True):
+                etree.SubElement(command, "param", name=side).text = text(end)
+    for joint in found.iterchildren("joint"):
+        for each in ("position", "velocity", "effort"):
+            etree.SubElement(joint, "state_interface", name=each)
+    return found if found.find("joint") is not None else None
+
+
+GROUP = "all"
+
+
+def semantics(draft: Draft, name: str, names: list[str], joints: dict[str, Node]) -> bytes:
+    """Return the SRDF file of the robot `name`. `names` has the name of the link of each body."""
+    model = draft.model
+    root = etree.Element("robot", name=name)
+    movable = [
+        each for each, joint in joints.items() if joint.get("type") in ("revolute", "continuous", "prismatic")
+    ]
+    if movable:
+        group = etree.SubElement(root, "group", name=GROUP)
+        for each in movable:
+            etree.SubElement(group, "joint", name=each)
+    for number, key in draft.of("key"):
+        state = etree.SubElement(
+            root, "group_state", name=str(key.get("name") or f"key{number}"), group=GROUP
+        )
+        for joint, node in draft.of("joint"):
+            if node.get("name") in movable:
+                value = model.key_qpos[number][model.jnt_qposadr[joint]]
+                etree.SubElement(state, "joint", name=str(node.get("name")), value=text(value))
+    for body in range(1, model.nbody):
+        if parent := int(model.body_parentid[body]):
+            _apart(root, names[parent], names[body], reason="Adjacent")
+    for signature in model.exclude_signature.tolist():
+        pair = signature >> 16, signature & 0xFFFF
+        if all(pair):
+            _apart(root, names[pair[0]], names[pair[1]], reason="Excluded in MuJoCo")
+    etree.indent(root)
+    return etree.tostring(root, xml_declaration=True, encoding="utf-8") + b"\n"
+
+
+def _apart(root: Node, first: str, second: str, reason: str) -> None:
+    etree.SubElement(root, "disable_collisions", link1=first, link2=second, reason=reason)
+
+
+WORLD = "world"
+_NOT_IN_PACKAGES = re.compile(r"[^a-z0-9_]+")
+_PACKAGE = """<?xml version="1.0"?>
+<package format="3">
+  <name>{name}</name>
+  <version>0.0.0</version>
+  <description>{title}, written by mjcompose</description>
+  <maintainer email="nobody@example.org">nobody</maintainer>
+  <license>see LICENSES</license>
+  <export><build_type>ament_cmake</build_type></export>
+</package>
+"""
+_CMAKE = """cmake_minimum_required(VERSION 3.8)
+project({name})
+find_package(ament_cmake REQUIRED)
+install(FILES model.urdf model.srdf DESTINATION share/${{PROJECT_NAME}})
+install(DIRECTORY assets DESTINATION share/${{PROJECT_NAME}} OPTIONAL)
+ament_package()
+"""
+
+
+def write_urdf(draft: Draft) -> dict[str, bytes]:
+    """Return `model.urdf`, `model.srdf`, the meshes and the files of a ROS package, by path."""
+    draft.output = "model.urdf"
+    simple_actuators(draft.root, any_input=True)
+    model, title = draft.model, str(draft.root.get("model") or "model")
+    package = package_name(title)
+    bodies = draft.elements["body"]
+    names = [
+        WORLD,
+        *(str(body.get("name") or f"body{number}") for number, body in enumerate(bodies) if number),
+    ]
+    robot = etree.Element("robot", name=title)
+    joints: dict[str, Node] = {}
+    links = [link(draft, number, name, package=package) for number, name in enumerate(names)]
+    floating = model.nbody > 1 and not (model.body_parentid[2:] == 0).any() and _is_free(draft, 1)
+    if floating:
+        draft.lose(
+            "roots", bodies[1], "the root is the body that moves freely, not a world", outcome=Outcome.WRITTEN
+        )
+        for geom in [node for number, node in draft.of("geom") if int(model.geom_bodyid[number]) == 0]:
+            draft.lose("shapes", geom, "they are in the world, which is not in this URDF")
+    for number, name in enumerate(names):
+        if number == 0 and floating:
+            continue
+        robot.append(links[number])
+        if number > (1 if floating else 0):
+            for each in hung(draft, number, name, parent=names[int(model.body_parentid[number])]):
+                robot.append(each)
+                if each.tag == "joint":
+                    joints[str(each.get("name"))] = each
+    for number, site in draft.of("site"):
+        if site.get("name") and not (floating and int(model.site_bodyid[number]) == 0):
+            robot.extend(_frame(draft, number, str(site.get("name")), names=names))
+    mimics(draft, joints)
+    system = control(draft, joints)
+    if system is not None:
+        robot.append(system)
+    etree.indent(robot)
+    meshes = {path: content for path, content in draft.files.items() if path.endswith(".obj")}
+    return {
+        draft.output: etree.tostring(robot, xml_declaration=True, encoding="utf-8") + b"\n",
+        "model.srdf": semantics(draft, title, names, joints=joints),
+        "package.xml": _PACKAGE.format(name=package, title=_escaped(title)).encode(),
+        "CMakeLists.txt": _CMAKE.format(name=package).encode(),
+        **meshes,
+    }
+
+
+def _frame(draft: Draft, site: int, name: str, names: list[str]) -> list[Node]:
+    """Return a site as a link that is fixed to the link of its body."""
+    model = draft.model
+    called = f"{name}_site" if name in names else name
+    where = pose(model.site_pos[site], model.site_quat[site])
+    return [
+        massless(called),
+        fixed(f"{called}_fixed", names[int(model.site_bodyid[site])], called, frame=where),
+    ]
+
+
+def package_name(title: str) -> str:
+    """Return a name that is valid for a ROS package.
+
+    >>> package_name("UR5e + 2F-85")
+    'ur5e_2f_85'
+    """
+    found = _NOT_IN_PACKAGES.sub("_", title.lower()).strip("_")
+    return found if found[:1].isalpha() else f"robot_{found}".strip("_")
+
+
+def _is_free(draft: Draft, body: int) -> bool:
+    model = draft.model
+    return bool(model.body_jntnum[body] == 1 and model.jnt_type[model.body_jntadr[body]] == 0)
+
+
+def _escaped(text: str) -> str:
+    return text.replace("&", "&amp;").replace("<", "&lt;")

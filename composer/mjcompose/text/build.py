@@ -1,0 +1,425 @@
+"""Build the located tree from YAML events, without recursion and within limits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from typing import Any
+
+from yaml.events import (
+    AliasEvent,
+    DocumentStartEvent,
+    MappingEndEvent,
+    MappingStartEvent,
+    ScalarEvent,
+    SequenceEndEvent,
+    SequenceStartEvent,
+)
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Span
+from mjcompose.base.limits import advice, in_force
+from mjcompose.base.sink import Sink
+from mjcompose.text.faults import MAX_KEY, quoted
+from mjcompose.text.node import Key, Mapping, Marks, Node, Scalar, Sequence, resolve
+
+FREE_EXPANSION = 10_000  # nodes that aliases may add, in addition to one for each character of the text
+
+_STANDARD = "tag:yaml.org,2002:"
+_SCALAR_TAGS: dict[str, tuple[type, ...]] = {
+    _STANDARD + "null": (type(None),),
+    _STANDARD + "bool": (bool,),
+    _STANDARD + "int": (int,),
+    _STANDARD + "float": (int, float),
+}
+# Replaces a key whose value is read only to report its faults, and then dropped.
+_DROPPED = Key("", Span("", 0, 0))
+
+
+@dataclass(slots=True)
+class _Frame:
+    """A collection that is being read. Lines and columns count from 1."""
+
+    entries: dict[str, tuple[Key, Node]] | None
+    items: list[Node] | None
+    flow: bool
+    line: int
+    column: int
+    total: int
+    """The number of nodes in the tree when it began."""
+    first_end: int
+    """Where the last token on its first line ends."""
+    anchor: str | None = None
+    tag: tuple[str, Span] | None = None
+    is_key: bool = False
+    key: Key | None = None
+    key_end: int | None = None
+    """Where that key ends in the text, if it is written there."""
+    is_quoted: bool = False
+    """Whether the key is quoted."""
+    has_lone: bool = False
+    """Whether it contains an entry without a colon, so that the following ones may not be keys."""
+    height: int = 1
+    """The nesting depth of collections, including this one."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Anchored:
+    node: Node
+    size: int
+    height: int
+
+
+class Builder:
+    """Builds one tree. `text` is the text that the events' marks refer to; faults go to `sink`.
+
+    `restore` turns a scalar's text into the original text of the file; it may raise `UnicodeDecodeError`. `empty`
+    is the help for an empty file.
+    """
+
+    def __init__(
+        self,
+        text: str,
+        file: str,
+        sink: Sink,
+        restore: Callable[[str], str] | None = None,
+        empty: str | None = None,
+    ) -> None:
+        self._text = text
+        self._file = file
+        self._marks = Marks(text, file)
+        self._sink = sink
+        self._restore = restore
+        self._empty = empty
+        self._stack: list[_Frame] = []
+        self._anchors: dict[str, _Anchored] = {}
+        self._total = 0
+        self._expanded = 0
+        self._root: Node | None = None
+        self._lone: list[Diagnostic] = []
+        self._most, self._deepest = in_force().yaml_values, in_force().yaml_depth
+
+    @property
+    def in_flow(self) -> bool:
+        """Whether the events ended inside `[ ]` or `{ }`."""
+        return bool(self._stack) and self._stack[-1].flow
+
+    def build(self, events: Iterable[Any]) -> Node | None:
+        """Return the tree, or None if a value is missing or a limit would be exceeded.
+
+        Raises the exceptions of the event reader.
+        """
+        stack, file, marks, restore = self._stack, self._file, self._marks, self._restore
+        for event in events:
+            kind = type(event)
+            if kind is ScalarEvent:
+                start, end = event.start_mark, event.end_mark
+                line = start.line + 1
+                # Nearly every event is a scalar on one line without properties: this path is kept short.
+                simple = end.line + 1 == line and event.anchor is None and event.tag is None
+                span = (
+                    Span(file, line, start.column + 1, end_line=line, end_column=end.column + 1)
+                    if simple
+                    else marks.span(event)
+                )
+                text = event.value if restore is None else self._restored(event.value, span)
+                frame = stack[-1] if stack else None
+                if frame is not None and frame.entries is not None and frame.key is None:
+                    self._key(event, text, span, frame=frame)
+                    continue
+                if not text and frame is not None and frame.flow and frame.entries is not None:
+                    self._check_colon(event, frame)
+                self._total += 1
+                if not simple:
+                    self._add(self._scalar(event, text, span), 0)
+                elif event.style:
+                    self._add(Scalar(text, span, text, plain=False), 0)
+                else:
+                    self._add(Scalar(self._resolved(text, span), span, text, plain=True), 0)
+            elif kind is MappingStartEvent or kind is SequenceStartEvent:
+                if not self._begin(event, kind is MappingStartEvent):
+                    return None
+            elif kind is MappingEndEvent or kind is SequenceEndEvent:
+                self._end(event)
+            elif kind is AliasEvent:
+                if not self._alias(event):
+                    return None
+            elif kind is DocumentStartEvent and self._root is not None:
+                self._sink.error(
+                    "yaml-documents",
+                    "a second YAML document begins here; a file holds one",
+                    self._marks.span(event),
+                    help="move what follows `---` into a file of its own, or remove the `---`",
+                )
+                return self._root
+            if self._total > self._most:
+                self._sink.error(
+                    "yaml-too-large",
+                    f"more than {self._most} values in one file",
+                    self._marks.span(event),
+                    help=advice("yaml-values"),
+                )
+                return None
+        for lone in self._lone:  # if reading stops, this is the reason
+            self._sink.add(lone)
+        return self._whole()
+
+    def _whole(self) -> Node | None:
+        """Return the tree of a file that was read to its end, or None after reporting an empty file."""
+        root = self._root
+        if root is None or (isinstance(root, Scalar) and root.plain and not root.text):
+            self._sink.error(
+                "yaml-empty",
+                f"`{self._file}` holds nothing"
+                + (" but comments" if self._text.lstrip().startswith("#") else ""),
+                Span(self._file, 1, 1),
+                help=self._empty,
+            )
+            return None
+        return root
+
+    def _add(self, node: Node, height: int) -> None:
+        """Add a complete value to the innermost open collection."""
+        if not self._stack:
+            self._root = node
+            return
+        frame = self._stack[-1]
+        span = node.span
+        if span.line == frame.line and span.end_column is not None:
+            frame.first_end = span.end_column
+        if height >= frame.height:
+            frame.height = height + 1
+        if frame.items is not None:
+            frame.items.append(node)
+        elif frame.entries is not None and frame.key is not None:
+            if frame.key is not _DROPPED:
+                frame.entries[frame.key.name] = (frame.key, node)
+            frame.key = None
+
+    def _begin(self, event: Any, mapping: bool) -> bool:
+        is_key = False
+        if self._stack:
+            parent = self._stack[-1]
+            if parent.entries is not None and parent.key is None:
+                self._refuse_key(event, "a mapping" if mapping else "a list")
+                parent.key = _DROPPED
+                is_key = True
+        if len(self._stack) >= self._deepest:
+            self._sink.error(
+                "yaml-too-deep",
+                f"more than {self._deepest} lists and mappings within each other",
+                self._marks.span(event),
+                help=advice("yaml-depth"),
+            )
+            return False
+        line, column = event.start_mark.line + 1, event.start_mark.column + 1
+        if event.anchor is not None or event.tag is not None:
+            column += self._marks.properties(event)
+        tag = None if event.tag is None else (event.tag, self._marks.tag(event))
+        self._stack.append(
+            _Frame(
+                {} if mapping else None,
+                None if mapping else [],
+                bool(event.flow_style),
+                line=line,
+                column=column,
+                total=self._total,
+                first_end=column + 1,
+                anchor=event.anchor,
+                tag=tag,
+                is_key=is_key,
+            )
+        )
+        self._total += 1
+        return True
+
+    def _end(self, event: Any) -> None:
+        frame = self._stack.pop()
+        end = frame.first_end
+        if frame.flow and event.end_mark.line + 1 == frame.line:
+            end = event.end_mark.column + 1
+        span = Span(
+            self._file, frame.line, frame.column, end_line=frame.line, end_column=max(end, frame.column + 1)
+        )
+        node: Node
+        if frame.entries is not None:
+            node, standard = Mapping(frame.entries, span), _STANDARD + "map"
+        else:
+            node, standard = Sequence(tuple(frame.items or ()), span), _STANDARD + "seq"
+        if frame.tag is not None and frame.tag[0] not in ("!", standard):
+            self._refuse_tag(*frame.tag)
+        if frame.anchor is not None:
+            self._anchors[frame.anchor] = _Anchored(node, self._total - frame.total, frame.height)
+        if not frame.is_key:
+            self._add(node, frame.height)
+
+    def _restored(self, text: str, span: Span) -> str:
+        """Return a scalar's original text."""
+        try:
+            return text if self._restore is None else self._restore(text)
+        except UnicodeDecodeError:
+            self._sink.error(
+                "yaml-syntax",
+                "an escape here is half of a surrogate pair, which is not a character",
+                span,
+                help="write both halves, as in `\\ud83d\\ude00`, or the character itself",
+            )
+            return text.encode("utf-8", "replace").decode("utf-8")
+
+    def _resolved(self, text: str, span: Span) -> bool | int | float | str | None:
+        try:
+            return resolve(text)
+        except OverflowError:
+            shown = text if len(text) <= 40 else f"{text[:40]}…"
+            self._sink.error("out-of-range", f"the number `{shown}` is too large", span)
+            return text
+
+    def _scalar(self, event: Any, text: str, span: Span) -> Scalar:
+        value: bool | int | float | str | None = text
+        if event.tag is not None:
+            value = self._tagged(event, text, span)
+        elif not event.style:
+            value = self._resolved(text, span)
+        node = Scalar(value, span, text, plain=not event.style, block=self._marks.block(event))
+        if event.anchor is not None:
+            self._anchors[event.anchor] = _Anchored(node, 1, 0)
+        return node
+
+    def _key(self, event: Any, name: str, span: Span, frame: _Frame) -> None:
+        """Use `name` as the key of the next value, or refuse it."""
+        if span.line == frame.line and span.end_column is not None:
+            frame.first_end = span.end_column
+        frame.key, frame.key_end = _DROPPED, None
+        if frame.has_lone:
+            return
+        if type(event) is ScalarEvent and self._restore is None:
+            end: Any = event.end_mark
+            frame.key_end, frame.is_quoted = end.index, bool(event.style)
+        if type(event) is ScalarEvent:
+            if event.tag not in (None, "!", _STANDARD + "str"):
+                self._refuse_tag(event.tag, self._marks.tag(event))
+            if event.anchor is not None:
+                self._anchors[event.anchor] = _Anchored(Scalar(name, span, name, plain=False), 1, 0)
+        entries = frame.entries if frame.entries is not None else {}
+        found = entries.get(name)
+        if name == "<<" and type(event) is ScalarEvent and not event.style:
+            self._sink.error(
+                "yaml-merge-key",
+                "the merge key `<<` is not part of the language",
+                span,
+                help="write the keys out, or use `extends` or `variants`, which merge recipes",
+            )
+        elif found is not None:
+            self._sink.error(
+                "yaml-duplicate-key",
+                f"the key `{name}` is written twice in this mapping",
+                span,
+                notes=[Note("it is first written here", found[0].span)],
+                help="keep one of the two, or give one of them another name",
+            )
+        else:
+            frame.key = Key(name, span)
+
+    def _check_colon(self, event: Any, frame: _Frame) -> None:
+        """Refuse a key in `{ }` that has neither a value nor a colon."""
+        key, end = frame.key, frame.key_end
+        if key is None or key is _DROPPED or end is None or frame.is_key or frame.tag is not None:
+            return
+        if ":" in self._text[end : event.start_mark.index] or len(key.name) > MAX_KEY:
+            return
+        from mjcompose.text.faults import advice
+
+        before = next(reversed(frame.entries or {}), None)
+        frame.key, frame.has_lone = _DROPPED, True
+        text = " ".join(key.name.split())  # it may span several lines
+        message = f"`{text}` stands in `{{ }}` without a colon"
+        help = advice(text, frame.is_quoted, before)
+        self._lone.append(Diagnostic("yaml-syntax", message, key.span, help=help))
+
+    def _alias(self, event: Any) -> bool:
+        name = event.anchor
+        span = self._marks.span(event)
+        anchored = self._anchors.get(name)
+        if any(frame.anchor == name for frame in self._stack):
+            self._sink.error(
+                "yaml-alias-bomb", f"the alias `*{name}` stands inside of what it names, without end", span
+            )
+            return False
+        if anchored is None:
+            self._sink.error(
+                "yaml-alias",
+                f"`*{name}` is an alias in YAML, and nothing before it is marked `&{name}`",
+                span,
+                help=f"if the text itself is meant, quote it: {quoted('*' + name)}",
+                fix=Fix(quoted("*" + name)),
+            )
+            anchored = _Anchored(Scalar(f"*{name}", span, f"*{name}", plain=True), 1, 0)
+        frame = self._stack[-1] if self._stack else None
+        if frame is not None and frame.entries is not None and frame.key is None:
+            if isinstance(anchored.node, Scalar):
+                self._key(event, anchored.node.text, span, frame=frame)
+            else:
+                self._refuse_key(event, "an alias of a list or mapping")
+                frame.key = _DROPPED
+            return True
+        self._total += anchored.size
+        self._expanded += anchored.size
+        if self._expanded > FREE_EXPANSION + len(self._text) or self._total > self._most:
+            self._sink.error(
+                "yaml-alias-bomb",
+                f"with `*{name}` the aliases of this file stand for {self._expanded} values, "
+                "far more than are written",
+                span,
+            )
+            return False
+        if len(self._stack) + anchored.height > self._deepest:
+            self._sink.error(
+                "yaml-too-deep",
+                f"with `*{name}` there are more than {self._deepest} lists and mappings within each other",
+                span,
+                help=advice("yaml-depth"),
+            )
+            return False
+        # The contents keep their own place; the value itself is placed at the alias.
+        self._add(replace(anchored.node, span=span), anchored.height)
+        return True
+
+    def _tagged(self, event: Any, text: str, span: Span) -> bool | int | float | str | None:
+        """Return the value of a scalar with a tag: standard tags are applied, all others refused."""
+        tag = event.tag
+        if tag in ("!", _STANDARD + "str"):
+            return text
+        value = text if event.style and tag not in _SCALAR_TAGS else self._resolved(text, span)
+        if tag not in _SCALAR_TAGS:
+            self._refuse_tag(tag, self._marks.tag(event))
+        elif type(value) not in _SCALAR_TAGS[tag]:
+            self._sink.error(
+                "yaml-tag",
+                f"`{text}` is not what its tag `{_shown(tag)}` says",
+                span,
+                help=f"remove the tag `{_shown(tag)}`",
+            )
+        return value
+
+    def _refuse_tag(self, tag: str, span: Span) -> None:
+        self._sink.error(
+            "yaml-tag",
+            f"the tag `{_shown(tag)}` is not part of the language",
+            span,
+            help=f"remove `{_shown(tag)}`; if it is meant as text, quote the whole value",
+        )
+
+    def _refuse_key(self, event: Any, kind: str) -> None:
+        template = kind == "a mapping" and self._text.startswith("{{", event.start_mark.index - 1)
+        self._sink.error(
+            "yaml-key",
+            f"{kind} cannot be a key",
+            self._marks.span(event),
+            help='text with braces must be quoted; an expression is written "${…}"'
+            if template
+            else "a key is text; quote it if it begins with `[`, `{` or `*`",
+        )
+
+
+def _shown(tag: str) -> str:
+    return "!!" + tag.removeprefix(_STANDARD) if tag.startswith(_STANDARD) else tag

@@ -1,0 +1,321 @@
+"""Expressions and texts with `${…}` are evaluated in limited time."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import lru_cache
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.limits import advice, in_force
+from mjcompose.text.expression import (
+    Binary,
+    Call,
+    Choice,
+    Comparison,
+    Constant,
+    Expression,
+    ExpressionError,
+    Item,
+    Name,
+    Unary,
+    UnknownName,
+    Vector,
+    parse,
+)
+from mjcompose.text.expression_values import (
+    CONSTANTS,
+    FUNCTIONS,
+    MAX_INTEGER,
+    ArgumentError,
+    Value,
+    kind,
+    shown,
+)
+from mjcompose.text.node import OPENING
+
+_MAX_EXPONENT = 1024
+_ARITHMETIC: Mapping[str, Callable[[float, float], float]] = {
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": operator.truediv,
+    "//": operator.floordiv,
+    "%": operator.mod,
+    "**": operator.pow,
+}
+_ORDER: Mapping[str, Callable[[Value, Value], bool]] = {
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+    "==": operator.eq,
+    "!=": operator.ne,
+}
+
+
+def evaluate(tree: Expression, scope: Mapping[str, Value]) -> Value:
+    """Return the value with the names of `scope`. Raises `ExpressionError`."""
+    if isinstance(tree, Constant):
+        return tree.value
+    if isinstance(tree, Name):
+        return _name(tree, scope)
+    if isinstance(tree, Item):
+        return _item(tree, scope)
+    if isinstance(tree, Vector):
+        return tuple(evaluate(item, scope) for item in tree.items)
+    if isinstance(tree, Unary):
+        return _unary(tree, scope)
+    if isinstance(tree, Comparison):
+        return _comparison(tree, scope)
+    if isinstance(tree, Choice):
+        chosen = tree.yes if _boolean(tree.condition, "if", scope) else tree.no
+        return evaluate(chosen, scope)
+    if isinstance(tree, Call):
+        return _call(tree, scope)
+    return _binary(tree, scope)
+
+
+def names(tree: Expression) -> Iterator[Name]:
+    """Yield every name in an expression, including constants such as `pi`."""
+    if isinstance(tree, Name):
+        yield tree
+    for child in _children(tree):
+        yield from names(child)
+
+
+def _children(tree: Expression) -> Iterable[Expression]:
+    if isinstance(tree, Item):
+        return (tree.vector,)
+    if isinstance(tree, Vector):
+        return tree.items
+    if isinstance(tree, Unary):
+        return (tree.operand,)
+    if isinstance(tree, Binary):
+        return (tree.left, tree.right)
+    if isinstance(tree, Comparison):
+        return tree.operands
+    if isinstance(tree, Choice):
+        return (tree.condition, tree.yes, tree.no)
+    return tree.arguments if isinstance(tree, Call) else ()
+
+
+def _name(tree: Name, scope: Mapping[str, Value]) -> Value:
+    if tree.name in scope:
+        return scope[tree.name]
+    if tree.name in CONSTANTS:
+        return CONSTANTS[tree.name]
+    if tree.name.lower() in ("true", "false"):
+        raise ExpressionError(
+            f"`{tree.name}` does not exist", tree.start, tree.end, f"write `{tree.name.lower()}`"
+        )
+    if tree.name in FUNCTIONS:
+        raise ExpressionError(f"`{tree.name}` is a function", tree.start, tree.end, f"write `{tree.name}(…)`")
+    raise UnknownName(tree.name, tree.start, tree.end)
+
+
+def _item(tree: Item, scope: Mapping[str, Value]) -> Value:
+    vector = evaluate(tree.vector, scope)
+    if not isinstance(vector, tuple):
+        raise ExpressionError(f"{kind(vector)} has no items", tree.start, tree.end)
+    if not -len(vector) <= tree.index < len(vector):
+        raise ExpressionError(
+            f"item {tree.index} does not exist: the vector has {len(vector)}", tree.start, tree.end
+        )
+    return vector[tree.index]
+
+
+def _number(tree: Expression, what: str, scope: Mapping[str, Value]) -> int | float:
+    return _as_number(evaluate(tree, scope), tree, what)
+
+
+def _as_number(value: Value, tree: Expression, what: str) -> int | float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ExpressionError(f"{what} needs a number, got {kind(value)}", tree.start, tree.end)
+    return value
+
+
+def _boolean(tree: Expression, what: str, scope: Mapping[str, Value]) -> bool:
+    value = evaluate(tree, scope)
+    if not isinstance(value, bool):
+        raise ExpressionError(f"`{what}` needs a boolean, got {kind(value)}", tree.start, tree.end)
+    return value
+
+
+def _unary(tree: Unary, scope: Mapping[str, Value]) -> Value:
+    if tree.operator == "not":
+        return not _boolean(tree.operand, "not", scope)
+    value = _number(tree.operand, f"`{tree.operator}`", scope)
+    return -value if tree.operator == "-" else value
+
+
+def _binary(tree: Binary, scope: Mapping[str, Value]) -> Value:
+    if tree.operator in ("and", "or"):
+        left = _boolean(tree.left, tree.operator, scope)
+        if left == (tree.operator == "or"):
+            return left
+        return _boolean(tree.right, tree.operator, scope)
+    # Evaluate each operand once: sums nest on the left, and twice each would be exponential in the number of terms.
+    first = evaluate(tree.left, scope)
+    if tree.operator == "+" and isinstance(first, str):
+        return _joined(tree, first, evaluate(tree.right, scope))
+    what = f"`{tree.operator}`"
+    a, b = _as_number(first, tree.left, what), _number(tree.right, what, scope)
+    if tree.operator == "**" and abs(b) > _MAX_EXPONENT:
+        raise ExpressionError(
+            f"an exponent is at most {_MAX_EXPONENT}, got {shown(b)}", tree.right.start, tree.right.end
+        )
+    return _checked(tree, lambda: _ARITHMETIC[tree.operator](a, b), (a, b))
+
+
+def _joined(tree: Binary, left: str, right: Value) -> str:
+    if not isinstance(right, str):
+        raise ExpressionError(f"`+` of text and {kind(right)}", tree.start, tree.end)
+    most = in_force().string
+    if len(left) + len(right) > most:
+        raise ExpressionError(
+            f"text is at most {most} characters long", tree.start, tree.end, advice("string")
+        )
+    return left + right
+
+
+def _comparison(tree: Comparison, scope: Mapping[str, Value]) -> bool:
+    values = [evaluate(operand, scope) for operand in tree.operands]
+    for symbol, left, right in zip(tree.operators, values, values[1:], strict=False):
+        if kind(left) != kind(right):
+            message = f"`{symbol}` of {kind(left)} and {kind(right)}"
+            raise ExpressionError(message, tree.start, tree.end)
+        if symbol not in ("==", "!=") and kind(left) not in ("a number", "text"):
+            raise ExpressionError(f"`{symbol}` needs numbers or text, got {kind(left)}", tree.start, tree.end)
+        if not _ORDER[symbol](left, right):
+            return False
+    return True
+
+
+def _call(tree: Call, scope: Mapping[str, Value]) -> Value:
+    function = FUNCTIONS[tree.function]
+    count = len(tree.arguments)
+    if count < function.least or (function.most is not None and count > function.most):
+        wanted = (
+            f"at least {function.least}"
+            if function.most is None
+            else str(function.least) if function.least == function.most else f"{function.least} or {function.most}"
+        )  # fmt: skip
+        raise ExpressionError(f"`{tree.function}` takes {wanted} numbers, got {count}", tree.start, tree.end)
+    arguments = [_number(argument, f"`{tree.function}`", scope) for argument in tree.arguments]
+    return _checked(tree, lambda: function.apply(*arguments), arguments)
+
+
+def _checked(tree: Binary | Call, work: Callable[[], int | float], of: Sequence[int | float]) -> int | float:
+    """Compute a number; a result that is not finite, or too large, is an error of the expression.
+
+    `of` are the operands.
+    """
+    try:
+        value = work()
+    except ZeroDivisionError:
+        raise ExpressionError("division by zero", tree.start, tree.end) from None
+    except OverflowError:
+        raise ExpressionError("the result is too large", tree.start, tree.end) from None
+    except (ValueError, TypeError) as error:
+        name = tree.function if isinstance(tree, Call) else tree.operator
+        numbers = ", ".join(map(shown, of))
+        reason = str(error) if isinstance(error, ArgumentError) else f"it is not defined at {numbers}"
+        raise ExpressionError(f"`{name}`: {reason}", tree.start, tree.end) from None
+    if isinstance(value, complex):
+        message = f"the root of a negative number, {shown(of[0])} to the power of {shown(of[1])}"
+        raise ExpressionError(message, tree.start, tree.end)
+    if isinstance(value, int):
+        if abs(value) >= MAX_INTEGER:
+            raise ExpressionError("the result is too large for a whole number", tree.start, tree.end)
+    elif not math.isfinite(value):
+        raise ExpressionError("the result is not a finite number", tree.start, tree.end)
+    return value
+
+
+@dataclass(frozen=True, slots=True)
+class Template:
+    """Pieces of text, and expressions with their start positions."""
+
+    pieces: tuple[str | tuple[int, Expression], ...]
+
+    @classmethod
+    @lru_cache(maxsize=64)  # a condition is evaluated for each element
+    def parse(cls, text: str) -> Template:
+        """Parse a text. Raises `ExpressionError` with positions in the whole text.
+
+        >>> Template.parse("pad_${side}_${n + 1}").value({"side": "left", "n": 2})
+        'pad_left_3'
+        >>> Template.parse("${2 * reach}").value({"reach": 0.25})
+        0.5
+        """
+        # Expressions give at least a character as a rule, and counting the characters of too many would take
+        # minutes.
+        if (count := text.count(OPENING)) > (most := in_force().string):
+            at = text.index(OPENING)
+            message = f"the text has {count} expressions; {most} are allowed"
+            raise ExpressionError(message, at, at + len(OPENING), advice("string", count))
+        pieces: list[str | tuple[int, Expression]] = []
+        at = 0
+        while (start := text.find(OPENING, at)) >= 0:
+            end = _closing(text, start)
+            if start > at:
+                pieces.append(text[at:start])
+            inside = start + len(OPENING)
+            try:
+                pieces.append((inside, parse(text[inside:end])))
+            except ExpressionError as error:
+                raise error.moved(inside) from None
+            at = end + 1
+        if at < len(text):
+            pieces.append(text[at:])
+        return cls(tuple(pieces))
+
+    def value(self, scope: Mapping[str, Value]) -> Value:
+        """Evaluate the text with these names: a single expression gives a value of any type, anything else a text."""
+        values = [piece if isinstance(piece, str) else _evaluated(piece, scope) for piece in self.pieces]
+        if len(values) == 1:
+            return values[0]
+        texts = [shown(value) for value in values]
+        given = sum(len(text) for text, piece in zip(texts, self.pieces, strict=True) if text is not piece)
+        if given > (most := in_force().string):
+            at = next(piece[0] for piece in self.pieces if not isinstance(piece, str))
+            message = f"expressions give {given} characters; {most} are allowed"
+            raise ExpressionError(message, at, at + 1, advice("string", given))
+        return "".join(texts)
+
+    def names(self) -> Iterator[Name]:
+        """Yield the names in the expressions, with their positions in the whole text."""
+        for piece in self.pieces:
+            if not isinstance(piece, str):
+                at, tree = piece
+                yield from (Name(each.name, each.start + at, each.end + at) for each in names(tree))
+
+    @property
+    def is_one_name(self) -> str | None:
+        """The name, if the text is only `${name}`."""
+        piece = self.pieces[0] if len(self.pieces) == 1 else ""
+        return piece[1].name if not isinstance(piece, str) and isinstance(piece[1], Name) else None
+
+
+def _evaluated(piece: tuple[int, Expression], scope: Mapping[str, Value]) -> Value:
+    at, tree = piece
+    try:
+        return evaluate(tree, scope)
+    except ExpressionError as error:
+        raise error.moved(at) from None
+
+
+def _closing(text: str, start: int) -> int:
+    """Return the position of the brace that closes the one at `start`, ignoring braces in quotes."""
+    quote = ""
+    for at in range(start + len(OPENING), len(text)):
+        character = text[at]
+        if quote:
+            quote = "" if character == quote else quote
+        elif character in "'\"":
+            quote = character
+        elif character == "}":
+            return at
+    raise ExpressionError("`${` is never closed", start, len(text), "put `}` behind the expression")

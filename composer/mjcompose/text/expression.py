@@ -1,0 +1,392 @@
+"""The text of an expression becomes a tree."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.text.expression_values import FUNCTIONS, Value
+
+
+class ExpressionError(Exception):
+    """An error at characters `start` to `end` of the parsed text; `help` says how to fix it."""
+
+    def __init__(self, message: str, start: int, end: int, help: str | None = None) -> None:
+        super().__init__(message)
+        self.message = message
+        self.start = start
+        self.end = end
+        self.help = help
+
+    def moved(self, by: int) -> ExpressionError:
+        """Return the same error for a text in which the expression is `by` characters later."""
+        return ExpressionError(self.message, self.start + by, self.end + by, self.help)
+
+
+class UnknownName(ExpressionError):
+    """A name that the scope does not have; code that knows the existing names can say more."""
+
+    def __init__(self, name: str, start: int, end: int) -> None:
+        super().__init__(f"`{name}` does not exist", start, end)
+        self.name = name
+
+    def moved(self, by: int) -> UnknownName:
+        return UnknownName(self.name, self.start + by, self.end + by)
+
+
+@dataclass(frozen=True, slots=True)
+class Constant:
+    value: Value
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    name: str
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """An item of a vector: `vector[index]`."""
+
+    vector: Expression
+    index: int
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Vector:
+    items: tuple[Expression, ...]
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Unary:
+    operator: str
+    operand: Expression
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Binary:
+    """Arithmetic, `and` and `or`."""
+
+    operator: str
+    left: Expression
+    right: Expression
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """A comparison such as `a < b <= c`: it has one operand more than operators."""
+
+    operators: tuple[str, ...]
+    operands: tuple[Expression, ...]
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """A conditional expression: `yes if condition else no`."""
+
+    condition: Expression
+    yes: Expression
+    no: Expression
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    function: str
+    arguments: tuple[Expression, ...]
+    start: int
+    end: int
+
+
+Expression = Constant | Name | Item | Vector | Unary | Binary | Comparison | Choice | Call
+
+
+class Token(NamedTuple):
+    """A token of an expression.
+
+    `kind` is `number`, `text`, `name`, `end`, or for operators and keywords the token itself.
+    """
+
+    kind: str
+    text: str
+    start: int
+
+    @property
+    def end(self) -> int:
+        return self.start + len(self.text)
+
+
+KEYWORDS = frozenset({"and", "or", "not", "if", "else", "true", "false"})
+_TOKEN = re.compile(
+    r"""\s*(?:
+        (?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)
+      | (?P<name>[^\W\d]\w*)
+      | (?P<text>'[^']*'|"[^"]*")
+      | (?P<operator>\*\*|//|<=|>=|==|!=|[-+*/%<>()\[\],])
+    )""",
+    re.VERBOSE,
+)
+_MAX_TOKENS = 256
+_MAX_DIGITS = 1000
+_FOREIGN = {"&&": "and", "||": "or", "!": "not", "^": "**", "=": "=="}
+
+
+def tokens(text: str) -> list[Token]:
+    """Return all tokens, the last one of kind `end`. Raises `ExpressionError`."""
+    found: list[Token] = []
+    at = 0
+    end = len(text.rstrip())
+    while at < end:
+        match = _TOKEN.match(text, at)
+        if match is None:
+            raise _unreadable(text, at + len(text[at:]) - len(text[at:].lstrip()))
+        kind = str(match.lastgroup)
+        token = match.group(kind)
+        start = match.start(kind)
+        if (
+            kind == "number"
+            and match.end() < end
+            and (text[match.end()].isalnum() or text[match.end()] in "_.")
+        ):
+            raise _run_on(text, start)
+        if kind == "number" and len(token) > _MAX_DIGITS:
+            raise ExpressionError("the number is too long", start, match.end())
+        found.append(Token(token if kind == "operator" or token in KEYWORDS else kind, token, start))
+        at = match.end()
+        if len(found) > _MAX_TOKENS:
+            raise ExpressionError("the expression is too long", 0, len(text), "make parts of it parameters")
+    found.append(Token("end", "", end))
+    return found
+
+
+def _unreadable(text: str, at: int) -> ExpressionError:
+    if text[at] in "'\"":
+        return ExpressionError(f"the text that begins with {text[at]} has no end", at, len(text))
+    for foreign, ours in _FOREIGN.items():
+        if text.startswith(foreign, at):
+            return ExpressionError(
+                f"`{foreign}` is not an operator", at, at + len(foreign), f"write `{ours}`"
+            )
+    if text[at] == ".":
+        return ExpressionError("expressions have no attributes", at, at + 1)
+    return ExpressionError(f"`{text[at]}` has no meaning in an expression", at, at + 1)
+
+
+def _run_on(text: str, start: int) -> ExpressionError:
+    found = re.compile(r"[\w.]+").match(text, start)
+    assert found is not None
+    word = found.group()
+    unit = next((unit for unit in ("deg", "rad") if word.endswith(unit)), None)
+    number = word.removesuffix(unit) if unit else ""
+    help = f"units stand outside of expressions; write `rad({number})` for radians" if unit == "deg" else None
+    return ExpressionError(f"`{word}` is not a number", start, found.end(), help)
+
+
+_MAX_DEPTH = 50
+_COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
+# From loose to tight, each level left to right; `**` binds tighter than a sign before it and goes right to left.
+_LEVELS = (("+", "-"), ("*", "/", "//", "%"))
+
+
+def parse(text: str) -> Expression:
+    """Return the tree of an expression. Raises `ExpressionError`."""
+    parser = _Parser(tokens(text))
+    if parser.next.kind == "end":
+        raise ExpressionError("the expression is empty", 0, len(text), "write for instance `${2 * reach}`")
+    tree = parser.choice()
+    if parser.next.kind != "end":
+        raise parser.unexpected("an operator")
+    return tree
+
+
+class _Parser:
+    def __init__(self, found: list[Token]) -> None:
+        self.found = found
+        self.at = 0
+        self.depth = 0
+
+    @property
+    def next(self) -> Token:
+        return self.found[self.at]
+
+    def take(self, *kinds: str) -> Token | None:
+        token = self.next
+        if token.kind not in kinds:
+            return None
+        self.at += 1
+        return token
+
+    def expect(self, kind: str, opened: Token) -> Token:
+        token = self.take(kind)
+        if token is None:
+            if self.next.kind == "end":
+                raise ExpressionError(f"`{opened.text}` is never closed", opened.start, opened.end)
+            raise self.unexpected(f"`{kind}`")
+        return token
+
+    def unexpected(self, wanted: str) -> ExpressionError:
+        token = self.next
+        if token.kind == "end":
+            return ExpressionError(
+                f"the expression ends where {wanted} should come", max(token.start - 1, 0), token.start
+            )
+        help = "compare with each: `a == 1 or a == 2`" if token.text in ("in", "not") else None
+        return ExpressionError(f"`{token.text}` stands where {wanted} should", token.start, token.end, help)
+
+    def choice(self) -> Expression:
+        self.depth += 1
+        if self.depth > _MAX_DEPTH:
+            raise ExpressionError("the expression is nested too deep", self.next.start, self.next.end)
+        value = self.disjunction()
+        if self.take("if"):
+            condition = self.disjunction()
+            if self.take("else") is None:
+                raise self.unexpected("`else`")
+            other = self.choice()
+            value = Choice(condition, value, other, value.start, other.end)
+        self.depth -= 1
+        return value
+
+    def disjunction(self) -> Expression:
+        left = self.conjunction()
+        while self.take("or"):
+            right = self.conjunction()
+            left = Binary("or", left, right, left.start, right.end)
+        return left
+
+    def conjunction(self) -> Expression:
+        left = self.negation()
+        while self.take("and"):
+            right = self.negation()
+            left = Binary("and", left, right, left.start, right.end)
+        return left
+
+    def negation(self) -> Expression:
+        signs = []
+        while token := self.take("not"):
+            signs.append(token)
+        value = self.comparison()
+        for token in reversed(signs):
+            value = Unary("not", value, token.start, value.end)
+        return value
+
+    def comparison(self) -> Expression:
+        operands = [self.level(0)]
+        operators: list[str] = []
+        while token := self.take(*_COMPARISONS):
+            operators.append(token.kind)
+            operands.append(self.level(0))
+        if not operators:
+            return operands[0]
+        return Comparison(tuple(operators), tuple(operands), operands[0].start, operands[-1].end)
+
+    def level(self, number: int) -> Expression:
+        if number == len(_LEVELS):
+            return self.signed()
+        left = self.level(number + 1)
+        while token := self.take(*_LEVELS[number]):
+            right = self.level(number + 1)
+            left = Binary(token.kind, left, right, left.start, right.end)
+        return left
+
+    def signed(self) -> Expression:
+        signs = []
+        while token := self.take("-", "+"):
+            signs.append(token)
+        value = self.power()
+        for token in reversed(signs):
+            value = Unary(token.kind, value, token.start, value.end)
+        return value
+
+    def power(self) -> Expression:
+        base = self.item()
+        if self.take("**") is None:
+            return base
+        self.depth += 1
+        if self.depth > _MAX_DEPTH:
+            raise ExpressionError("the expression is nested too deep", self.next.start, self.next.end)
+        exponent = self.signed()
+        self.depth -= 1
+        return Binary("**", base, exponent, base.start, exponent.end)
+
+    def item(self) -> Expression:
+        value = self.atom()
+        while opened := self.take("["):
+            sign = self.take("-")
+            token = self.take("number")
+            if token is None or not token.text.isdigit():
+                raise ExpressionError(
+                    "an index is a whole number that is written", opened.start, self.next.end
+                )
+            index = -int(token.text) if sign else int(token.text)
+            value = Item(value, index, value.start, self.expect("]", opened).end)
+        return value
+
+    def atom(self) -> Expression:
+        if token := self.take("number"):
+            return Constant(_number(token), token.start, token.end)
+        if token := self.take("text"):
+            return Constant(token.text[1:-1], token.start, token.end)
+        if token := self.take("true", "false"):
+            return Constant(token.kind == "true", token.start, token.end)
+        if token := self.take("name"):
+            opened = self.take("(")
+            return self.call(token, opened) if opened else _name(token)
+        if opened := self.take("("):
+            value = self.choice()
+            self.expect(")", opened)
+            return value
+        if opened := self.take("["):
+            items, end = self.items(opened, "]")
+            return Vector(items, opened.start, end)
+        raise self.unexpected("a value")
+
+    def call(self, name: Token, opened: Token) -> Expression:
+        if name.text not in FUNCTIONS:
+            known = ", ".join(FUNCTIONS)
+            message = f"the function `{name.text}` does not exist; those that exist: {known}"
+            raise ExpressionError(message, name.start, name.end)
+        arguments, end = self.items(opened, ")")
+        return Call(name.text, arguments, name.start, end)
+
+    def items(self, opened: Token, closing: str) -> tuple[tuple[Expression, ...], int]:
+        found: list[Expression] = []
+        while not (closed := self.take(closing)):
+            if found:
+                if self.take(",") is None:
+                    return tuple(found), self.expect(closing, opened).end
+                if closed := self.take(closing):
+                    break
+            found.append(self.choice())
+        return tuple(found), closed.end
+
+
+def _number(token: Token) -> int | float:
+    if token.text.isdigit():
+        if len(token.text) > 19:
+            raise ExpressionError("a number too large for an expression", token.start, token.end)
+        return int(token.text)
+    value = float(token.text)
+    if value in (float("inf"), float("-inf")):
+        raise ExpressionError(f"`{token.text}` is too large for a number", token.start, token.end)
+    return value
+
+
+def _name(token: Token) -> Expression:
+    return Name(token.text, token.start, token.end)

@@ -1,0 +1,180 @@
+"""The layout of a YAML text as data, and the order of its keys."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import field
+from pathlib import Path as File
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.text.load import Comment
+from mjcompose.text.merge import in_own_model
+
+
+@dataclass(slots=True)
+class Leaf:
+    """A scalar or an alias as written; `properties` are its anchor and tag."""
+
+    text: str
+    properties: str = ""
+    depth: int = 0
+    """For a block scalar, the column where its content begins."""
+    ended: bool = True
+    """For a block scalar, whether a line break follows."""
+
+
+@dataclass(slots=True)
+class Entry:
+    """A key and its value, or an item of a list (`key` is None).
+
+    `column`, from 0, is where it begins in the original text.
+    """
+
+    column: int
+    key: Leaf | None = None
+    value: Leaf | Collection | None = None
+    lead: list[Comment] = field(default_factory=list)
+    """Comments on their own lines before it."""
+    blank: bool = False
+    """Whether an empty line precedes it and its comments."""
+    head: Comment | None = None
+    """The comment on the line of a key whose value begins below."""
+    inner: list[Comment] = field(default_factory=list)
+    """Comments on their own lines between the key and a value that is not a block."""
+    trail: Comment | None = None
+    """The comment after it, on the same line."""
+    breaks: bool = False
+    """In brackets, whether it begins a line."""
+    pinned: bool = False
+    """Whether it has an anchor or an alias, which must keep their order."""
+
+    @property
+    def parted(self) -> bool:
+        """Whether an empty line precedes it and its comments."""
+        return self.lead[0].blank_before if self.lead else self.blank
+
+    @parted.setter
+    def parted(self, value: bool) -> None:
+        if self.lead:
+            self.lead[0].blank_before = value
+        else:
+            self.blank = value
+
+
+@dataclass(slots=True)
+class Collection:
+    """A mapping or a list, in lines or (`flow`) in brackets; `broken` brackets span several lines."""
+
+    mapping: bool
+    flow: bool
+    properties: str = ""
+    entries: list[Entry] = field(default_factory=list)
+    opening: Comment | None = None
+    """The comment after the opening bracket."""
+    tail: list[Comment] = field(default_factory=list)
+    """Comments on their own lines after the last entry."""
+    broken: bool = False
+
+
+@dataclass(slots=True)
+class Document:
+    """A whole text. `preface` are the lines up to `---`, if there is one."""
+
+    preface: list[str]
+    header: list[Comment]
+    """Comments before the first key that are about the file."""
+    parted: bool
+    """Whether an empty line follows the header."""
+    head: Comment | None
+    root: Collection
+    tail: list[Comment]
+
+
+Path = tuple[str, ...]
+
+
+def _read() -> dict[str, dict[Path, tuple[str, ...]]]:
+    """Return the tables that `composer/mjcompose/language/reference_page.py` writes, by paths."""
+    tables = json.loads(File(__file__).with_name("key_order.json").read_text(encoding="utf-8"))
+    return {
+        name: {tuple(path.split(".")) if path else (): tuple(keys) for path, keys in table.items()}
+        for name, table in tables.items()
+    }
+
+
+_TABLES = _read()
+# Mappings in which all keys have a place; an unknown key stays behind its predecessor.
+WHOLE = _TABLES["whole"]
+# Mappings in which some keys come first; the others keep their order.
+FIRST = _TABLES["first"]
+
+
+def is_free(path: Path) -> bool:
+    """Return whether the order of the keys in the mapping at `path` has no meaning. Indices of lists are `*`.
+
+    >>> is_free(("attach",)), is_free(("attach", "arm")), is_free(("variants", "hand", "left", "attach", "arm"))
+    (False, True, True)
+    """
+    return _table(path)[0] != ()
+
+
+def put_in_order(root: Collection) -> None:
+    """Sort the keys in place, each with its comments.
+
+    A mapping with an anchor keeps its order, because it may be repeated where the order has a meaning.
+    """
+    _walk(root, ())
+
+
+def _walk(node: Leaf | Collection | None, path: Path) -> None:
+    if not isinstance(node, Collection) or "&" in node.properties:
+        return
+    if node.mapping:
+        _sort(node, path)
+    for entry in node.entries:
+        _walk(entry.value, (*path, _name(entry)))
+
+
+def _sort(node: Collection, path: Path) -> None:
+    order, whole = _table(path)
+    if not order:
+        return
+    rank = {name: index for index, name in enumerate(order)}
+    ranks: list[int] = []
+    for entry in node.entries:
+        unknown = (ranks[-1] if ranks else -1) if whole else len(order)
+        ranks.append(rank.get(_name(entry), unknown))
+    before = node.entries
+    after = [before[index] for index in sorted(range(len(before)), key=lambda index: (ranks[index], index))]
+    if after == before or [e for e in before if e.pinned] != [e for e in after if e.pinned]:
+        return
+    if node.flow:
+        for entry, breaks in zip(after, [entry.breaks for entry in before], strict=True):
+            entry.breaks = breaks
+    else:
+        after[0].parted, before[0].parted = before[0].parted, after[0].parted
+    node.entries = after
+
+
+def _name(entry: Entry) -> str:
+    return "*" if entry.key is None else entry.key.text.strip("\"'")
+
+
+def _table(path: Path) -> tuple[tuple[str, ...], bool]:
+    """Return the ordered keys, and whether these are all keys."""
+    if path[:1] == ("variants",):
+        path = path[3:] if len(path) >= 3 else ("",)
+    path = tuple(map(str, in_own_model(path)))
+    for known, order in WHOLE.items():
+        if _fits(path, known):
+            return order, True
+    for known, order in FIRST.items():
+        if _fits(path, known):
+            return order, False
+    return (), False
+
+
+def _fits(path: Path, known: Path) -> bool:
+    return len(path) == len(known) and all(
+        wanted in ("*", name) for wanted, name in zip(known, path, strict=True)
+    )

@@ -1,0 +1,578 @@
+"""A recipe in its canonical layout, with its comments."""
+
+from __future__ import annotations
+
+import re
+
+from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.sink import Sink
+from mjcompose.text.decode import decode
+from mjcompose.text.key_order import Collection, Document, Entry, Leaf, Path, is_free, put_in_order
+from mjcompose.text.load import Comment, Token, comments, load, tokens
+from mjcompose.text.node import Mapping, Node, Scalar, Sequence
+
+_STARTS = {"FlowMappingStart", "FlowSequenceStart"}
+_ENDS = {"FlowMappingEnd", "FlowSequenceEnd"}
+_PROPERTIES = {"Anchor", "Tag"}
+
+
+class Unusual(Exception):
+    """A form of YAML without a canonical layout; `line` counts from 1."""
+
+    def __init__(self, what: str, line: int) -> None:
+        super().__init__(what)
+        self.line = line
+
+
+def read(text: str) -> Document:
+    """Return the syntax of a text in which `load` found no fault. Raises `Unusual`. No I/O."""
+    return _Reader(tokens(text)).document()
+
+
+class _Reader:
+    def __init__(self, found: list[Token]) -> None:
+        self.tokens = found
+        self.at = 0
+        self.pins = 0
+
+    @property
+    def next(self) -> Token:
+        return self.tokens[self.at]
+
+    def take(self) -> Token:
+        """Return the next token; comments before a token without width move to the following token."""
+        token = self.next
+        self.at += 1
+        if not token.text and self.at < len(self.tokens):
+            self.next.comments = token.comments + self.next.comments
+            self.next.blank |= token.blank
+            token.comments = []
+        return token
+
+    def beside(self) -> Comment | None:
+        """Return the comment on the line of the last token."""
+        waiting = self.next.comments
+        return waiting.pop(0) if waiting and not waiting[0].own_line else None
+
+    def rest(self) -> list[Comment]:
+        """Return all comments before the next token."""
+        waiting, self.next.comments = self.next.comments, []
+        return waiting
+
+    def document(self) -> Document:
+        self.take()
+        preface: list[str] = []
+        while self.next.kind in ("Directive", "DocumentStart"):
+            preface += [comment.text for comment in self.rest()]
+            preface.append(self.take().text)
+        root = Entry(0)
+        self.value(root, in_mapping=False)
+        if not isinstance(root.value, Collection):
+            raise Unusual("the file holds a single value", 1)
+        tail: list[Comment] = []
+        while self.next.kind != "StreamEnd":
+            tail += self.rest()
+            self.take()
+        header: list[Comment] = root.inner
+        parted = False
+        entries = root.value.entries
+        if entries and not root.value.flow:
+            header, parted = _header(entries[0])
+        return Document(preface, header, parted, head=root.head, root=root.value, tail=[*tail, *self.rest()])
+
+    def value(self, entry: Entry, in_mapping: bool) -> None:
+        """Read the value of an entry after its `:` or `-`, and the comments before it."""
+        entry.head = self.beside()
+        properties = []
+        pins = self.pins
+        while self.next.kind in _PROPERTIES:
+            entry.inner += self.rest()
+            self.pins += self.next.kind == "Anchor"
+            properties.append(self.take().text)
+            beside = self.beside()
+            if entry.head is None:
+                entry.head = beside
+            elif beside is not None:
+                entry.inner.append(beside)
+        kind = self.next.kind
+        shown = " ".join(properties)
+        if kind in ("BlockMappingStart", "BlockSequenceStart"):
+            entry.value = self.block(kind == "BlockMappingStart")
+        elif kind == "BlockEntry" and in_mapping:
+            entry.value = self.unindented()
+        elif kind in _STARTS or kind in ("Scalar", "Alias"):
+            entry.inner += self.rest()
+            entry.value = self.flow() if kind in _STARTS else self.leaf()
+        elif shown:
+            entry.value = Leaf("")
+        if entry.value is not None:
+            entry.value.properties = shown
+        entry.pinned |= self.pins > pins
+
+    def leaf(self) -> Leaf:
+        self.pins += self.next.kind == "Alias"
+        token = self.take()
+        return Leaf(token.text, depth=token.depth, ended=token.ended)
+
+    def key(self, entry: Entry) -> None:
+        """Read a key, up to and with its `:`."""
+        pins = self.pins
+        self.take()
+        properties = []
+        while self.next.kind in _PROPERTIES:
+            entry.lead += self.rest()
+            self.pins += self.next.kind == "Anchor"
+            properties.append(self.take().text)
+        if self.next.kind not in ("Scalar", "Alias") or self.next.line != self.next.end_line:
+            raise Unusual("a key here is not a name on one line", self.next.line + 1)
+        entry.lead += self.rest()
+        entry.key = self.leaf()
+        entry.key.properties = " ".join(properties)
+        entry.pinned = self.pins > pins
+
+    def entry(self) -> Entry:
+        token = self.next
+        return Entry(token.column, lead=self.rest(), blank=token.blank)
+
+    def block(self, mapping: bool) -> Collection:
+        column = self.next.column
+        self.take()
+        result = Collection(mapping, flow=False)
+        while self.next.kind != "BlockEnd":
+            entry = self.entry()
+            result.entries.append(entry)
+            if not mapping:
+                self.item(entry)
+                continue
+            if self.next.kind != "Key":
+                raise Unusual("a value stands without its key", self.next.line + 1)
+            self.key(entry)
+            if self.next.kind == "Value":
+                entry.lead += self.rest()
+                self.take()
+                self.value(entry, in_mapping=True)
+            entry.trail = self.beside()
+        result.tail = self.tail(column)
+        self.take()
+        return result
+
+    def unindented(self) -> Collection:
+        """Read a list whose dashes are below the first letter of its key."""
+        column = self.next.column
+        result = Collection(mapping=False, flow=False)
+        while self.next.kind == "BlockEntry":
+            entry = self.entry()
+            result.entries.append(entry)
+            self.item(entry)
+        result.tail = self.tail(column + 1)
+        return result
+
+    def item(self, entry: Entry) -> None:
+        self.take()
+        self.value(entry, in_mapping=False)
+        entry.trail = self.beside()
+
+    def tail(self, column: int) -> list[Comment]:
+        """Return the comments before the next token that are indented like the collection that ends here."""
+        following = next(token for token in self.tokens[self.at :] if token.text or token.kind == "StreamEnd")
+        deep = following.column if following.kind not in ("StreamEnd", "DocumentEnd") else -1
+        waiting = self.next.comments
+        count = 0
+        while count < len(waiting) and waiting[count].column >= column and waiting[count].column > deep:
+            count += 1
+        self.next.comments = waiting[count:]
+        return waiting[:count]
+
+    def flow(self) -> Collection:
+        """Read a collection in brackets."""
+        begin = self.take()
+        result = Collection(begin.kind == "FlowMappingStart", flow=True)
+        result.opening = self.beside()
+        line = begin.line
+        waiting: list[Comment] = []
+        while self.next.kind not in _ENDS:
+            token = self.next
+            entry = self.entry()
+            self.hand_over(entry.lead, result)
+            entry.lead = [*waiting, *entry.lead]
+            entry.breaks = token.line != line
+            result.entries.append(entry)
+            self.member(entry, result.mapping)
+            line = self.tokens[self.at - 1].end_line
+            entry.trail = self.beside()
+            waiting = self.rest()
+            if self.next.kind == "FlowEntry":
+                line = self.take().end_line
+        result.tail = [*waiting, *self.rest()]
+        self.hand_over(result.tail, result)
+        result.broken = self.take().line != begin.line
+        return result
+
+    def hand_over(self, comments: list[Comment], result: Collection) -> None:
+        """Move a comment after the comma to the entry before it."""
+        if comments and not comments[0].own_line and result.entries and result.entries[-1].trail is None:
+            result.entries[-1].trail = comments.pop(0)
+
+    def member(self, entry: Entry, mapping: bool) -> None:
+        """Read one entry of a collection in brackets, up to its comma."""
+        if self.next.kind == "Value":
+            raise Unusual("a value stands without its key", self.next.line + 1)
+        if self.next.kind == "Key" and not mapping:  # `[a: 1]` is a list of mappings with one key each
+            pair = Entry(self.next.column)
+            self.member(pair, mapping=True)
+            entry.lead += pair.lead
+            entry.value = Collection(mapping=True, flow=True, entries=[pair])
+            entry.pinned = pair.pinned
+        elif self.next.kind == "Key":
+            self.key(entry)
+            if self.next.kind == "Value":
+                entry.lead += self.rest()
+                self.take()
+                self.value(entry, in_mapping=False)
+        elif mapping:
+            entry.key = self.leaf()
+        else:
+            self.value(entry, in_mapping=False)
+        entry.lead += [each for each in (entry.head, *entry.inner) if each is not None]
+        entry.head, entry.inner = None, []
+
+
+def _header(first: Entry) -> tuple[list[Comment], bool]:
+    """Return the comments before the first key that are about the file, and whether a blank line follows them."""
+    lead = first.lead
+    if first.blank or not lead:
+        split = len(lead)
+    else:
+        split = max(
+            (index for index, each in enumerate(lead) if each.blank_before and index), default=len(lead)
+        )
+    header, first.lead = lead[:split], lead[split:]
+    parted = bool(header) and first.parted
+    first.parted = False
+    return header, parted
+
+
+INDENT = 2
+
+_SCALAR_LINE_BREAK = re.compile(r"\r\n|\n|\r")
+_HEADER = re.compile(r"([|>])([-+0-9]*)(.*)", re.DOTALL)
+
+
+def lines_of(leaf: Leaf, indent: int) -> list[str]:
+    r"""Return the lines of a value whose collection is at column `indent`; all but the first include their margin.
+
+    Double quotes are used, and single quotes if they save escapes; unquoted text stays unquoted.
+
+    >>> lines_of(Leaf("'a b'"), 0), lines_of(Leaf("'a\\b'"), 0), lines_of(Leaf("|\n     a\n      b", depth=5), 2)
+    (['"a b"'], ["'a\\b'"], ['|', '    a', '     b'])
+    """
+    lines = _SCALAR_LINE_BREAK.split(leaf.text)
+    if leaf.text[:1] in ("|", ">"):
+        return _block(leaf, lines, indent)
+    if len(lines) == 1:
+        return [_quoted(leaf.text)]
+    margin = " " * (indent + INDENT)
+    inner = (f"{margin}{_cut(line.lstrip(' '))}" for line in lines[1:-1])
+    return [
+        _cut(lines[0]),
+        *(line if line.strip(" ") else "" for line in inner),
+        margin + lines[-1].lstrip(" "),
+    ]
+
+
+def _cut(line: str) -> str:
+    """Strip spaces at the end of a line of folded text, which have no meaning unless the first one is escaped."""
+    bare = line.rstrip(" ")
+    return f"{bare} " if bare.endswith("\\") and bare != line else bare
+
+
+def _quoted(text: str) -> str:
+    if text[:1] != "'":
+        return text
+    content = text[1:-1].replace("''", "'")
+    return text if '"' in content or "\\" in content else f'"{content}"'
+
+
+def _block(leaf: Leaf, lines: list[str], indent: int) -> list[str]:
+    found = _HEADER.fullmatch(lines[0])
+    assert found is not None
+    style, marks, rest = found.groups()
+    # A last line without a line break has none in the value either, while the written file ends with one.
+    chomping = "-" if not leaf.ended else "".join(set(marks) & set("-+"))
+    depth = str(INDENT) if set(marks) - set("-+") else ""
+    comment = f"  {rest.strip()}" if rest.strip() else ""
+    content = [line[leaf.depth :] for line in lines[1:]]
+    if chomping == "+" and content and not content[-1]:
+        content.pop()  # the empty text after the last line break
+    margin = " " * (indent + INDENT)
+    return [f"{style}{depth}{chomping}{comment}", *(margin + line if line else "" for line in content)]
+
+
+_GAP = 2  # minimum spaces before a comment on the same line
+
+
+def write(document: Document) -> list[str]:
+    """Return the lines of a document."""
+    writer = _Writer()
+    writer.lines += document.preface
+    writer.comments(document.header, 0)
+    if document.parted:
+        writer.lines.append("")
+    if document.head is not None:
+        writer.lines.append(document.head.text)
+    root = document.root
+    if root.properties:
+        writer.lines.append(root.properties)
+    if root.flow:
+        writer.lines.append("")
+        writer.brackets(root, 0)
+    else:
+        writer.block(root, 0)
+    writer.comments(document.tail, 0)
+    return writer.lines
+
+
+class _Writer:
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+        self.kept = 0
+        """How many lines there were behind the last block scalar to which empty lines below it would belong."""
+
+    def comments(self, comments: list[Comment], indent: int) -> None:
+        """Write comments on their own lines; deeper indentation than that of the first one is kept."""
+        margin = next((comment.column for comment in comments if comment.own_line), 0)
+        for comment in comments:
+            self.blank(comment.blank_before)
+            deeper = max(comment.column - margin, 0) if comment.own_line else 0
+            self.lines.append(" " * (indent + deeper) + comment.text)
+
+    def blank(self, wanted: bool) -> None:
+        if wanted and self.lines and self.lines[-1] and len(self.lines) != self.kept:
+            self.lines.append("")
+
+    def beside(self, comment: Comment | None, shift: int) -> None:
+        """Write a comment on the current line, in its original column if there is room."""
+        if comment is not None:
+            line = self.lines[-1]
+            self.lines[-1] = line.ljust(max(len(line) + _GAP, comment.column + shift)) + comment.text
+
+    def block(self, node: Collection, indent: int) -> None:
+        for entry in node.entries:
+            self.comments(entry.lead, indent)
+            self.blank(entry.blank)
+            self.entry(entry, indent)
+        self.comments(node.tail, indent)
+
+    def entry(self, entry: Entry, indent: int) -> None:
+        """Write an entry on its own line, without the comments before it."""
+        shift = indent - entry.column
+        value = entry.value
+        start = " " * indent + ("-" if entry.key is None else f"{_key(entry.key)}:")
+        if value is not None and value.properties:
+            start += f" {value.properties}"
+        self.lines.append(start)
+        if isinstance(value, Collection) and not value.flow:
+            self.beside(entry.head, shift)
+            self.comments(entry.inner, indent + INDENT)
+            self.nested(entry, value, indent)
+        elif value is not None and (value != Leaf("", value.properties)):
+            below = entry.head is not None or bool(entry.inner)
+            self.beside(entry.head, shift)
+            self.comments(entry.inner, indent + INDENT)
+            if below:
+                self.lines.append(" " * (indent + INDENT))
+            else:
+                self.lines[-1] += " "
+            self.value(value, indent, INDENT if below else 0)
+        else:
+            self.beside(entry.head, shift)
+            self.comments(entry.inner, indent + INDENT)
+        self.beside(entry.trail, shift)
+
+    def nested(self, entry: Entry, value: Collection, indent: int) -> None:
+        """Write a block below its key; in a list, beside its dash."""
+        compact = (
+            entry.key is None
+            and not (value.properties or entry.head or entry.inner)
+            and not value.entries[0].lead
+        )
+        if not compact:
+            self.block(value, indent + INDENT)
+            return
+        value.entries[0].blank = False
+        dash = self.lines.pop()
+        first = len(self.lines)
+        self.block(value, indent + INDENT)
+        self.lines[first] = f"{dash} {self.lines[first][indent + INDENT :]}"
+
+    def value(self, value: Leaf | Collection, indent: int, deeper: int) -> None:
+        """Write a value in brackets, or a single one, on the current line."""
+        if isinstance(value, Collection):
+            self.brackets(value, indent + deeper)
+            return
+        first, *others = lines_of(value, indent)
+        self.lines[-1] += first
+        self.lines += others
+        if first.startswith(("|", ">")) and "+" in first[:3]:
+            self.kept = len(self.lines)
+
+    def brackets(self, node: Collection, indent: int) -> None:
+        """Write a collection in brackets on the current line; line breaks stay where they were."""
+        line = _inline(node)
+        if line is not None:
+            self.lines[-1] += line
+            return
+        self.lines[-1] += "{" if node.mapping else "["
+        self.beside(node.opening, 0)
+        inner = " " * (indent + INDENT)
+        fresh = True  # whether the next entry begins a line
+        for entry in node.entries:
+            if fresh or entry.lead or entry.breaks:
+                self.comments(entry.lead, indent + INDENT)
+                self.blank(entry.blank)
+                self.lines.append(inner)
+            else:
+                self.lines[-1] += " "
+            self.member(entry, indent + INDENT)
+            fresh = entry.trail is not None
+            last = entry is node.entries[-1]
+            if last and not fresh and not node.tail:
+                self.lines[-1] += "}" if node.mapping else "]"
+                return
+            self.lines[-1] += "" if last else ","
+            self.beside(entry.trail, 0)
+        self.comments(node.tail, indent + INDENT)
+        self.lines.append(inner + ("}" if node.mapping else "]"))
+
+    def member(self, entry: Entry, indent: int) -> None:
+        text = _inline_entry(entry)
+        if text is not None or entry.value is None:
+            self.lines[-1] += text or ""
+            return
+        self.lines[-1] += _start(entry)
+        self.value(entry.value, indent, 0)
+
+
+def _key(key: Leaf) -> str:
+    text = lines_of(key, 0)[0]
+    if text.startswith("*"):
+        text += " "  # the colon is not a part of an alias
+    return f"{key.properties} {text}" if key.properties else text
+
+
+def _start(entry: Entry) -> str:
+    """Return the text before the value of an entry in brackets."""
+    key = "" if entry.key is None else _key(entry.key) + ": "
+    properties = f"{entry.value.properties} " if entry.value is not None and entry.value.properties else ""
+    return key + properties
+
+
+def _inline(node: Collection) -> str | None:
+    """Return a collection in brackets on one line, or None if it spans several."""
+    if node.broken:
+        return None
+    texts = [_inline_entry(entry) for entry in node.entries]
+    if None in texts:
+        return None
+    inside = ", ".join(text for text in texts if text is not None)
+    return f"{{{inside}}}" if node.mapping else f"[{inside}]"
+
+
+def _inline_entry(entry: Entry) -> str | None:
+    value = entry.value
+    text: str | None = ""
+    if isinstance(value, Collection):
+        text = _inline(value)
+    elif value is not None:
+        first, *others = lines_of(value, 0)
+        text = None if others else first
+    if text is None:
+        return None
+    if value is None:
+        return _start(entry)  # the space separates the colon from the following text
+    return (_start(entry) + text).rstrip(" ")
+
+
+def difference(one: Node, other: Node) -> str | None:
+    """Return the path of the first value that differs between two trees, or None if they are equal.
+
+    Texts, types and numbers are compared, and the order of keys if it has a meaning.
+    """
+    waiting: list[tuple[Node, Node, Path, str]] = [(one, other, (), "")]
+    while waiting:
+        a, b, path, shown = waiting.pop()
+        if isinstance(a, Scalar) and isinstance(b, Scalar):
+            if (a.text, a.plain, repr(a.value)) != (b.text, b.plain, repr(b.value)):
+                return shown
+        elif isinstance(a, Sequence) and isinstance(b, Sequence) and len(a.items) == len(b.items):
+            for index, (x, y) in enumerate(zip(a.items, b.items, strict=True)):
+                waiting.append((x, y, (*path, "*"), f"{shown}[{index}]"))
+        elif isinstance(a, Mapping) and isinstance(b, Mapping) and _same_keys(a, b, path):
+            for name, (_, value) in a.entries.items():
+                waiting.append((value, b.entries[name][1], (*path, name), f"{shown}.{name}".lstrip(".")))
+        else:
+            return shown
+    return None
+
+
+def _same_keys(a: Mapping, b: Mapping, path: Path) -> bool:
+    if is_free(path):
+        return a.entries.keys() == b.entries.keys()
+    return list(a.entries) == list(b.entries)
+
+
+_FORMAT_LINE_BREAK = re.compile(r"\r\n|\n")
+
+
+def format_recipe(source: bytes, file: str, sink: Sink) -> bytes | None:
+    """Return the text in its canonical layout, or None if it is not YAML or its meaning would change.
+
+    Comments, blank lines between entries, anchors, the choice between lines and brackets, a byte order mark and the
+    line breaks (those of the first line) are kept. The result is parsed again and compared: values, the order of
+    keys if it has a meaning, comments. No I/O.
+    """
+    before = sink.error_count
+    node = load(source, file, sink)
+    if node is None or sink.error_count > before:
+        return None
+    text = decode(source, file, sink)
+    assert text is not None
+    try:
+        document = read(text)
+    except Unusual as unusual:
+        sink.error(
+            "cannot-format",
+            f"`{file}` is left as it is: {unusual}",
+            Span(file, unusual.line, 1),
+            help="write it in the usual form",
+        )
+        return None
+    put_in_order(document.root)
+    first = _FORMAT_LINE_BREAK.search(text)
+    end = first.group() if first else "\n"
+    result = end.join([*write(document), ""])
+    changed = _changed(node, text, result, file=file)
+    if changed is not None:
+        sink.error(
+            "cannot-format",
+            f"`{file}` is left as it is: in the canonical layout it would not say the same",
+            Span(file, 1, 1),
+            notes=(Note(changed),),
+            help="please report it: this is a fault of `mjcompose fmt`, not of the recipe",
+        )
+        return None
+    mark = "\ufeff" if source.startswith(b"\xef\xbb\xbf") else ""
+    return (mark + result).encode("utf-8")
+
+
+def _changed(node: Node, text: str, result: str, file: str) -> str | None:
+    """Return what changed, or None if nothing did."""
+    again = load(result, file, Sink())
+    if again is None:
+        return "it could not be read again"
+    found = difference(node, again)
+    if found is not None:
+        return f"`{found}` would be another value" if found else "it would be another value"
+    if sorted(comments(tokens(text))) != sorted(comments(tokens(result))):
+        return "a comment would be lost"
+    return None

@@ -1,0 +1,261 @@
+"""YAML as a located tree: every key and value knows its file, line and column."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Span
+from mjcompose.base.sink import Sink
+from mjcompose.model.values import NOT_XML, code_point
+
+_WORDS: dict[str, bool | float | None] = {
+    **dict.fromkeys(("", "~", "null", "Null", "NULL")),
+    **dict.fromkeys(("true", "True", "TRUE"), True),
+    **dict.fromkeys(("false", "False", "FALSE"), False),
+    **{sign + word: float(sign + "inf") for sign in ("", "+", "-") for word in (".inf", ".Inf", ".INF")},
+    **dict.fromkeys((".nan", ".NaN", ".NAN"), float("nan")),
+}
+_DECIMAL = re.compile(r"[-+]?[0-9]+")
+_OCTAL = re.compile(r"0o[0-7]+")
+_HEXADECIMAL = re.compile(r"0x[0-9a-fA-F]+")
+_FLOAT = re.compile(r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?")
+_NUMERIC = frozenset("+-.0123456789")
+_MAX_DIGITS = 1000
+
+
+def resolve(text: str) -> bool | int | float | str | None:
+    """Return the value of a plain scalar.
+
+    Raises `OverflowError` for a number that is too large for a float.
+
+    >>> [resolve(text) for text in ("1e-3", "010", "0x1F", "no", "12:30", "1_000", "~")]
+    [0.001, 10, 31, 'no', '12:30', '1_000', None]
+    """
+    if text in _WORDS:
+        return _WORDS[text]
+    if text[0] not in _NUMERIC:
+        return text
+    if _DECIMAL.fullmatch(text):
+        return _bounded(text, 10)
+    if _FLOAT.fullmatch(text):
+        number = float(text)
+        if number in (float("inf"), float("-inf")):
+            raise OverflowError(text)
+        return number
+    if _OCTAL.fullmatch(text):
+        return _bounded(text[2:], 8)
+    if _HEXADECIMAL.fullmatch(text):
+        return _bounded(text, 16)
+    return text
+
+
+def _bounded(digits: str, base: int) -> int:
+    if len(digits) > _MAX_DIGITS:
+        raise OverflowError(digits)
+    number = int(digits, base)
+    float(number)  # raises if it is too large for a float
+    return number
+
+
+_PROPERTIES = re.compile(r"(?:[&!]\S*[ \t]+)+")
+_TAG = re.compile(r"(?:&\S+\s+)?(!<[^>\s]*>|![^\s,\[\]{}]*)")
+_BLOCK_HEADER = re.compile(r"[|>][-+0-9]*")
+_REST_OF_LINE = re.compile(r"[^\r\n]*")
+
+
+class Marks:
+    """Finds the places of events in `text`."""
+
+    __slots__ = ("file", "text")
+
+    def __init__(self, text: str, file: str) -> None:
+        self.text = text
+        self.file = file
+
+    def span(self, event: Any) -> Span:
+        """Return the place of an event without anchor and tag; if it has several lines, the first."""
+        start, end = event.start_mark, event.end_mark
+        line, column = start.line + 1, start.column + 1
+        if end.line + 1 == line:
+            last = end.column + 1
+        else:
+            header = _BLOCK_HEADER if getattr(event, "style", None) in ("|", ">") else _REST_OF_LINE
+            found = header.match(self.text, start.index) or _REST_OF_LINE.match(self.text, start.index)
+            last = column + (len(found.group().rstrip()) if found else 0)
+        if getattr(event, "tag", None) is not None or getattr(event, "anchor", None) is not None:
+            column = min(column + self.properties(event), last)
+        return Span(self.file, line, column, end_line=line, end_column=last)
+
+    def block(self, event: Any) -> tuple[int, int] | None:
+        """Return where the text of a literal block begins, as line and column; None for all other scalars."""
+        if event.style != "|":
+            return None
+        written = self.text[event.start_mark.index : event.end_mark.index].splitlines()[1:]
+        indent = next((len(line) - len(line.lstrip(" ")) for line in written if line.strip()), 0)
+        return event.start_mark.line + 2, indent + 1
+
+    def properties(self, event: Any) -> int:
+        """Return the number of characters for anchor and tag before the value, if it follows on their line."""
+        found = _PROPERTIES.match(self.text, event.start_mark.index)
+        return len(found.group()) if found else 0
+
+    def tag(self, event: Any) -> Span:
+        """Return the place of an event's tag."""
+        found = _TAG.match(self.text, event.start_mark.index)
+        line, column = event.start_mark.line + 1, event.start_mark.column + 1
+        if found is None or "\n" in found.group():
+            return Span(self.file, line, column, end_line=line, end_column=column + 1)
+        column += found.start(1) - found.start()
+        return Span(self.file, line, column, end_line=line, end_column=column + len(found.group(1)))
+
+
+@dataclass(frozen=True, slots=True)
+class Scalar:
+    """A single value.
+
+    `text` is the written text, without quotes and with escapes resolved; `plain` says that it has neither quotes
+    nor a block style, so that `value` follows the rules of the YAML 1.2 core schema. For a literal block (`|`),
+    `block` is the line and column where its text begins: each line of `text` is a line of the file.
+    """
+
+    value: bool | int | float | str | None
+    span: Span
+    text: str
+    plain: bool
+    block: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """A key of a mapping: always text, as written (`1`, `no` and `12:30` are names too)."""
+
+    name: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Mapping:
+    """Keys and values in the order of the file. Not to be changed once built.
+
+    The span of a mapping over several lines covers its first line.
+    """
+
+    entries: dict[str, tuple[Key, Node]]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Sequence:
+    """A list of values. The span of a list over several lines covers its first line."""
+
+    items: tuple[Node, ...]
+    span: Span
+
+
+Node = Scalar | Mapping | Sequence
+
+
+def texts(node: Node) -> Iterator[str]:
+    """Yield every key and value as written."""
+    if isinstance(node, Scalar):
+        yield node.text
+    elif isinstance(node, Sequence):
+        for item in node.items:
+            yield from texts(item)
+    else:
+        for name, (_, value) in node.entries.items():
+            yield name
+            yield from texts(value)
+
+
+def spans(node: Node) -> Iterator[Span]:
+    """Yield the place of every key and value."""
+    yield node.span
+    if isinstance(node, Sequence):
+        for item in node.items:
+            yield from spans(item)
+    elif isinstance(node, Mapping):
+        for key, value in node.entries.values():
+            yield key.span
+            yield from spans(value)
+
+
+def to_python(node: Node) -> Any:
+    """Return plain dicts, lists and values, without places. Recursive, because `load` keeps trees shallow."""
+    if isinstance(node, Scalar):
+        return node.value
+    if isinstance(node, Sequence):
+        return [to_python(item) for item in node.items]
+    return {name: to_python(value) for name, (_, value) in node.entries.items()}
+
+
+def find(node: Node, path: tuple[str | int, ...]) -> Node | None:
+    """Return the node at `path`, or None if a step of it does not exist."""
+    found: Node | None = node
+    for step in path:
+        if isinstance(found, Mapping) and isinstance(step, str):
+            found = found.entries[step][1] if step in found.entries else None
+        elif isinstance(found, Sequence) and isinstance(step, int):
+            found = found.items[step] if 0 <= step < len(found.items) else None
+        else:
+            return None
+    return found
+
+
+def locate(node: Node, path: tuple[str | int, ...], key: bool = False) -> Span:
+    """Return the place of the node at `path`, or of the deepest existing node on the way.
+
+    A step is a key's name or an item's index; a step that does not exist is skipped. That way a validator's path
+    with the names of chosen alternatives in it, such as `("sensor", "imu", "force", "site")`, finds its node. With
+    `key`, or if the path ends in `"[key]"`, return the place of the last key on the way instead of its value's.
+    """
+    if path and path[-1] == "[key]":
+        path, key = path[:-1], True
+    span = node.span
+    for step, following in zip(path, (*path, None)[1:], strict=True):
+        if isinstance(node, Mapping) and isinstance(step, str) and step in node.entries:
+            found, value = node.entries[step]
+            if isinstance(value, Scalar) and following in node.entries:
+                continue  # the name of an alternative that is also a key
+            node = value
+            span = found.span if key else value.span
+        elif isinstance(node, Sequence) and isinstance(step, int) and 0 <= step < len(node.items):
+            node = node.items[step]
+            span = node.span
+    return span
+
+
+def check_characters(node: Node, sink: Sink) -> None:
+    """Report every key and value with a character that cannot occur in a name, a path or a value of a model."""
+    waiting = [node]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, Mapping):
+            for key, value in node.entries.values():
+                if odd := NOT_XML.search(key.name):
+                    _refuse(odd.group(), key.span, sink)
+                waiting.append(value)
+        elif isinstance(node, Sequence):
+            waiting += node.items
+        elif odd := NOT_XML.search(node.text):
+            _refuse(odd.group(), node.span, sink)
+
+
+def _refuse(character: str, span: Span, sink: Sink) -> None:
+    sink.error(
+        "yaml-syntax",
+        f"an escape here is the character {code_point(character)}, which XML cannot hold",
+        span,
+        help="leave it out",
+    )
+
+
+OPENING = "${"
+
+
+def is_template(text: str) -> bool:
+    """Return whether the text contains an expression."""
+    return OPENING in text

@@ -1,0 +1,1 @@
+"""Cells that are made by Dask's workers."""

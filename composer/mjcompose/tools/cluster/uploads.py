@@ -1,0 +1,257 @@
+"""Files that a worker lacks, and where they stand on it."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import pickle
+import shutil
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import fields, is_dataclass, replace
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+from mjcompose.base.access import MARKERS
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import DiagnosticError
+from mjcompose.base.files import read_regular
+from mjcompose.base.sink import Sink
+from mjcompose.build import stages
+from mjcompose.build.cache.cache import Package
+from mjcompose.build.cache.cache_key import Files, Seen
+from mjcompose.build.cache.cell_run import CellMaker, Finish, Job
+from mjcompose.build.cache.inputs import Inputs
+from mjcompose.language.expand import Cell
+from mjcompose.sources.blobs import sha256_of
+from mjcompose.sources.fetching import Fetching
+from mjcompose.sources.store import ENTRY, KINDS
+from mjcompose.text.node import Scalar
+
+
+class ClusterError(DiagnosticError):
+    """There is no cluster, it was lost, or one of its workers would make other models."""
+
+
+_MOST_LINKS = 40
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """The contents of a mirror: real paths of files with their sha256, links with their targets, and folders."""
+
+    files: Mapping[str, str]
+    links: Mapping[str, str]
+    folders: frozenset[str]
+
+
+def layout_of(paths: Iterable[str]) -> Layout:
+    """Return everything that makes the existing ones of these paths lead to the same files in a mirror.
+
+    It includes the marker files that make a folder above them the top of a project, which limits what a model may
+    read.
+    """
+    files: dict[str, str] = {}
+    links: dict[str, str] = {}
+    folders: set[str] = set()
+    marked: set[str] = set()
+
+    def add_file(real: str) -> None:
+        if os.path.isfile(real) and real not in files:
+            with contextlib.suppress(OSError):  # unreadable files are reported where they are needed
+                files[real] = sha256_of(Path(real))
+
+    def add(path: str) -> None:
+        real = _followed(path, links)
+        if os.path.isdir(real):
+            folders.add(real)
+        else:
+            add_file(real)
+        for start in (os.path.dirname(path), os.path.dirname(real)):
+            at = start
+            while at not in marked:
+                marked.add(at)
+                for name in MARKERS:
+                    marker = os.path.join(at, name)
+                    if os.path.isdir(marker):
+                        folders.add(_followed(marker, links))
+                    elif os.path.isfile(marker):
+                        add_file(_followed(marker, links))
+                at = os.path.dirname(at)
+
+    for each in paths:
+        add(os.path.abspath(each))
+    return Layout(files, links, frozenset(folders))
+
+
+def lay_out(layout: Layout, root: Path, content: Callable[[str], Path]) -> None:
+    """Create the mirror below an empty folder; `content` returns the file with a sha256. Raises OSError."""
+    for folder in layout.folders:
+        _inside(root, folder).mkdir(parents=True, exist_ok=True)
+    for path, digest in layout.files.items():
+        target = _inside(root, path)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            os.link(content(digest), target)
+        except OSError:  # another file system, or one without links
+            shutil.copyfile(content(digest), target)
+    for path, leads in layout.links.items():
+        link = _inside(root, path)
+        link.parent.mkdir(parents=True, exist_ok=True)
+        _inside(root, leads).parent.mkdir(parents=True, exist_ok=True)
+        if not os.path.lexists(link):
+            link.symlink_to(_inside(root, leads))
+
+
+def loaded(content: bytes, root: str) -> Any:
+    """Unpickle data with its absolute paths moved below `root`."""
+
+    class Loader(pickle.Unpickler):
+        def find_class(self, module: str, name: str) -> Any:
+            found = super().find_class(module, name)
+            if isinstance(found, type) and issubclass(found, Path):
+                return lambda *parts: rooted(Path(*parts), root)
+            return found
+
+    return Loader(BytesIO(content)).load()
+
+
+def rooted(path: Path, root: str) -> Path:
+    """Return an absolute path moved below `root`, or a relative path as it is.
+
+    >>> rooted(Path("a.xml"), "/r").as_posix(), rooted(Path("/home/a.xml"), "/r").as_posix()
+    ('a.xml', '/r/home/a.xml')
+    """
+    return _inside(Path(root), str(path)) if path.is_absolute() else path
+
+
+def without_root(value: Any, root: str) -> Any:
+    """Return data with paths and texts as if the mirror were at the root of the machine.
+
+    >>> without_root(("at /r/x/a.xml:3", Path("/r/x/b")), "/r/x")
+    ('at /a.xml:3', PosixPath('/b'))
+    """
+    if isinstance(value, str):
+        return value.replace(root, "")
+    if isinstance(value, Path):
+        return Path(str(value).replace(root, ""))
+    if isinstance(value, Mapping):
+        return {without_root(name, root): without_root(each, root) for name, each in value.items()}
+    if isinstance(value, tuple | list | frozenset | set):
+        return type(value)(without_root(each, root) for each in value)
+    if is_dataclass(value) and not isinstance(value, type):
+        changed = {}
+        for each in fields(value):
+            before = getattr(value, each.name)
+            if each.init and (after := without_root(before, root)) != before:
+                changed[each.name] = after
+        return replace(value, **changed) if changed else value
+    return value
+
+
+def _inside(root: Path, path: str) -> Path:
+    return root / os.path.relpath(path, os.path.abspath(os.sep))
+
+
+def _followed(path: str, links: dict[str, str]) -> str:
+    """Return the real path, and add each link on the way."""
+    rest, at, followed = path.split(os.sep)[1:], os.sep, 0
+    while rest:
+        candidate = os.path.join(at, rest.pop(0))
+        if os.path.islink(candidate) and followed < _MOST_LINKS:
+            followed += 1
+            leads = os.path.normpath(os.path.join(at, os.readlink(candidate)))
+            links[candidate] = leads
+            rest, at = [*leads.split(os.sep)[1:], *rest], os.sep
+        else:
+            at = candidate
+    return at
+
+
+_AT_ONCE = 16 << 20
+"""Maximum bytes in one message."""
+
+
+@dataclass(frozen=True, slots=True)
+class Freight:
+    """The files of all cells that are known beforehand, and the packages that these cells depend on."""
+
+    files: tuple[Seen, ...]
+    layout: Layout
+    packages: tuple[Package, ...]
+
+
+def freight_of(making: CellMaker, cells: Sequence[Cell]) -> Freight:
+    """Plan enough cells to see every value that a cell gives to a parameter or variant.
+
+    Files that only another cell needs are found when its worker fails.
+    """
+    maker, inputs = making.maker, Inputs()
+    paths: dict[str, None] = {}
+    packages: dict[Package, None] = {}
+    context = replace(maker.context, sink=Sink())
+    for cell in _typical(cells):
+        request = stages.Request(maker.recipe, {**making.given, **cell.given}, cell.name, sample=cell.sample)
+        plan = stages.planned(request, context)
+        if plan is not None:
+            paths.update(dict.fromkeys(inputs.planned(plan, context)))
+            packages.update(dict.fromkeys(inputs.packages(plan)))
+    fetching = context.fetching
+    store = maker.cache.store.folder if maker.cache is not None else None
+    for origin in fetching.origins.values() if fetching is not None else ():
+        if store is not None and origin.root.parent.parent.name in KINDS:
+            paths[os.fspath(origin.root.parent / ENTRY)] = None
+    files = Files()
+    return Freight(tuple(files.look(path) for path in paths), layout_of(paths), tuple(packages))
+
+
+def away_job(making: CellMaker, finish: Finish | None) -> bytes | None:
+    """Return the job for a machine with a mirror of the files, or None if models cannot be written there.
+
+    It knows what was fetched, but nothing that was read.
+    """
+    if making.finish is not None and finish is None:
+        return None
+    job = Job.of(making)
+    how = job.context.fetching
+    fetching = None if how is None else Fetching(
+        offline=True, locked=how.locked, lock=how.lock, lock_file=how.lock_file, recipe=how.recipe, fresh=how.fresh,
+        origins=how.origins, outer=how.outer, trust=how.trust,
+    )  # fmt: skip
+    context = replace(job.context, recipes={}, concrete={}, fetching=fetching)
+    return pickle.dumps(replace(job, context=context, finish=finish))
+
+
+def batches(paths: Mapping[str, str]) -> Iterator[dict[str, bytes]]:
+    """Yield the contents of files in batches of limited size, by their sha256. Raises ClusterError."""
+    batch: dict[str, bytes] = {}
+    size = 0
+    for digest, path in paths.items():
+        content = b""
+        with contextlib.suppress(OSError):
+            content = read_regular(path)
+        if hashlib.sha256(content).hexdigest() != digest:
+            raise ClusterError("cluster-worker", f"`{path}` changed while it was sent to the workers",
+                               "give the same command again")  # fmt: skip
+        batch[digest] = content
+        size += len(content)
+        if size > _AT_ONCE:
+            yield batch
+            batch, size = {}, 0
+    if batch:
+        yield batch
+
+
+def _typical(cells: Sequence[Cell]) -> Iterator[Cell]:
+    seen: set[object] = set()
+    for cell in cells:
+        texts = {
+            (name, node.text)
+            for name, node in cell.given.items()
+            if isinstance(node, Scalar) and isinstance(node.value, str)
+        }
+        marks = {*texts, ("names", tuple(cell.given)), ("draws", cell.sample > 0)}
+        if not marks <= seen:
+            seen |= marks
+            yield cell

@@ -1,0 +1,1 @@
+"""What differs between two models, in physics terms, and which line is the reason."""

@@ -1,0 +1,229 @@
+"""Two models are compared by name, with causes and pictures."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Collection, Iterable
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mjcompose.base.scratch import scratch
+from mjcompose.build.bundle.bundle import OutputError
+from mjcompose.build.bundle.staging import staged_file
+from mjcompose.build.plan.read import Given
+from mjcompose.mujoco import engine
+from mjcompose.mujoco.pictures import pictures
+from mjcompose.sources.context import Context
+from mjcompose.tools.diff.cause import Causes
+from mjcompose.tools.diff.changes import Cause, Change, Contrast, Diff, Group, View
+from mjcompose.tools.diff.models import contrast, contrast_of
+from mjcompose.tools.diff.recipe_lines import block, different, excerpt, is_yaml
+from mjcompose.tools.diff.sides import Kind, Side, load, read_operand
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.engine import Session
+
+_HELP = "without a display set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and install EGL or OSMesa"
+
+
+def render_views(folder: Path, kept: tuple[str, str], context: Context, session: Session) -> tuple[View, ...]:
+    """Write the pictures of two models that `session` keeps; if there are none, the sink says why."""
+    with scratch("pictures") as made:
+        answer = engine.call(session, pictures, kept, argument=str(made))
+        if not answer.ok:
+            said = answer.error or answer.crash
+            context.sink.error("no-rendering", f"no pictures could be made: {said}")
+            return ()
+        if (said := session.no_opengl or answer.value.get("no OpenGL")) is not None:
+            context.sink.error("no-rendering", f"no pictures can be made without OpenGL: {said}", help=_HELP)
+            return ()
+        views: list[View] = []
+        used: set[str] = set()
+        try:
+            for number, each in enumerate(answer.value["views"]):
+                stem = _stem(each["name"], used)
+                places = [folder / f"{stem}-{side}.png" for side in ("before", "after")]
+                for place, side in zip(places, "ab", strict=True):
+                    with staged_file(context.folder / place, "--renders") as stage:
+                        stage.write_bytes(Path(made, f"{number}-{side}.png").read_bytes())
+                views.append(View(each["name"], str(places[0]), str(places[1]), differs=each["differs"]))
+        except OutputError as error:
+            context.sink.add(error.diagnostic)
+            return ()
+        return tuple(views)
+
+
+def _stem(name: str, used: set[str]) -> str:
+    """Return the stem of a view's files; two views never share one."""
+    stem = first = re.sub(r"[^\w.-]+", "_", name).lstrip(".") or "camera"
+    number = 1
+    while stem.lower() in used:
+        number += 1
+        stem = f"{first}_{number}"
+    used.add(stem.lower())
+    return stem
+
+
+def grouped(changes: Iterable[Change], causes: Causes, a: Side, b: Side) -> list[Group]:
+    """Return one group for each line, ordered by file and line; changes without a known line come last."""
+    found: dict[tuple[object, ...], tuple[Cause | None, list[Change]]] = {}
+    for change in changes:
+        cause = causes.of(change)
+        known, several = found.setdefault(_key(cause), (cause, []))
+        several.append(change)
+        if known is not None and known.before is None and cause is not None and cause.before is not None:
+            found[_key(cause)] = cause, several
+    groups = [Group(_worded(cause, a, b), tuple(each)) for cause, each in found.values()]
+    return sorted(groups, key=_place)
+
+
+def _key(cause: Cause | None) -> tuple[object, ...]:
+    """Return the key of a group. It is B's line if there is one, whether or not A has a line."""
+    span = None if cause is None else cause.after or cause.before
+    return (None,) if span is None else (cause is not None and cause.after is not None, span.file, span.line)
+
+
+def _place(group: Group) -> tuple[bool, bool, str, int]:
+    """Return the sort key of a group: recipes before sources, because they are nearest to the user."""
+    span = None if group.cause is None else group.cause.after or group.cause.before
+    if span is None:
+        return True, True, "", 0
+    return False, not span.file.endswith((".yaml", ".yml")), span.file, span.line
+
+
+def _worded(cause: Cause | None, a: Side, b: Side) -> Cause | None:
+    """Return the cause with its lines; if both sides have some, only those that differ."""
+    if cause is None:
+        return None
+    before, after = block(cause.before, a), block(cause.after, b)
+    if cause.before is not None and cause.after is not None:
+        ours, theirs = different(before, after), different(after, before)
+        before, after = ours, theirs
+    else:
+        before, after = (
+            lines if is_yaml(span) else lines[:1]
+            for lines, span in ((before, cause.before), (after, cause.after))
+        )
+    return Cause(
+        cause.words,
+        None if cause.before is None else a.operand.located(cause.before),
+        None if cause.after is None else b.operand.located(cause.after),
+        lines_before=excerpt(before),
+        lines_after=excerpt(after),
+    )
+
+
+ADDRESSES, COUNTS = "address", "count"
+
+
+def diff(
+    a: str,
+    b: str,
+    context: Context,
+    session: Session,
+    *,
+    tolerance: float = 0.0,
+    only: Collection[str] = (),
+    everything: bool = False,
+    given: Given | None = None,
+    pick: str | None = None,
+    sample: int | None = None,
+    renders: Path | None = None,
+    show: Callable[[Side, Side, Diff], object] | None = None,
+) -> Diff | None:
+    """Return the differences from A to B, or None if one of them is not a model, which goes to `context.sink`.
+
+    `tolerance` is relative. `only` are kinds of element, `option`, `visual`, `statistic`, `count` and `address`;
+    empty means all. `everything` also lists changes that follow from others, instead of only counting them. `given`
+    are values of parameters and variants for a recipe, `pick` is a cell of its matrix, `sample` one of its samples.
+    Pictures of both go to the folder `renders`; the session must be able to render. `show` is called while the
+    session keeps both models.
+    """
+    with ExitStack() as opened:
+        operands = [read_operand(text, context, opened) for text in (a, b)]
+        known = [operand.kind for operand in operands if operand is not None]
+        asked = given or pick is not None or sample is not None
+        if asked and len(known) == 2 and Kind.RECIPE not in known:
+            what = f"the cell `{pick}`" if pick is not None else f"the sample {sample}"
+            what = f"a value for `{next(iter(given))}`" if given else what
+            context.sink.error("unknown-name", f"{what} is asked for, and neither `{a}` nor `{b}` is a recipe",
+                               help="compare the recipe, or the bundle that it gives with these options")  # fmt: skip
+            return None
+        sides: list[Side] = []
+        for operand, kept in zip(operands, ("diff a", "diff b"), strict=True):
+            if operand is None:
+                continue
+            side = load(operand, kept, session, given=given, pick=pick, sample=sample)
+            if side is None or operand.context.sink.has_errors:
+                operand.report(context.sink)
+            elif side is not None:
+                sides.append(side)
+        if len(sides) < 2:
+            return None
+        first, second = sides
+        found = between(
+            first, second, context, session=session, tolerance=tolerance, only=only, everything=everything
+        )
+        if found is not None and renders is not None:
+            views = render_views(renders, (first.kept, second.kept), context, session=session)
+            found = replace(found, views=views)
+        if found is not None and show is not None:
+            show(first, second, found)
+        return None if context.sink.has_errors else found
+
+
+def between(
+    a: Side,
+    b: Side,
+    context: Context,
+    session: Session,
+    *,
+    tolerance: float = 0.0,
+    only: Collection[str] = (),
+    everything: bool = False,
+) -> Diff | None:
+    """Return the differences between two models that the session keeps, or None if MuJoCo crashes.
+
+    A crash is reported.
+    """
+    answer = engine.call(session, contrast, [a.kept, b.kept], argument={"tolerance": tolerance})
+    if not answer.ok:
+        said = answer.error or answer.crash
+        message = f"`{a.operand.label}` and `{b.operand.label}` cannot be compared: {said}"
+        context.sink.error("mujoco-crash", message)
+        return None
+    return _diff(contrast_of(answer.value), a, b, tolerance=tolerance, only=only, everything=everything)
+
+
+def _diff(
+    found: Contrast, a: Side, b: Side, tolerance: float, only: Collection[str], everything: bool
+) -> Diff:
+    causes = Causes(a, b, found)
+    found = _narrowed(found, tolerance, only)
+    follows = [each for each in found.changes if each.follows]
+    wanted = [each for each in found.changes if not each.follows]
+    if everything or not (wanted or found.moves or found.counts):
+        wanted, follows = list(found.changes), []
+    groups = grouped(wanted, causes, a, b=b)
+    paths = sorted({*a.digests, *b.digests})
+    files = tuple(path for path in paths if a.digests.get(path) != b.digests.get(path))
+    return Diff(a.end, b.end, found, groups=tuple(groups), files=files, follows=len(follows))
+
+
+def _narrowed(found: Contrast, tolerance: float, only: Collection[str]) -> Contrast:
+    """Return what was asked for. Arrays without a name of their own count only in a comparison to the bit."""
+    if not only:
+        return found if tolerance == 0 else replace(found, arrays=())
+
+    def fits(change: Change) -> bool:
+        return change.kind.partition("/")[0] in only
+
+    return replace(
+        found,
+        changes=tuple(each for each in found.changes if fits(each)),
+        moves=found.moves if ADDRESSES in only else (),
+        counts=found.counts if COUNTS in only else (),
+        arrays=(),
+    )

@@ -1,0 +1,589 @@
+"""Two compiled models are compared by the names of their elements."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Hashable, Iterator, Mapping
+from dataclasses import asdict
+from typing import Any
+
+from mjcompose.mujoco.addresses import VECTORS, runs, span
+from mjcompose.mujoco.arrays import BEFORE_CONTROLS, ENUMS, JOINT_TYPES, SWITCHES, Treatment, follows, words
+from mjcompose.mujoco.attributes import HOLDERS, KINDS, ON_BODIES, Model, NameTable, holder
+from mjcompose.mujoco.controls import NO_BIAS, servo
+from mjcompose.mujoco.keyframes import Keys, Roots, key_differences
+from mjcompose.mujoco.match import ABSENT, MISSING, Correspondence, Difference, Mount, values
+from mjcompose.mujoco.references import DOF, UNORDERED, Array, arrays, links, same_width
+from mjcompose.mujoco.varying import option_differences, statistic_differences, unequal_arrays
+from mjcompose.tools.diff.changes import Change, Contrast, Count, Move, Value
+
+_TARGETS = 3
+
+
+def named(roster: NameTable, kind: str, index: int) -> str:
+    """Return an element's name; for an unnamed element that is not on a body, also what it refers to."""
+    name = roster.describe(kind, index)
+    if not name.startswith("#") or kind in HOLDERS:
+        return name
+    targets = [each for each in links(roster.model, kind, index) if each.index >= 0][:_TARGETS]
+    described = ", ".join(f"`{roster.describe(each.kind, each.index)}`" for each in targets)
+    return f"{name} ({described})" if described else name
+
+
+_SIZES = ("nq", "nv", "nu", "na", "nmocap", "nsensordata")
+_KINDS = ("joint", "actuator", "sensor", "body")
+
+
+def counts(a: Model, b: Model, tolerance: float) -> Iterator[Count]:
+    """Yield changes of vector sizes, of the numbers of elements, and of the total mass."""
+    for name in _SIZES:
+        if getattr(a, name) != getattr(b, name):
+            yield Count(name, int(getattr(a, name)), int(getattr(b, name)))
+    for kind, known in KINDS.items():
+        before, after = (len(getattr(model, known.addresses)) for model in (a, b))
+        if before != after:
+            yield Count(kind, before, after)
+    mass = float(a.body_mass.sum()), float(b.body_mass.sum())
+    if not close(*mass, max(tolerance, 1e-12)):
+        yield Count("total mass", *mass, "kg")
+
+
+def moves(matching: Correspondence) -> Iterator[Move]:
+    """Yield joints, actuators, sensors and mocap bodies of both models whose address in a vector changed."""
+    a, b = matching.alone.model, matching.composed.model
+    for kind in _KINDS:
+        pairs = sorted(matching.pairs(kind), key=lambda pair: pair[1])
+        for vector, (of, _) in VECTORS.items():
+            for index, target in pairs if of == kind else ():
+                before, after = span(a, vector, index), span(b, vector, target)
+                if before and after and before.start != after.start:
+                    name = matching.composed.describe(kind, target)
+                    yield Move(vector, kind, name, before=before.start, after=after.start)
+
+
+_WORDS = {
+    "integrator": ("mjtIntegrator", "mjINT_"), "cone": ("mjtCone", "mjCONE_"),
+    "jacobian": ("mjtJacobian", "mjJAC_"), "solver": ("mjtSolver", "mjSOL_"),
+}  # fmt: skip
+_SPELLED = {"euler": "Euler", "rk4": "RK4", "pgs": "PGS", "cg": "CG", "newton": "Newton"}
+_FLAGS = {
+    "disableflags": ("mjtDisableBit", "mjDSBL_", True),
+    "enableflags": ("mjtEnableBit", "mjENBL_", False),
+}
+
+
+def setting_changes(mujoco: Any, a: Model, b: Model, tolerance: float) -> Iterator[Change]:
+    """Yield changes of settings, flags one by one, with words in place of numbers."""
+    for difference in option_differences(a, b):
+        if difference.name in _FLAGS:
+            yield from _flags(mujoco, difference)
+        elif not _close(difference.expected, difference.actual, tolerance):
+            before, after = (
+                _word(mujoco, difference.name, each) for each in (difference.expected, difference.actual)
+            )
+            yield Change("changed", difference.kind, "", field=difference.name, before=before, after=after)
+    for difference in statistic_differences(a, b):
+        if not _close(difference.expected, difference.actual, tolerance):
+            yield Change(
+                "changed",
+                "statistic",
+                "",
+                field=difference.name,
+                before=difference.expected,
+                after=difference.actual,
+                follows=True,
+            )
+
+
+def _flags(mujoco: Any, difference: Difference) -> Iterator[Change]:
+    enum, prefix, disables = _FLAGS[difference.name]
+    assert isinstance(difference.expected, int) and isinstance(difference.actual, int)
+    for word, bit in getattr(mujoco, enum).__members__.items():
+        if word.startswith(prefix) and (difference.expected ^ difference.actual) & int(bit):
+            states = [
+                bool(each & int(bit)) is not disables for each in (difference.expected, difference.actual)
+            ]
+            before, after = ("enable" if state else "disable" for state in states)
+            yield Change(
+                "changed",
+                "option",
+                "",
+                field=f"flag {word.removeprefix(prefix).lower()}",
+                before=before,
+                after=after,
+            )
+
+
+def _word(mujoco: Any, name: str, value: Value) -> Value:
+    if name not in _WORDS:
+        return value
+    enum, prefix = _WORDS[name]
+    for word, number in getattr(mujoco, enum).__members__.items():
+        if int(number) == value:
+            plain: str = word.removeprefix(prefix).lower()
+            return _SPELLED.get(plain, plain)
+    return value
+
+
+def _close(a: Value, b: Value, tolerance: float) -> bool:
+    if isinstance(a, tuple) and isinstance(b, tuple):
+        return len(a) == len(b) and all(_close(x, y, tolerance) for x, y in zip(a, b, strict=True))
+    if isinstance(a, (int, float)) and isinstance(b, (int, float)):
+        return close(a, b, tolerance)
+    return a == b
+
+
+FLOOR = 1e-6
+"""The tolerance treats smaller values as if they were this large."""
+
+_SHOWN = 12
+_COUNTED = ("mesh_vert", "mesh_face")
+"""The sizes of these are reported by arrays of their own."""
+
+_SHAPES = ("mesh_", "hfield_", "tex_", "skin_", "flex_", "oct_")
+"""The data of these is never listed number by number."""
+
+
+def close(a: float, b: float, tolerance: float) -> bool:
+    """Return whether two numbers count as equal. NaN equals NaN, and nothing else is near an infinite number."""
+    if a == b or (a != a and b != b):
+        return True
+    return math.isfinite(a - b) and abs(a - b) <= tolerance * max(abs(a), abs(b), FLOOR)
+
+
+class Values:
+    """Compares every array with a row for each element, in the unit and words of MuJoCo's arrays."""
+
+    def __init__(self, mujoco: Any, matching: Correspondence, tolerance: float) -> None:
+        self.mujoco, self.matching, self.tolerance = mujoco, matching, tolerance
+        self.a, self.b = matching.alone.model, matching.composed.model
+        self._known: dict[tuple[int, str], list[tuple[str, Array, Treatment]]] = {}
+
+    def changes(self) -> Iterator[Change]:
+        """Yield changes in the order of kinds, and of elements in B."""
+        for kind in KINDS:
+            if kind == "key":
+                continue
+            for index, target in sorted(self.matching.pairs(kind), key=lambda pair: pair[1]):
+                seen: set[str] = set()
+                for field, before, after in self._of(kind, index, target):
+                    if field not in seen:
+                        seen.add(field)
+                        note = str(after) if before is None and isinstance(after, str) else ""
+                        names = (
+                            named(self.matching.alone, kind, index),
+                            named(self.matching.composed, kind, target),
+                        )
+                        yield Change(
+                            "changed",
+                            kind,
+                            names[1],
+                            field=field,
+                            before=before,
+                            after=None if note else after,
+                            form=self._form(kind, target),
+                            entry="",
+                            index=(index, target),
+                            name_before=names[0],
+                            follows=follows(field),
+                            note=note,
+                        )
+
+    def _of(self, kind: str, index: int, target: int) -> Iterator[tuple[str, Value, Value]]:
+        gains = self._gains(index, target) if kind == "actuator" else None
+        yield from gains or ()
+        there = {name: array for name, array, _ in self._arrays(self.b, kind)}
+        for name, array, treatment in self._arrays(self.a, kind):
+            other = there.get(name)
+            if other is None or (gains is not None and name in ("actuator_gainprm", "actuator_biasprm")):
+                continue
+            yield from self._row(name, treatment, array, theirs=other, index=index, target=target)
+        if kind == "joint":
+            yield from self._dofs(index, target)
+        theirs = dict(runs(self.b, kind, target))
+        for name, run in runs(self.a, kind, index):
+            if name in theirs:
+                yield from self._run(name, run, theirs[name])
+
+    def _arrays(self, model: Model, kind: str) -> list[tuple[str, Array, Treatment]]:
+        """Return the arrays with one row for each element that are compared as numbers."""
+        key = (id(model), kind)
+        if key not in self._known:
+            found: list[tuple[str, Array, Treatment]] = []
+            for name, array, how in arrays(model, kind):
+                treatment: Treatment = how.treatment if how else Treatment.PLAIN
+                if name in BEFORE_CONTROLS and not hasattr(model, "actuator_ctrladr"):
+                    treatment = BEFORE_CONTROLS[name]
+                if treatment not in (Treatment.SKIPPED, Treatment.LINKED, Treatment.DATA):
+                    found.append((name, array, treatment))
+            self._known[key] = found
+        return self._known[key]
+
+    def _row(
+        self, name: str, treatment: Treatment, mine: Array, theirs: Array, index: int, target: int
+    ) -> Iterator[tuple[str, Value, Value]]:
+        if treatment is Treatment.USER:
+            mine, theirs = same_width(mine, theirs)
+        before, after = mine[index].tolist(), theirs[target].tolist()
+        if before == after:
+            return
+        if treatment is Treatment.PRESENT:
+            if (before == -1) != (after == -1):
+                yield name, before != -1, after != -1
+        elif name in ENUMS:
+            yield name, self._word(name, before), self._word(name, after)
+        elif name.partition("_")[2] in SWITCHES:
+            yield name, bool(before), bool(after)
+        else:
+            yield from self._numbers(name, before, after)
+
+    def _numbers(self, name: str, before: Any, after: Any) -> Iterator[tuple[str, Value, Value]]:
+        ours, others = list(_flat(before)), list(_flat(after))
+        different = [
+            at for at, (x, y) in enumerate(zip(ours, others, strict=True)) if not close(x, y, self.tolerance)
+        ]
+        if not different:
+            return
+        if len(ours) <= _SHOWN:
+            yield name, _value(before), _value(after)
+            return
+        for at in different[:_SHOWN]:
+            yield f"{name}[{at}]", ours[at], others[at]
+
+    def _dofs(self, index: int, target: int) -> Iterator[tuple[str, Value, Value]]:
+        """Yield changes of arrays with a row for each degree of freedom.
+
+        If all rows of a joint are equal, one number is shown.
+        """
+        if int(self.a.jnt_type[index]) != int(self.b.jnt_type[target]):
+            return
+        mine, theirs = span(self.a, "qvel", index), span(self.b, "qvel", target)
+        there = {name: array for name, array, _ in self._arrays(self.b, DOF)}
+        for name, array, _ in self._arrays(self.a, DOF):
+            if name in there:
+                before = array[mine].tolist()
+                after = there[name][theirs].tolist()
+                if before != after:
+                    yield from self._numbers(name, _one(before), _one(after))
+
+    def _run(self, name: str, mine: Array, theirs: Array) -> Iterator[tuple[str, Value, Value]]:
+        if mine.shape == theirs.shape and bool((mine == theirs).all()):
+            return  # the common case, and meshes have millions of numbers
+        if name == "text_data":
+            before, after = (
+                bytes(run.tolist()).rstrip(b"\0").decode("utf-8", "replace") for run in (mine, theirs)
+            )
+            if before != after:
+                yield name, before, after
+        elif mine.shape != theirs.shape:
+            if mine.size <= _SHOWN and theirs.size <= _SHOWN and not name.startswith(_SHAPES):
+                yield name, _value(_one(mine.tolist())), _value(_one(theirs.tolist()))
+            elif name not in _COUNTED:
+                yield name, f"{len(mine)} rows", f"{len(theirs)} rows"
+        elif mine.size <= _SHOWN and not name.startswith(_SHAPES):
+            before, after = mine.tolist(), theirs.tolist()
+            if before != after and name.endswith("limited"):
+                yield name, bool(before[0]), bool(after[0])
+            elif before != after:
+                yield from self._numbers(name, _one(before), _one(after))
+        else:
+            pairs = zip(_flat(mine.tolist()), _flat(theirs.tolist()), strict=True)
+            off = [abs(x - y) for x, y in pairs if not close(x, y, self.tolerance)]
+            if off:
+                yield name, None, f"{len(off)} of {mine.size} numbers differ, by up to {max(off):.3g}"
+
+    def _gains(self, index: int, target: int) -> list[tuple[str, Value, Value]] | None:
+        """Return gains by name, if both models have the actuator in the same form."""
+        before, after = _servo(self.a, index), _servo(self.b, target)
+        if before is None or after is None or before.keys() != after.keys():
+            return None
+        return [
+            (name, value, after[name])
+            for name, value in before.items()
+            if not close(value, after[name], self.tolerance)
+        ]
+
+    def _form(self, kind: str, target: int) -> str:
+        if kind == "joint":
+            return JOINT_TYPES[int(self.b.jnt_type[target])].word
+        return ""
+
+    def _word(self, name: str, value: int) -> str:
+        return words(self.mujoco, name).get(int(value), str(value))
+
+
+def _servo(model: Model, index: int) -> dict[str, float] | None:
+    """Return the gains of a motor or servo without other parameters, which describe it completely."""
+    gain, bias = model.actuator_gainprm[index], model.actuator_biasprm[index]
+    beside = bias if int(model.actuator_biastype[index]) == NO_BIAS else bias[3:]
+    return None if gain[1:].any() or beside.any() else servo(model, index)
+
+
+def _flat(value: Any) -> Iterator[float]:
+    if isinstance(value, list):
+        for each in value:
+            yield from _flat(each)
+    else:
+        yield value
+
+
+def _one(rows: list[Any]) -> Any:
+    """Return a single row if all rows are equal."""
+    return rows[0] if rows and all(row == rows[0] for row in rows) else rows
+
+
+def _value(value: Any) -> Value:
+    return tuple(_value(each) for each in value) if isinstance(value, list) else value
+
+
+Names = Mapping[str, Mapping[str, str]]
+"""A's names mapped to B's, by kind; unchanged names are not listed."""
+
+_ALIKE = 0.6
+"""The share of names that two prefixes must have in common to count as one part."""
+
+_SINGLE = ("body", "joint", "geom", "site", "camera", "light", "material", "mesh", "texture", "tendon", "actuator",
+           "sensor")  # fmt: skip
+
+
+def renames(a: NameTable, b: NameTable) -> dict[str, dict[str, str]]:
+    """Return the names that changed. Only clear cases count: an element that also changed is another element."""
+    lost = {kind: [name for name in a.ids[kind] if name not in b.ids[kind]] for kind in KINDS}
+    new = {kind: [name for name in b.ids[kind] if name not in a.ids[kind]] for kind in KINDS}
+    found: dict[str, dict[str, str]] = defaultdict(dict)
+    for before, after in _prefixes(lost, new, a, b=b):
+        for kind in KINDS:
+            for name in lost[kind]:
+                called = after + name.removeprefix(before)
+                if name.startswith(before) and called in b.ids[kind]:
+                    found[kind][name] = called
+    for kind in _SINGLE:
+        taken = set(found[kind].values())
+        left = [name for name in lost[kind] if name not in found[kind]]
+        free = [name for name in new[kind] if name not in taken]
+        found[kind].update(_alike(kind, left, free, a=a, b=b, bodies=found["body"]))
+    return {kind: names for kind, names in found.items() if names}
+
+
+def _prefixes(
+    lost: Mapping[str, list[str]], new: Mapping[str, list[str]], a: NameTable, b: NameTable
+) -> list[tuple[str, str]]:
+    """Return pairs of prefixes, one that only A has and one that only B has, with similar names behind them."""
+    gone, come = _behind(lost, b), _behind(new, a)
+    pairs = []
+    for before, mine in gone.items():
+        best = max(come, key=lambda after: _share(mine, come[after]), default=None)
+        if best is not None and _share(mine, come[best]) >= _ALIKE:
+            pairs.append((before, best))
+            del come[best]
+    return pairs
+
+
+def _behind(names: Mapping[str, list[str]], other: NameTable) -> dict[str, set[tuple[str, str]]]:
+    """Return the names behind each outermost prefix that the other model lacks."""
+    known = {name.partition("/")[0] for by_name in other.ids.values() for name in by_name if "/" in name}
+    found: dict[str, set[tuple[str, str]]] = defaultdict(set)
+    for kind, by_name in names.items():
+        for name in by_name:
+            first, separator, rest = name.partition("/")
+            if separator and first not in known:
+                found[f"{first}/"].add((kind, rest))
+    return found
+
+
+def _share(mine: set[tuple[str, str]], theirs: set[tuple[str, str]]) -> float:
+    return len(mine & theirs) / len(mine | theirs)
+
+
+def _alike(
+    kind: str, lost: list[str], new: list[str], a: NameTable, b: NameTable, bodies: Mapping[str, str]
+) -> dict[str, str]:
+    """Return elements without a double that have equal numbers and are on the same body."""
+    if not lost or not new:
+        return {}
+    mine, theirs = _by_look(kind, lost, a, renamed=bodies), _by_look(kind, new, b, renamed={})
+    return {
+        names[0]: theirs[look][0]
+        for look, names in mine.items()
+        if len(names) == 1 and len(theirs.get(look, ())) == 1
+    }
+
+
+def _by_look(
+    kind: str, names: list[str], roster: NameTable, renamed: Mapping[str, str]
+) -> dict[Hashable, list[str]]:
+    found: dict[Hashable, list[str]] = defaultdict(list)
+    for name in names:
+        index = roster.ids[kind][name]
+        owner = roster.names["body"][holder(roster.model, kind, index)] if kind in HOLDERS else ""
+        found[(values(roster.model, kind, index), renamed.get(owner, owner))].append(name)
+    return found
+
+
+def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a `Contrast` as JSON data; runs under `mjcompose.mujoco.engine.call`. ``given`` has the ``tolerance``.
+
+    It may also have ``names``, which maps A's names to B's by kind if that is known. Unnamed elements may then be
+    in another order.
+    """
+    mine, theirs = NameTable(a), NameTable(b)
+    known = given.get("names")
+    names = renames(mine, theirs) if known is None else known
+    matching = Correspondence(mine, theirs, prefix="", mount=Mount(), renamed=names, by_order=known is None)
+    values = Values(mujoco, matching, float(given["tolerance"]))
+    changes = [
+        *(_renamed(names, matching) if known is None else ()),
+        *_presence(matching),
+        *references(matching),
+        *values.changes(),
+        *_keys(matching, float(given["tolerance"])),
+        *setting_changes(mujoco, a, b, tolerance=float(given["tolerance"])),
+    ]
+    arrays = unequal_arrays(a, b)
+    contrast = Contrast(
+        identical=not arrays,
+        changes=tuple(changes),
+        moves=tuple(moves(matching)),
+        counts=tuple(counts(a, b, float(given["tolerance"]))),
+        arrays=() if changes else tuple(arrays),
+        elements={kind: (mine.count(kind), theirs.count(kind)) for kind in KINDS},
+    )
+    return asdict(contrast)
+
+
+def contrast_of(data: Mapping[str, Any]) -> Contrast:
+    """Return the contrast from its JSON data."""
+    return Contrast(
+        identical=data["identical"],
+        changes=tuple(
+            Change(**{**each, "before": _frozen(each["before"]), "after": _frozen(each["after"]),
+                      "index": tuple(each["index"])})
+            for each in data["changes"]
+        ),
+        moves=tuple(Move(**each) for each in data["moves"]),
+        counts=tuple(Count(**each) for each in data["counts"]),
+        arrays=tuple(data["arrays"]),
+        elements={kind: (a, b) for kind, (a, b) in data["elements"].items()},
+    )  # fmt: skip
+
+
+def _frozen(value: Any) -> Value:
+    return tuple(_frozen(each) for each in value) if isinstance(value, list) else value
+
+
+def _renamed(names: Names, matching: Correspondence) -> Iterator[Change]:
+    for kind, by_name in names.items():
+        for before, after in by_name.items():
+            index = matching.alone.ids[kind][before], matching.composed.ids[kind][after]
+            yield Change("renamed", kind, after, before=before, after=after, index=index, name_before=before)
+
+
+def _presence(matching: Correspondence) -> Iterator[Change]:
+    """Yield elements that only one of the two models has; unnamed ones come and go with their body."""
+    for kind in KINDS:
+        if kind == "key":
+            continue
+        ids, taken = matching.ids[kind], matching.taken[kind]
+        lost = {i for i, j in enumerate(ids) if j == ABSENT}
+        new = {j for j in range(matching.composed.count(kind)) if j not in taken} - (
+            {0} if kind == "body" else set()
+        )
+        for index in sorted(lost):
+            if not _goes_along(matching.alone, kind, index, ids=matching.ids["body"], taken=None):
+                name = named(matching.alone, kind, index)
+                yield Change("removed", kind, name, index=(index, ABSENT), name_before=name)
+        for index in sorted(new):
+            if not _goes_along(matching.composed, kind, index, ids=None, taken=matching.taken["body"]):
+                yield Change("added", kind, named(matching.composed, kind, index), index=(ABSENT, index))
+
+
+def _goes_along(
+    roster: NameTable, kind: str, index: int, ids: list[int] | None, taken: set[int] | None
+) -> bool:
+    if kind not in ON_BODIES or roster.names[kind][index]:
+        return False
+    body = holder(roster.model, kind, index)
+    return body != 0 and (
+        (ids is not None and ids[body] == ABSENT) or (taken is not None and body not in taken)
+    )
+
+
+def references(matching: Correspondence) -> Iterator[Change]:
+    """Yield references whose target changed."""
+    for kind in KINDS:
+        if kind == "key":
+            continue
+        for index, target in matching.pairs(kind):
+            yield from _references_of(matching, kind, index, target=target)
+
+
+def _references_of(matching: Correspondence, kind: str, index: int, target: int) -> Iterator[Change]:
+    mine = links(matching.alone.model, kind, index)
+    theirs = links(matching.composed.model, kind, target)
+    if kind in UNORDERED and len(theirs) == 2 and theirs[1].index in matching.targets(mine[0]):
+        theirs = [theirs[1], theirs[0]]
+    after = {link.field: link for link in theirs}
+    for link in mine:
+        other = after.pop(link.field, None)
+        same = other is not None and other.kind == link.kind and other.index in matching.targets(link)
+        if same:
+            continue
+        shown = [
+            None if each is None or each.index < 0 else side.describe(each.kind, each.index)
+            for each, side in ((link, matching.alone), (other, matching.composed))
+        ]
+        yield _changed(
+            matching, kind, index, target=target, field=link.field, before=shown[0], after=shown[1]
+        )
+    for field, link in after.items():
+        named = None if link.index < 0 else matching.composed.describe(link.kind, link.index)
+        yield _changed(matching, kind, index, target=target, field=field, before=None, after=named)
+
+
+def _changed(
+    matching: Correspondence, kind: str, index: int, target: int, field: str, before: Value, after: Value
+) -> Change:
+    return Change(
+        "changed", kind, named(matching.composed, kind, target), field=field, before=before, after=after,
+        index=(index, target), name_before=named(matching.alone, kind, index), follows=follows(field),
+    )  # fmt: skip
+
+
+def _keys(matching: Correspondence, tolerance: float) -> Iterator[Change]:
+    """Yield changes of keyframes by joint, actuator and mocap body."""
+    mine, theirs = matching.alone, matching.composed
+    types = matching.composed.model.jnt_type.tolist()
+    joints = {theirs.describe("joint", j): JOINT_TYPES[types[j]].word for _, j in matching.pairs("joint")}
+    for difference in key_differences(matching, None, Keys.MERGE, roots=Roots.KEPT, tolerance=tolerance):
+        if difference.field == MISSING:
+            index = mine.ids["key"].get(difference.name, ABSENT)
+            yield Change(
+                "removed", "key", difference.name, index=(index, ABSENT), name_before=difference.name
+            )
+            continue
+        field, _, entry = difference.field.partition(" of ")
+        name = entry.strip("`")
+        before, after = _alone(difference.expected), _alone(difference.actual)
+        both = mine.ids["key"].get(difference.name, ABSENT), theirs.ids["key"].get(difference.name, ABSENT)
+        yield Change(
+            "changed",
+            "key",
+            difference.name,
+            field=field,
+            before=before,
+            after=after,
+            form=joints.get(name, ""),
+            entry=name,
+            index=both,
+            name_before=difference.name,
+        )
+    known = set(mine.names["key"])
+    for index, name in enumerate(theirs.names["key"]):
+        if name not in known:
+            yield Change("added", "key", theirs.describe("key", index), index=(ABSENT, index))
+
+
+def _alone(value: Value) -> Value:
+    """Return a list of one number as that number."""
+    return value[0] if isinstance(value, tuple) and len(value) == 1 else value

@@ -1,0 +1,367 @@
+"""The lines of recipes and sources behind a value."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from difflib import SequenceMatcher
+from functools import cached_property
+from pathlib import Path
+from textwrap import dedent
+from typing import TYPE_CHECKING
+
+from mjcompose.base.diagnostic import Span
+from mjcompose.build.plan.plan import AttachPart, Plan
+from mjcompose.text.evaluate import Template
+from mjcompose.text.expression import ExpressionError
+from mjcompose.text.node import Mapping, Node, Scalar, Sequence, find, is_template
+from mjcompose.tools.diff.changes import Cause
+from mjcompose.tools.diff.sides import Side
+
+if TYPE_CHECKING:
+    from mjcompose.link.linking import Part
+    from mjcompose.sources.context import ReadRecipe
+
+_SHOWN = 6
+
+
+def block(span: Span | None, side: Side) -> list[str]:
+    """Return the lines of a place without empty ones."""
+    if span is None:
+        return []
+    lines = side.lines(span.file)
+    return [lines[number - 1] for number in extent(span, side) if lines[number - 1].strip()]
+
+
+def extent(span: Span, side: Side) -> range:
+    """Return the numbers of the lines that belong to a place.
+
+    For a key or a mapping these are its line and the deeper-indented lines below it, for an element its whole start
+    tag, for a value its own line alone.
+    """
+    lines = side.lines(span.file)
+    if not 0 < span.line <= len(lines):
+        return range(0)
+    first, end = lines[span.line - 1], span.line
+    ahead = first[: span.column - 1]
+    if is_yaml(span) and not ahead.replace("-", " ").strip():
+        depth = len(first) - len(first.lstrip())
+        for number, line in enumerate(lines[span.line :], span.line + 1):
+            if line.strip() and len(line) - len(line.lstrip()) <= depth:
+                break
+            if line.strip():
+                end = number
+    elif not is_yaml(span) and first[span.column - 1 : span.column] == "<":
+        while ">" not in lines[end - 1] and end < len(lines):
+            end += 1
+    return range(span.line, end + 1)
+
+
+def excerpt(lines: list[str]) -> tuple[str, ...]:
+    """Return the first lines, dedented."""
+    cut = [line.rstrip() for line in lines[:_SHOWN]]
+    if len(lines) > _SHOWN:
+        cut.append(cut[-1][: len(cut[-1]) - len(cut[-1].lstrip())] + "…")
+    return tuple(dedent("\n".join(cut)).split("\n")) if cut else ()
+
+
+def is_yaml(span: Span | None) -> bool:
+    """Return whether a place is in a recipe."""
+    return span is not None and span.file.endswith((".yaml", ".yml"))
+
+
+def different(lines: list[str], others: list[str]) -> list[str]:
+    """Return the lines that are not among the others, ignoring indentation."""
+    known = {line.strip() for line in others}
+    return [line for line in lines if line.strip() not in known]
+
+
+_Place = tuple[str, int, int]
+
+
+class Recipes:
+    """The recipe of a side and its nested recipes; empty for a side that is not a recipe."""
+
+    def __init__(self, side: Side) -> None:
+        self.side = side
+        self.plans: list[Plan] = []
+        self.attached: dict[Span, tuple[Plan, AttachPart]] = {}
+        self._given: dict[str, list[Span]] = {}
+        for plan in () if side.plan is None else side.plan.plans():
+            if all(plan is not each for each in self.plans):
+                self._collect(plan)
+        for name, node in side.given.items():
+            self._given.setdefault(name, []).append(node.span)
+
+    def _collect(self, plan: Plan) -> None:
+        self.plans.append(plan)
+        for step in plan.parts:
+            self.attached[step.span] = plan, step
+        for at in (("base", "with"), *((*step.at, "with") for step in plan.parts)):
+            given = find(plan.document, at)
+            if isinstance(given, Mapping):
+                for name, (_, node) in given.entries.items():
+                    self._given.setdefault(name, []).append(node.span)
+
+    def attachment(self, part: Part) -> Mapping | None:
+        """Return the entry of the recipe that attaches a part."""
+        if part.span is None or part.span not in self.attached:
+            return None
+        plan, step = self.attached[part.span]
+        found = find(plan.document, step.at)
+        return found if isinstance(found, Mapping) else None
+
+    def same(self, other: Recipes, part: Part) -> Mapping | None:
+        """Return what this side has at the path where the other side attaches a part."""
+        if part.span is None or part.span not in other.attached:
+            return None
+        plan, step = other.attached[part.span]
+        number = next(number for number, each in enumerate(other.plans) if each is plan)
+        if number >= len(self.plans):
+            return None
+        found = find(self.plans[number].document, step.at)
+        return found if isinstance(found, Mapping) else None
+
+    def base(self) -> Mapping | None:
+        """Return the entry of the recipe's base, if it is more than the model."""
+        found = None if self.side.plan is None else find(self.side.plan.document, ("base",))
+        return found if isinstance(found, Mapping) else None
+
+    def names_at(self, span: Span | None) -> tuple[str, ...]:
+        """Return the parameters and variants in the expressions at a place."""
+        if span is None:
+            return ()
+        lines = extent(span, self.side)
+        end = span.end_column if span.end_line == span.line and len(lines) == 1 else None
+        return tuple(
+            name
+            for (file, line, column), names in self._expressions.items()
+            if file == span.file and line in lines and (end is None or span.column <= column < end)
+            for name in names
+        )
+
+    def parameter(self, name: str) -> Iterator[Span]:
+        """Yield where a parameter gets its value: where it is given, else where it is declared."""
+        yield from self._given.get(name, ())
+        for node in self._documents:
+            for piece in (node, *_pieces(node)):
+                declared = find(piece, ("params", name))
+                if isinstance(declared, Mapping):
+                    yield from (value.span for _, value in declared.entries.values())
+                elif declared is not None:
+                    yield declared.span
+
+    def conditions(self) -> Iterator[tuple[Span, Node]]:
+        """Yield the place of every item with a `when`, and its condition."""
+        for document in self._documents:
+            for node in _mappings(document):
+                if "when" in node.entries:
+                    yield node.span, node.entries["when"][1]
+
+    @property
+    def files(self) -> Iterator[str]:
+        """The recipe files as messages name them, including extended ones."""
+        for recipe in self._read:
+            yield from recipe.said
+
+    @property
+    def settings(self) -> Iterator[tuple[str, Span]]:
+        """Where the recipe files set how angles are read."""
+        for recipe in self._read:
+            for said in recipe.said.values():
+                if isinstance(said, Mapping):
+                    yield from ((key, node.span) for key, (_, node) in said.entries.items())
+
+    @cached_property
+    def _read(self) -> list[ReadRecipe]:
+        known = self.side.operand.context.recipes
+        return [known[path] for path in dict.fromkeys(plan.path for plan in self.plans) if path in known]
+
+    @property
+    def _documents(self) -> list[Node]:
+        return [recipe.node for recipe in self._read if recipe.node is not None]
+
+    @cached_property
+    def _expressions(self) -> dict[_Place, tuple[str, ...]]:
+        found: dict[_Place, tuple[str, ...]] = {}
+        for document in self._documents:
+            for scalar in _scalars(document):
+                if isinstance(scalar.value, str) and is_template(scalar.value):
+                    span = scalar.span
+                    found[span.file, span.line, span.column] = _names(scalar.value)
+        return found
+
+
+def _names(text: str) -> tuple[str, ...]:
+    try:
+        return tuple(dict.fromkeys(each.name for each in Template.parse(text).names()))
+    except ExpressionError:
+        return ()
+
+
+def _pieces(document: Node) -> Iterator[Node]:
+    """Yield the recipe pieces of the variants."""
+    axes = find(document, ("variants",))
+    for _, values in axes.entries.values() if isinstance(axes, Mapping) else ():
+        for _, piece in values.entries.values() if isinstance(values, Mapping) else ():
+            yield piece
+
+
+def _scalars(node: Node) -> Iterator[Scalar]:
+    if isinstance(node, Scalar):
+        yield node
+    elif isinstance(node, Sequence):
+        for item in node.items:
+            yield from _scalars(item)
+    else:
+        for _, value in node.entries.values():
+            yield from _scalars(value)
+
+
+def _mappings(node: Node) -> Iterator[Mapping]:
+    if isinstance(node, Mapping):
+        yield node
+        for _, value in node.entries.values():
+            yield from _mappings(value)
+    elif isinstance(node, Sequence):
+        for item in node.items:
+            yield from _mappings(item)
+
+
+class Written:
+    """The files of both sides, each with its counterpart on the other side."""
+
+    def __init__(self, a: Recipes, b: Recipes) -> None:
+        self.sides = a.side, b.side
+        self._known: dict[tuple[str, str], tuple[frozenset[int], frozenset[int]]] = {}
+        self._named = tuple(
+            {name(each.side, file): file for file in _files(each.side, each)} for each in (a, b)
+        )
+        self._paths = tuple(
+            {real(each.side, file): file for file in _files(each.side, each)} for each in (a, b)
+        )
+
+    def changed(self, side: int, span: Span | None) -> Span | None:
+        """Return the first line of a place that the other side does not have, or None if it has all of them."""
+        if span is None:
+            return None
+        lines = extent(span, self.sides[side])
+        there = self._counterpart(side, span.file)
+        if there is None:
+            return span
+        pair = (span.file, there) if side == 0 else (there, span.file)
+        changed = self._lines(*pair)[side]
+        for number in lines:
+            if number == span.line and number in changed:
+                return span
+            if number in changed:
+                return _line(self.sides[side], span.file, number)
+        return None
+
+    def twin(self, side: int, span: Span) -> Span | None:
+        """Return the line of the other side that takes the place of a differing line."""
+        there = self._counterpart(side, span.file)
+        if there is None:
+            return None
+        for ends in self._stretches(*((span.file, there) if side == 0 else (there, span.file))):
+            here, other = (ends[:2], ends[2:]) if side == 0 else (ends[2:], ends[:2])
+            if here[0] < span.line <= here[1] and here[1] - here[0] == other[1] - other[0]:
+                return _line(self.sides[1 - side], there, span.line + other[0] - here[0])
+        return None
+
+    def is_within(self, side: int, item: Span, span: Span) -> bool:
+        """Return whether a place lies in an item of a recipe."""
+        return item.file == span.file and span.line in extent(item, self.sides[side])
+
+    def only(self) -> Cause | None:
+        """Return the differing stretch of lines if it is the only one in all files, and so the only possible cause."""
+        found: list[Cause] = []
+        pairs = {(file, self._counterpart(0, file)) for file in self._named[0].values()} | {
+            (self._counterpart(1, file), file) for file in self._named[1].values()
+        }
+        for a, b in pairs:
+            if a is None or b is None:
+                return None
+            for first, last, start, end in self._stretches(a, b):
+                before = _line(self.sides[0], a, first + 1) if last > first else None
+                after = _line(self.sides[1], b, start + 1) if end > start else None
+                found.append(Cause("line", before, after))
+        return found[0] if len(found) == 1 else None
+
+    def _counterpart(self, side: int, file: str) -> str | None:
+        """Return the file at the same place on the other side; the counterpart of A itself is B."""
+        here, there = self.sides[side], self.sides[1 - side]
+        if (found := self._paths[1 - side].get(real(here, file))) is not None:
+            return found
+        called = name(here, file)
+        if (found := self._named[1 - side].get(called)) is not None:
+            return found
+        mains = [each.operand.context.shown(each.operand.path) for each in (here, there)]
+        alike = Path(mains[0]).suffix == Path(mains[1]).suffix and here.operand.kind is there.operand.kind
+        if file == mains[0] and alike and name(there, mains[1]) not in self._named[side]:
+            return mains[1]
+        lines = here.lines(file)  # in a renamed file, every line is known
+        return next((each for each in self._named[1 - side].values() if there.lines(each) == lines), None)
+
+    def _lines(self, a: str, b: str) -> tuple[frozenset[int], frozenset[int]]:
+        """Return the numbers of the lines that only A has, and of those that only B has."""
+        if (a, b) not in self._known:
+            found: tuple[set[int], set[int]] = set(), set()
+            for first, last, start, end in self._stretches(a, b):
+                found[0].update(range(first + 1, last + 1))
+                found[1].update(range(start + 1, end + 1))
+            self._known[a, b] = frozenset(found[0]), frozenset(found[1])
+        return self._known[a, b]
+
+    def _stretches(self, a: str, b: str) -> list[tuple[int, int, int, int]]:
+        ours, theirs = (
+            [line.strip() for line in side.lines(file)] for side, file in zip(self.sides, (a, b), strict=True)
+        )
+        return list(_different(ours, theirs))
+
+
+def name(side: Side, file: str | None) -> str:
+    """Return a file's path relative to A or B, so that two folders with the same layout have equal paths.
+
+    A fetched file is named by its reference, whatever the commit or archive.
+    """
+    operand = side.operand
+    there = operand.context.folder / (file or "")
+    return operand.fetched(there) or os.path.relpath(there, operand.path.parent)
+
+
+def real(side: Side, file: str | None) -> str:
+    """Return the real path of a file, by which two sides can share one."""
+    return os.path.realpath(side.operand.context.folder / (file or ""))
+
+
+def _files(side: Side, recipes: Recipes) -> Iterator[str]:
+    """Yield every file of the model, as messages name it."""
+    yield side.operand.context.shown(side.operand.path)
+    yield from recipes.files
+    if side.traced is not None:
+        yield from dict.fromkeys(
+            life.owner for life in side.traced.watch.lives.values() if isinstance(life.owner, str)
+        )
+
+
+def _different(ours: list[str], theirs: list[str]) -> Iterator[tuple[int, int, int, int]]:
+    """Yield the stretches of lines that differ. Common lines at the start and the end are skipped quickly."""
+    head = next(
+        (at for at, (x, y) in enumerate(zip(ours, theirs, strict=False)) if x != y),
+        min(len(ours), len(theirs)),
+    )
+    rest = min(len(ours), len(theirs)) - head
+    tail = next(
+        (at for at, (x, y) in enumerate(zip(ours[::-1], theirs[::-1], strict=False)) if x != y or at == rest),
+        rest,
+    )
+    mine, yours = ours[head : len(ours) - tail], theirs[head : len(theirs) - tail]
+    for tag, first, last, start, end in SequenceMatcher(None, mine, yours, autojunk=False).get_opcodes():
+        if tag != "equal":
+            yield first + head, last + head, start + head, end + head
+
+
+def _line(side: Side, file: str, number: int) -> Span:
+    text = side.lines(file)[number - 1]
+    return Span(file, number, len(text) - len(text.lstrip()) + 1)

@@ -1,0 +1,573 @@
+"""A or B as the user named it, found, checked out and compiled."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import os
+import re
+import shutil
+import subprocess
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import ExitStack, suppress
+from dataclasses import field, replace
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mjcompose.base.access import NOTHING
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import DiagnosticError, Span
+from mjcompose.base.files import foreign_format, read_regular
+from mjcompose.base.processes import Process
+from mjcompose.base.scratch import scratch
+from mjcompose.base.sink import Sink
+from mjcompose.build.bundle.assemble import assemble
+from mjcompose.build.bundle.bundle import MANIFEST, MODEL, Bundle, OutputError
+from mjcompose.build.bundle.collect import collect
+from mjcompose.build.bundle.read import ReadError, read
+from mjcompose.build.cache.builder import files_read
+from mjcompose.build.cache.cells import cells_of, check_axes_are_free, picked_one
+from mjcompose.build.compose.compose import Composer
+from mjcompose.build.plan.describe import acknowledge
+from mjcompose.build.plan.matrix import check_sample, read_matrix
+from mjcompose.build.plan.plan import Excluded, Plan
+from mjcompose.build.plan.planner import make_plan, plan_what_remains
+from mjcompose.build.plan.read import Given
+from mjcompose.build.verify.compile import StrangerError, judge, verify
+from mjcompose.language.expand import Cell
+from mjcompose.link.measure import measure_with
+from mjcompose.model import xml_faults
+from mjcompose.model.cost import CODE as TOO_MUCH
+from mjcompose.model.files import file_attributes, join, written_path
+from mjcompose.model.parse import all_admitted, parse_file, parse_text
+from mjcompose.model.unit import Unit
+from mjcompose.mujoco import engine
+from mjcompose.mujoco.messages import CRASHES, Fault, parse
+from mjcompose.sources.blobs import files_below, sha256_of
+from mjcompose.sources.context import Context
+from mjcompose.sources.fetching import Fetching, quiet
+from mjcompose.sources.git_command import CONFINED, NO_SYSTEM, Git, GitFailure, write_tree
+from mjcompose.sources.reference import SourceError
+from mjcompose.sources.trust import Trust
+from mjcompose.tools.diff.changes import End
+from mjcompose.tools.explain.explain import Traced
+from mjcompose.tools.explain.trace import Trace
+
+if TYPE_CHECKING:
+    from mjcompose.build.compose.load import Library
+    from mjcompose.mujoco.engine import Session
+
+_SECONDS = 600
+_POINTER = 1024
+"""Pointers of Git LFS are smaller, in bytes."""
+_LINKS = 5000
+"""The most entries that are linked, the nearest first."""
+_OID = re.compile(rb"^oid sha256:([0-9a-f]{64})$", re.MULTILINE)
+# these variables would direct git to another repository or index than that of the folder
+_OWN = ("GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE", "GIT_PREFIX", "GIT_OBJECT_DIRECTORY")
+
+
+class RevisionError(DiagnosticError):
+    """The revision or its files cannot be read."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tree:
+    """The files of a revision: `root` is the folder with them, `path` the requested file in it."""
+
+    root: Path
+    path: Path
+
+
+def split(text: str) -> tuple[str, str] | None:
+    """Split `REV:path` in two; return None for anything else, including a Windows drive.
+
+    >>> split("main~2:arms/left.yaml"), split("left.yaml"), split("C:/left.yaml")
+    (('main~2', 'arms/left.yaml'), None, None)
+    """
+    revision, colon, path = text.partition(":")
+    if not colon or not revision or not path or (re.fullmatch(r"[A-Za-z]", revision) and path[0] in "/\\"):
+        return None
+    return revision, path
+
+
+def check_out(revision: str, path: Path, into: Path, environment: Mapping[str, str]) -> Tree:
+    """Write all files of a revision of the repository around `path` below the empty folder `into`.
+
+    Links lead to what the repository refers to outside of it, such as `../models/arm.xml`.
+    `path` need not exist any more. Raises RevisionError.
+    """
+    near = next(each for each in path.absolute().parents if os.path.isdir(each))
+    git = _Git(near, {name: value for name, value in environment.items() if name not in _OWN})
+    top = Path(git.run("rev-parse", "--show-toplevel", fault=f"`{near}` is not in a git repository"))
+    commit = git.run(
+        "rev-parse", "--verify", "--quiet", "--end-of-options", f"{revision}^{{commit}}",
+        fault=f"the revision `{revision}` does not exist in the repository of `{path.name}`",
+    )  # fmt: skip
+    inside = Path(
+        os.path.relpath(os.path.realpath(near), os.path.realpath(top)), path.absolute().relative_to(near)
+    )
+    repository = Path(
+        git.run("rev-parse", "--absolute-git-dir", fault=f"`{near}` is not in a git repository")
+    )
+    try:  # byte for byte: runs no filters and hooks, which may come from anyone
+        root = _beside_the_same(Path(os.path.realpath(top)), into)
+        write_tree(Git(git.environment, quiet), repository, commit, target=root)
+        from_lfs(root, _lfs_folder(git))
+    except (GitFailure, SourceError, OSError) as error:
+        fault = f"the files of revision `{revision}` cannot be checked out"
+        raise RevisionError("git-revision", f"{fault}: {error}") from error
+    return Tree(root, root / inside)
+
+
+def _beside_the_same(top: Path, into: Path) -> Path:
+    """Return an empty folder below `into` that has, by links, what a repository has beside and around it."""
+    into.joinpath(*top.parts[1:]).mkdir(parents=True)
+    left = _LINKS
+    for folder in top.parents:
+        with suppress(OSError), os.scandir(folder) as entries:
+            for entry in itertools.islice(entries, left):
+                link = into.joinpath(*folder.parts[1:], entry.name)
+                if not os.path.lexists(link):
+                    with suppress(OSError):  # Windows allows links to some users alone
+                        link.symlink_to(entry.path, target_is_directory=os.path.isdir(entry.path))
+                left -= 1
+    return into.joinpath(*top.parts[1:])
+
+
+def _lfs_folder(git: _Git) -> Path:
+    """Return where Git LFS stores fetched files, for all work trees of the repository."""
+    common = git.run("rev-parse", "--git-common-dir", fault="it is not in a repository")
+    return git.folder / common / "lfs" / "objects"
+
+
+def from_lfs(folder: Path, objects: Path) -> None:
+    """Replace pointers of Git LFS by their files, if LFS has them on this machine."""
+    for _, path in files_below(folder):
+        if path.stat().st_size > _POINTER:
+            continue
+        named = _OID.search(content) if xml_faults.is_pointer(content := read_regular(path)) else None
+        if named is None:
+            continue
+        digest = named[1].decode()
+        stored = objects / digest[:2] / digest[2:4] / digest
+        if os.path.isfile(stored) and not stored.is_symlink() and sha256_of(stored) == digest:
+            path.unlink()
+            shutil.copyfile(stored, path)
+
+
+@dataclass(slots=True)
+class _Git:
+    folder: Path
+    environment: dict[str, str]
+
+    def run(self, *arguments: str, fault: str) -> str:
+        settings = (word for name, value in CONFINED.items() for word in ("-c", f"{name}={value}"))
+        if shutil.which("git", path=self.environment.get("PATH", os.defpath)) is None:
+            raise RevisionError(
+                "git-revision", "the git command is not installed: revisions cannot be read", "install git"
+            )
+        with Process(
+            ["git", *settings, "-C", str(self.folder), *arguments],
+            env={**self.environment, **NO_SYSTEM},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        ) as process:
+            try:
+                out, err = process.communicate(timeout=_SECONDS)
+            except subprocess.TimeoutExpired as error:
+                raise RevisionError("git-revision", f"{fault}: git took longer than {_SECONDS} s") from error
+            finally:
+                process.end()
+        if process.returncode != 0:
+            said = err.decode("utf-8", "replace").strip().splitlines()
+            why = said[0].removeprefix("fatal: ") if said else ""
+            raise RevisionError("git-revision", f"{fault}: {why}" if why else fault)
+        return str(out.decode("utf-8", "surrogateescape")).strip("\n")
+
+
+_URDF = (".urdf", ".xacro")
+
+
+class Kind(StrEnum):
+    RECIPE = "recipe"
+    MJCF = "MJCF file"
+    BUNDLE = "bundle"
+
+
+@dataclass(frozen=True, slots=True)
+class Operand:
+    """A or B. `context` has a sink of its own and the folder that displayed paths start from.
+
+    For a git revision, `files` is the folder with its files.
+    """
+
+    label: str
+    kind: Kind
+    path: Path
+    context: Context
+    revision: str | None = None
+    files: Path | None = None
+
+    def located(self, span: Span) -> Span:
+        """Return a place that anybody can look up: in a fetched source, or in a named revision."""
+        name = self.fetched(self.context.folder / span.file)
+        return self._in_revision(span) if name is None else replace(span, file=name)
+
+    def fetched(self, path: Path) -> str | None:
+        """Return a file by the reference that fetched it, or None for other files."""
+        origin = self.context.fetching.around(path) if self.context.fetching is not None else None
+        if origin is None or not origin.is_fetched:
+            return None
+        return origin.named(os.path.relpath(os.path.realpath(path), os.path.realpath(origin.root)))
+
+    def report(self, sink: Sink) -> None:
+        """Pass the diagnostics of its own sink on to another one."""
+        for diagnostic in self.context.sink.sorted():
+            span = diagnostic.span
+            notes = tuple(
+                note if note.span is None else replace(note, span=self._in_revision(note.span))
+                for note in diagnostic.notes
+            )
+            sink.add(replace(diagnostic, span=None if span is None else self._in_revision(span), notes=notes))
+
+    def _in_revision(self, span: Span) -> Span:
+        path = self.context.folder / span.file
+        if self.files is None or not path.is_relative_to(self.files):
+            return span
+        return replace(span, file=f"{self.revision}:{os.path.relpath(path, self.context.folder)}")
+
+
+def read_operand(text: str, context: Context, opened: ExitStack) -> Operand | None:
+    """Return the operand that `text` names, or None if there is none, which is reported to the sink of `context`.
+
+    Temporary folders live as long as `opened`.
+    """
+    path, revision, files, own = context.folder / text, None, None, replace(context, sink=Sink())
+    if not os.path.exists(path) and (parts := split(text)) is not None:
+        revision = parts[0]
+        try:
+            path, files, own = _of_revision(revision, parts[1], own, opened=opened)
+        except RevisionError as error:
+            context.sink.add(error.diagnostic)
+            return None
+    if not os.path.exists(path):
+        where = "" if revision is None else f" in revision `{revision}`"
+        shown = text if revision is None else own.shown(path)
+        help = None if revision is None else f"`git ls-tree -r --name-only {revision}` lists what there is"
+        context.sink.error("file-not-found", f"the file or folder `{shown}` does not exist{where}", help=help)
+        return None
+    kind = _kind(path)
+    if kind is None and (foreign := foreign_format(path)) is not None:
+        context.sink.error("source-kind", foreign.message(text), help=foreign.help(text))
+        return None
+    if kind is None:
+        context.sink.error(
+            "source-kind", f"`{text}` is neither a recipe nor an MJCF or URDF file nor a bundle",
+            help="name a .yaml, .xml, .urdf, .xacro, .zip, .mjz or a folder, or one of a git revision as `REV:path`",
+        )  # fmt: skip
+        return None
+    if path.suffix.lower() in _URDF:
+        path = _recipe_of(path, opened)
+    return Operand(text, kind, path, context=own, revision=revision, files=files)
+
+
+def as_recipe(operand: Operand, opened: ExitStack) -> Operand:
+    """Return an MJCF file as a recipe with this file as base, so that it has a bundle; other operands unchanged."""
+    if operand.kind is not Kind.MJCF:
+        return operand
+    return replace(operand, kind=Kind.RECIPE, path=_recipe_of(operand.path, opened))
+
+
+def _recipe_of(path: Path, opened: ExitStack) -> Path:
+    """Write a recipe with a model file as base: only composed models are converted."""
+    made = opened.enter_context(scratch("recipe"))
+    recipe = Path(made, f"{path.stem}.yaml")
+    # JSON is valid YAML whatever characters the path contains.
+    text = json.dumps({"recipe": 1, "base": os.path.abspath(path)}, ensure_ascii=False)
+    recipe.write_text(text, encoding="utf-8")
+    return recipe
+
+
+def _of_revision(revision: str, path: str, context: Context, opened: ExitStack) -> tuple[Path, Path, Context]:
+    """Return the path in a checkout of the revision, its root, and a context with the user's folder in it."""
+    made = opened.enter_context(scratch("revision"))
+    tree = check_out(
+        revision, context.folder / path, Path(os.path.realpath(made)), environment=context.environment
+    )
+    # Its root counts as the root of the project, even without a file there that says so.
+    fetching = Fetching(trust=Trust(files=(tree.root,)))
+    inside = os.path.relpath(tree.path, tree.root)
+    if Path(path).is_absolute() or ".." in Path(path).parts or not inside.endswith(os.path.normpath(path)):
+        return tree.path, tree.root, replace(context, folder=tree.root, fetching=fetching)
+    here = tree.root / inside.removesuffix(os.path.normpath(path))
+    return tree.path, tree.root, replace(context, folder=here, fetching=fetching)
+
+
+def _kind(path: Path) -> Kind | None:
+    if os.path.isdir(path):
+        return Kind.BUNDLE
+    kinds = {
+        **dict.fromkeys(_URDF, Kind.RECIPE),
+        ".yaml": Kind.RECIPE,
+        ".yml": Kind.RECIPE,
+        ".xml": Kind.MJCF,
+        ".zip": Kind.BUNDLE,
+        ".mjz": Kind.BUNDLE,
+    }
+    return kinds.get(path.suffix.lower())
+
+
+@dataclass(slots=True)
+class Side:
+    """One of the two compared models.
+
+    `kept` is the name under which the session keeps the model; `digests` are the sha256 of files by path, for an
+    MJCF file that of the file alone. `traced` is None if the origin of elements is unknown, `plan` is None if this
+    is not a recipe. `cell` is the compared cell of its matrix, `cells` the number of cells. `given` are the values
+    of parameters and variants from the command or the cell. `inputs` are the files that were read. `bundle` is set
+    for a recipe or bundle if the caller asked for it. `excluded` are the bodies that need not collide, of a recipe
+    that asks for these.
+    """
+
+    operand: Operand
+    kept: str
+    digests: dict[str, str]
+    traced: Traced | None
+    plan: Plan | None = None
+    cell: str | None = None
+    cells: int = 0
+    given: Given = field(default_factory=dict)
+    inputs: tuple[Path, ...] = ()
+    texts: dict[str, str] = field(default_factory=dict)
+    read: dict[str, list[str]] = field(default_factory=dict)
+    bundle: Bundle | None = None
+    excluded: tuple[Excluded, ...] = ()
+
+    @property
+    def end(self) -> End:
+        whole = hashlib.sha256("".join(f"{path}\0{sha}\n" for path, sha in self.digests.items()).encode())
+        cells = 0 if self.cell is not None else self.cells
+        outside = _outside(self.operand, self.inputs)
+        return End(
+            self.operand.label,
+            self.operand.kind,
+            whole.hexdigest(),
+            cell=self.cell,
+            cells=cells,
+            outside=outside,
+        )
+
+    def lines(self, file: str) -> list[str]:
+        """Return the lines of a file; none if it cannot be read."""
+        if file not in self.read:
+            text = self.texts.get(file)
+            if text is None:
+                try:
+                    text = read_regular(self.operand.context.folder / file).decode("utf-8", "replace")
+                except (OSError, ValueError):
+                    text = ""
+            self.read[file] = text.splitlines()
+        return self.read[file]
+
+
+def load(
+    operand: Operand,
+    kept: str,
+    session: Session,
+    given: Given | None = None,
+    pick: str | None = None,
+    sample: int | None = None,
+    library: Library | None = None,
+    *,
+    whole: bool = False,
+) -> Side | None:
+    """Return the compiled model of an operand, or None if there is none, which goes to its sink.
+
+    For a recipe it is the cell `pick` of its matrix, or the `sample` of its draws. `library` has source files that
+    were read before. With `whole` the side has its bundle.
+    """
+    if operand.kind is Kind.RECIPE:
+        side = _recipe(operand, kept, session, given=given or {}, pick=pick, sample=sample, library=library)
+    elif operand.kind is Kind.MJCF:
+        side = _mjcf(operand, kept, session)
+    else:
+        side = _bundle(operand, kept, session)
+    if side is not None and not whole:
+        side.bundle = None
+    return side
+
+
+def _recipe(
+    operand: Operand,
+    kept: str,
+    session: Session,
+    given: Given,
+    pick: str | None,
+    sample: int | None,
+    library: Library | None,
+) -> Side | None:
+    cell = None if pick is None else _cell(operand, given, pick, sample=sample)
+    if pick is not None and cell is None:
+        return None
+    side = load_cell(operand, kept, session, given=given, cell=cell, sample=sample or 0, library=library)
+    if side is not None:
+        side.cell = pick
+    return side
+
+
+def load_cell(
+    operand: Operand,
+    kept: str,
+    session: Session,
+    given: Given,
+    cell: Cell | None,
+    sample: int = 0,
+    library: Library | None = None,
+) -> Side | None:
+    """Return the model of a cell of a recipe, or without one the `sample` of its draws; None as in `load`."""
+    context, watch = operand.context, Trace()
+    if cell is None:
+        values = given
+        plan = make_plan(operand.path, context, given, sample=sample)
+        if plan is not None and not check_sample(plan, sample, context.sink):
+            return None
+    else:
+        values = {**given, **cell.given}
+        plan = plan_what_remains(operand.path, context, values, name=cell.name, sample=cell.sample)
+    if plan is None or context.sink.has_errors:
+        return None
+    measure = measure_with(context, session=session)
+    composer = Composer(context, measure, session, watch=watch, library=library, checks_sources=True)
+    if (composed := composer.compose(plan)) is None:
+        return None
+    if (bundle := assemble(plan, composed.model, composed.files, context=context)) is None:
+        return None
+    watch([composed.model], collect)
+    compiled = judge(bundle, composed.model, context, session=session, keep=kept, at=plan.span)
+    acknowledge(plan, context.sink, context.shown, whole=False)
+    if compiled is None or context.sink.has_errors:
+        return None
+    traced = Traced(composed.model, watch, plan.separator, folder=context.folder)
+    matrix = read_matrix(operand.path, context, given)
+    cells = len(matrix.cells) if matrix else 0
+    name = None if cell is None else cell.name
+    inputs = tuple(files_read(plan, composed.model, composed.files))
+    return Side(
+        operand,
+        kept,
+        _digests(bundle),
+        traced=traced,
+        plan=plan,
+        cell=name,
+        cells=cells,
+        given=values,
+        inputs=inputs,
+        bundle=bundle,
+        excluded=composed.excluded,
+    )
+
+
+def _outside(operand: Operand, inputs: Iterable[Path]) -> tuple[str, ...]:
+    """Return the files of a revision that are not in its repository, from its top: these are as they are now."""
+    root = operand.files
+    if root is None:
+        return ()
+    there = {Path(os.path.normpath(path)) for path in inputs}
+    return tuple(sorted(os.path.relpath(path, root) for path in there if not path.is_relative_to(root)))
+
+
+def _cell(operand: Operand, given: Given, pick: str, sample: int | None) -> Cell | None:
+    """Return the picked cell, or None if there is no such cell, which is reported."""
+    sink = operand.context.sink
+    every = cells_of(operand.path, operand.context, dict(given))
+    if sink.has_errors:
+        return None
+    cell = picked_one(every, pick, sample, sink=sink, recipe=operand.label)
+    if cell is not None:
+        check_axes_are_free([cell], given, sink, instead="compare without `--pick`")
+    return None if sink.has_errors else cell
+
+
+def _mjcf(operand: Operand, kept: str, session: Session) -> Side | None:
+    context, path = operand.context, operand.path
+    shown = context.shown(path)
+    unit = parse_file(path, aside := Sink(), file=shown)
+    too_much = any(each.code == TOO_MUCH for each in aside.errors)
+    if unit is None or too_much or not all_admitted(unit, aside, context.shown):
+        for each in aside.errors:
+            context.sink.add(each)
+        return None
+    compiled = engine.compile(path.parent, path.name, keep=kept, session=session)
+    if not compiled.ok:
+        fault = Fault(compiled.error or "") if compiled.crash else parse(compiled.error or "")
+        _refused(fault, compiled.crash, shown, context=context)
+        return None
+    digest = hashlib.sha256(read_regular(path)).hexdigest()
+    inputs = tuple(_files_of(unit, path))
+    return Side(operand, kept, {MODEL: digest}, traced=_traced(unit, context), inputs=inputs)
+
+
+def _files_of(unit: Unit, path: Path) -> Iterator[Path]:
+    """Yield an MJCF file, the files that it includes, and the meshes and other files that it names."""
+    yield path
+    yield from (text.path for text in unit.origins.texts.values() if text.path is not None)
+    for element, _, name in file_attributes(unit.root):
+        yield Path(join(str(unit.directory), written_path(unit.settings, element, name)))
+
+
+def _bundle(operand: Operand, kept: str, session: Session) -> Side | None:
+    context = operand.context
+    shown = context.shown(operand.path)
+    try:
+        bundle = read(operand.path, shown=shown)
+        verified = verify(bundle, session=session, keep=kept, stranger=shown)
+    except StrangerError as error:
+        for each in error.found:
+            context.sink.add(each)
+        return None
+    except (ReadError, OutputError) as error:
+        context.sink.add(error.diagnostic)
+        return None
+    if verified.error is not None and not verified.compiled.ok:
+        _refused(verified.error, verified.crash, f"{shown}/{bundle.model}", context=context)
+        return None
+    file, text = f"{shown}/{bundle.model}", bundle.files[bundle.model]
+    unit = parse_text(
+        text,
+        Sink(),
+        file=file,
+        directory=operand.path,
+        label=operand.path.stem,
+        contents=bundle.files,
+        door=NOTHING,
+    )
+    files = [operand.path / name for name in bundle.files] if os.path.isdir(operand.path) else [operand.path]
+    side = Side(operand, kept, _digests(bundle), traced=_traced(unit, context), inputs=tuple(files))
+    side.bundle = bundle
+    side.texts[file] = text.decode("utf-8", "replace")
+    return side
+
+
+def _traced(unit: Unit | None, context: Context) -> Traced | None:
+    if unit is None:
+        return None
+    watch = Trace()
+    watch([unit], parse_file)
+    return Traced(unit, watch, "/", folder=context.folder)
+
+
+def _refused(fault: Fault, crash: str | None, file: str, context: Context) -> None:
+    code = "mujoco-rejects" if crash is None else CRASHES.get(crash, "mujoco-crash")
+    span = None if fault.line is None else Span(file, fault.line, fault.column or 1)
+    named = f" ({fault.element or 'element'} `{fault.name}`)" if fault.name else ""
+    said = " ".join(fault.message.split())
+    context.sink.error(code, f"`{file}` does not compile: {said}{named}", span)
+
+
+def _digests(bundle: Bundle) -> dict[str, str]:
+    """Return the digests of all files except the manifest, which describes the build and not the model."""
+    return {path: bundle.digest(path) for path in bundle.files if path != MANIFEST}

@@ -1,0 +1,531 @@
+"""A model that was composed under observation, and its answers to queries."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Note, Span
+from mjcompose.build.bundle.collect import collect
+from mjcompose.build.compose.compose import Composer
+from mjcompose.build.compose.elements import settle_joints
+from mjcompose.build.plan.describe import acknowledge
+from mjcompose.build.plan.matrix import check_sample
+from mjcompose.build.plan.planner import make_plan
+from mjcompose.build.plan.read import Given as ConcreteGiven
+from mjcompose.build.plan.steps import EditElements, SetCollisions
+from mjcompose.language.value import attribute_and_index
+from mjcompose.link.measure import measure_with
+from mjcompose.link.source_check import check_source
+from mjcompose.link.unit_keys import VECTORS
+from mjcompose.model.classes import MAIN, ORIENTATIONS, Classes, class_in_force, given, levels, value
+from mjcompose.model.classes import chain as class_chain
+from mjcompose.model.edit import attached_notes
+from mjcompose.model.parse import parse_file
+from mjcompose.model.pattern import BadPattern
+from mjcompose.model.select import kind_of
+from mjcompose.model.unit import Unit
+from mjcompose.sources.context import Context
+from mjcompose.tools.explain import query
+from mjcompose.tools.explain.explanation import (
+    AttributeExplained,
+    Changed,
+    ClassStep,
+    ElementExplained,
+    Explained,
+    Given,
+    LevelExplained,
+    Listed,
+    Reason,
+    RowExplained,
+)
+from mjcompose.tools.explain.query import RecipeLines, no_attribute, not_found, same_words
+from mjcompose.tools.explain.trace import TAG, Change, Life, Move, NumberOrigin, Trace, key_origins, rows
+from mjcompose.tools.explain.trace_words import (
+    Causes,
+    givers,
+    is_derived,
+    only_place,
+    place,
+    reason_of,
+    rewrites,
+    row_explained,
+    total,
+)
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from mjcompose.model.grammar import Attribute
+
+_URDF = "what MuJoCo makes of the URDF"
+_WORKED_OUT = "worked out by the edit"
+_COMES_ALONG = "comes with what the recipe adds there"
+
+
+@dataclass(eq=False)
+class Traced:
+    """A model, and the record of its elements."""
+
+    model: Unit
+    watch: Trace
+    separator: str
+    folder: Path
+
+    def __post_init__(self) -> None:
+        self.recipe_lines = RecipeLines(self.folder)
+        self.classes = Classes(self.model.root)
+        self.causes = Causes(self.watch)
+        self.labels = query.labels(self.model.root)
+        self.declared = {
+            str(each.get("class") or MAIN): each
+            for section in self.model.root.iterchildren("default")
+            for each in section.iter("default")
+        }
+
+    def answer(self, asked: query.Asked, context: Context) -> Explained | None:
+        """Return the answer to a query, or None if there is none, which is reported."""
+        try:
+            found = (
+                self.on_line(*asked.line)
+                if asked.line
+                else query.find(asked, self.model.root, self.separator)
+            )
+        except BadPattern as bad:
+            context.sink.error("selector", bad.message, help=bad.help)
+            return None
+        if not found:
+            elsewhere = attached_notes(self.model, asked.name) if asked.name else []
+            not_found(asked, self.model.root, context.sink, notes=[*self._left_out(asked), *elsewhere])
+            return None
+        if asked.attribute is not None:
+            attribute, _ = attribute_and_index(asked.attribute)
+            fitting = [
+                node for node in found if attribute in kind_of(node).attributes or is_derived(node, attribute)
+            ]
+            if not fitting:
+                no_attribute(found[0], asked.attribute, context.sink)
+                return None
+            found, asked = fitting, replace(asked, attribute=attribute)
+        several = asked.name is None and asked.number is None and asked.line is None and len(found) > 1
+        if len(found) > 1 or several:
+            return tuple(self._listed(node, asked.attribute) for node in found)
+        if asked.attribute is not None:
+            return self.attribute(found[0], asked.attribute)
+        return self.element(found[0])
+
+    # -- one element -------------------------------------------------------------------------------------------
+
+    def element(self, node: Node) -> ElementExplained:
+        """Explain an element."""
+        life, kind = self.watch.life(node), kind_of(node)
+        reached = kind.takes_class
+        return ElementExplained(
+            label=self.labels[node],
+            text=_start_tag(node),
+            holder=self._holder(node),
+            written=tuple(self.written(life)),
+            end_line=life.line if isinstance(life.owner, str) else None,
+            parts=tuple(self.parts(life)),
+            changes=tuple(self.changes(life)),
+            in_force=self._in_force(node) if reached else None,
+            classes=tuple(self._class_step(each.name) for each in class_chain(node, self.classes))
+            if reached
+            else (),
+            given=tuple(
+                Given(
+                    attribute.name,
+                    str(level.text),
+                    str(level.name),
+                    span=self.written_at(level.writer, attribute.name),
+                )
+                for attribute, level in given(node, kind, self.classes)
+            )
+            if reached
+            else (),
+            sets=tuple(self._sets(node)) if node.tag == "default" else (),
+        )
+
+    def attribute(self, node: Node, name: str) -> AttributeExplained:
+        """Explain an attribute."""
+        if is_derived(node, name):
+            return self._derived(node, name)
+        kind = kind_of(node)
+        attribute = kind.attributes[name]
+        steps = levels(node, kind, attribute, classes=self.classes)
+        explained = []
+        for step in steps:
+            words = {"element": f"<{node.tag}>", "mujoco": "MuJoCo's default"}.get(step.kind, str(step.name))
+            whole = step.text is not None and len(step.taken) == len(step.text.split())
+            origin = self._level_origin(step.kind, step.name, step.writer, attribute=name)
+            explained.append(
+                LevelExplained(
+                    step.kind, words, step.text, wins=bool(step.taken),
+                    part_of_it=None if whole or not step.taken or step.text is None
+                    else " ".join(step.text.split()[step.taken.start : step.taken.stop]),
+                    span=origin.span,
+                    changes=() if step.writer is None or (step.text is None and step.kind != "element")
+                    else tuple(self.changes(self.watch.life(step.writer), name)),
+                    words=origin.words,
+                )
+            )  # fmt: skip
+        return AttributeExplained(
+            label=self.labels[node],
+            attribute=name,
+            value=value(steps),
+            levels=tuple(explained),
+            in_force=self._in_force(node) if kind.takes_class and attribute.in_default else None,
+            about=attribute.doc or None,
+            rows=tuple(row for _, row in self.key_rows(node, name))
+            if node.tag == "key" and name in VECTORS
+            else (),
+            notes=tuple(self._notes(node, attribute)),
+        )
+
+    def _derived(self, node: Node, name: str) -> AttributeExplained:
+        """Explain an attribute that other attributes determine: each of them is a level of its own."""
+        found = givers(node, name, self.classes)
+        explained = [self.attribute(giver, attribute) for giver, attribute in found]
+        levels = [
+            replace(level, kind="element", name=_given_by(self._called(giver, each), attribute, level))
+            for (giver, attribute), each in zip(found, explained, strict=True)
+            for level in each.levels
+            if level.wins and (giver is not node or level.kind != "mujoco")
+        ]
+        said = total(found, name, [each.value for each in explained]) if node.tag == "body" else None
+        return AttributeExplained(
+            label=self.labels[node],
+            attribute=name,
+            value=said,
+            levels=tuple(levels),
+            in_force=None,
+            about=None,
+            rows=(),
+            notes=() if said is not None else (f"MuJoCo computes `{name}` from these",),
+        )
+
+    def _called(self, giver: Node, explained: AttributeExplained) -> str:
+        return f"<{giver.tag}>" if giver.tag == "inertial" else explained.label
+
+    def _listed(self, node: Node, attribute: str | None) -> Listed:
+        text, life = None, self.watch.life(node)
+        written = list(self.written(life))
+        reason = Reason(written[0].words, next((each.span for each in written if each.span), None))
+        if attribute is not None and is_derived(node, attribute):
+            text = self._derived(node, attribute).value or "computed by MuJoCo"
+        elif attribute is not None:
+            kind = kind_of(node)
+            steps = levels(node, kind, kind.attributes[attribute], classes=self.classes)
+            text = value(steps)
+            winner = next((step for step in steps if step.taken), steps[-1])
+            words = {"element": "written on it", "mujoco": "MuJoCo's default"}.get(
+                winner.kind, f"class {winner.name}"
+            )
+            origin = self._level_origin(winner.kind, winner.name, winner.writer, attribute=attribute)
+            reason = Reason("computed" if origin.words else words, origin.span)
+        return Listed(self.labels[node], text, reason)
+
+    def key_rows(self, key: Node, vector: str) -> Iterator[tuple[Node, RowExplained]]:
+        """Yield the numbers of a key by their joint, actuator or mocap body, and by their origin."""
+        for holder, numbers, origin in rows(self.model, key, vector, trace=self.watch):
+            reason = self._row_reason(key, origin)
+            if origin.kind == "entry":
+                reason = self.recipe_lines.in_own_form(reason.span, numbers)
+            written = origin.written or (
+                None if reason.span is None else self.recipe_lines.text_of(reason.span)
+            )
+            yield holder, row_explained(self.labels[holder], numbers, origin, reason=reason, written=written)
+
+    def _sets(self, node: Node) -> Iterator[Listed]:
+        for child in node.iterchildren("*"):
+            for name, text in child.items() if child.tag != "default" else ():
+                reason = Reason("", self.written_at(child, str(name)))
+                yield Listed(f"{child.tag!s} {name!s}", str(text), reason)
+
+    # -- its origin --------------------------------------------------------------------------------------------
+
+    def written(self, life: Life) -> Iterator[Reason]:
+        if life.made_by is not None:
+            cause = self.causes.made(life)
+            yield Reason(cause.words, cause.span or (None if life.sources else self._span(life)))
+            for source in life.sources:
+                yield Reason("read from", self._span(source))
+        elif life.line is None and isinstance(life.owner, str):
+            yield Reason(f"begun by the recipe `{life.owner}`, which has no base")
+        else:
+            yield Reason("read from", self._span(life))
+
+    def _span(self, life: Life, attribute: str | None = None) -> Span | None:
+        if isinstance(life.owner, str) and life.line is None:
+            return None
+        return life.span(self.model.origins, attribute)
+
+    def parts(self, life: Life) -> Iterator[Reason]:
+        for part in life.parts:
+            yield Reason(f"`{part.called}` {place(part)}", part.span)
+
+    def _holder(self, node: Node) -> str | None:
+        for above in node.iterancestors():
+            if above.tag == "worldbody":
+                return "body world"
+            if query.name_of(above) is not None:
+                return self.labels[above]
+        return None
+
+    def on_line(self, file: str, line: int) -> list[Node]:
+        """Return the elements whose start tag covers a line of a file."""
+        found = []
+        for node in query.ordered(self.model.root):
+            for life in (self.watch.life(node), *self.watch.life(node).sources):
+                span = self._span(life)
+                if span is None or (span.file != file and not span.file.endswith(f"/{file}")):
+                    continue
+                last = life.line if isinstance(life.owner, str) else None
+                if span.line <= line <= (last or span.line) and node not in found:
+                    found.append(node)
+        return found
+
+    # -- its changes -------------------------------------------------------------------------------------------
+
+    def changes(self, life: Life, only: str | None = None) -> Iterator[Changed]:
+        for source in life.sources if len(life.sources) == 1 else ():
+            yield from self.changes(source, only)
+        yield from self._as_the_recipe_has_it(life, only)
+        for change in life.changes:
+            if isinstance(change, Move):
+                cause = self.causes.move(change, life) if only is None else None
+                if cause is not None:
+                    yield Changed(None, None, None, reason=cause)
+            elif only in (None, change.attribute) and change.cause.function is not settle_joints:
+                yield self._changed(change, life)
+
+    def _as_the_recipe_has_it(self, life: Life, only: str | None) -> Iterator[Changed]:
+        """Yield values that a recipe writes in another form than MJCF, such as angles in their own unit."""
+        if life.made_by is None or life.made_by.is_pass or not callable(life.owner):
+            return
+        settled = {each.attribute: each.after or "" for each in life.changes
+                   if isinstance(each, Change) and each.cause.function is settle_joints}  # fmt: skip
+        element = life.owner(None)
+        for name, text in {**life.attributes, **settled}.items():
+            span = life.owner(name)
+            if only not in (None, name) or span == element:
+                continue
+            recipe = self.recipe_lines.text_of(span)
+            if recipe is not None and not same_words(recipe, text):
+                yield Changed(
+                    name, recipe, text, reason=Reason("written in the recipe's own unit or form", span)
+                )
+
+    def _changed(self, change: Change, life: Life) -> Changed:
+        name = "tag" if change.attribute == TAG else change.attribute
+        return Changed(name, change.before, change.after, reason=self.causes.change(change, life))
+
+    # -- its classes -------------------------------------------------------------------------------------------
+
+    def _in_force(self, node: Node) -> Reason | None:
+        force = class_in_force(node)
+        if force.attribute is None or force.writer is None:
+            return Reason("as the top class: no other is named")
+        if force.attribute == "class":
+            origin = self.origin_at(force.writer, "class")
+            return Reason(f"by its own `class`{': ' if origin.words else ''}{origin.words}", origin.span)
+        made = self.watch.life(force.writer).made_by
+        if made is not None and made.is_pass and made.part is not None and force.writer.tag == "frame":
+            return Reason(f"as the class of the part `{made.part.called}`", made.part.span)
+        where = self.labels[force.writer]
+        return Reason(f"by `childclass` of `{where}`", self.written_at(force.writer, "childclass"))
+
+    def _class_step(self, name: str) -> ClassStep:
+        node = self.declared.get(name)
+        if node is None:
+            return ClassStep(name, Reason("the top class, which sets nothing"))
+        return ClassStep(name, next(self.written(self.watch.life(node))))
+
+    def _level_origin(self, kind: str, name: str | None, writer: Node | None, attribute: str) -> Reason:
+        if writer is not None:
+            return self.origin_at(writer, attribute)
+        node = self.declared.get(str(name)) if kind == "class" else None
+        return Reason("", None if node is None else next(self.written(self.watch.life(node))).span)
+
+    def written_at(self, node: Node | None, attribute: str) -> Span | None:
+        """Return the place of `origin_at`."""
+        return None if node is None else self.origin_at(node, attribute).span
+
+    def origin_at(self, node: Node, attribute: str) -> Reason:
+        """Return where the value of an attribute comes from.
+
+        Without words, the value is written at that place, apart from `changes`; words describe any other origin.
+        """
+        life = self.watch.life(node)
+        if node.tag == "key" and attribute in (*VECTORS, "time") and node.get(attribute):
+            span = self._only_place(node, attribute)
+            return self.recipe_lines.in_own_form(
+                span, str(node.get(attribute)) if attribute == "time" else None
+            )
+        made = life.made_by is not None and life.made_by.is_pass
+        if made and len(life.sources) == 1:
+            return self.origin_of(life.sources[0], attribute)
+        return self.origin_of(life, attribute)
+
+    def origin_of(self, life: Life, attribute: str) -> Reason:
+        for change in reversed(life.of(attribute)):
+            if not rewrites(change.cause):
+                cause = self.causes.change(change, life)
+                return Reason("" if cause.span else cause.words, cause.span)
+        if life.made_by is not None and (
+            life.made_by.is_pass or isinstance(life.made_by.done, SetCollisions)
+        ):
+            cause = self.causes.value(life, attribute)
+            return (
+                cause
+                if cause.words
+                else self.recipe_lines.in_own_form(cause.span, life.attributes.get(attribute))
+            )
+        return self._as_read(life, attribute)
+
+    def _as_read(self, life: Life, attribute: str) -> Reason:
+        """Return where an attribute is written that was read from a file or from the recipe."""
+        if attribute not in life.attributes:
+            written = next((each for each in reversed(life.of(attribute)) if each.before is None), None)
+            return Reason("", self._span(life)) if written is None else self.causes.change(written, life)
+        if life.line is None and isinstance(life.owner, str):
+            return Reason(f"the name of the recipe `{life.owner}`", None)
+        span, text = self._span(life, attribute), life.attributes[attribute]
+        if getattr(life.born.done, "format", None) == "urdf":
+            return Reason("" if self.recipe_lines.has(span, text) else _URDF, span)
+        if isinstance(life.born.done, EditElements) and not self.recipe_lines.has(span, text):
+            return Reason(_WORKED_OUT, span)
+        if callable(life.owner) and span == life.owner(None) and not self.recipe_lines.has(span, text):
+            return Reason(_COMES_ALONG, span)
+        return Reason("", span)
+
+    def _only_place(self, key: Node, attribute: str) -> Span | None:
+        origins = key_origins(self.model, key, attribute, trace=self.watch)
+        return only_place(self._row_reason(key, origin) for origin in origins)
+
+    def _row_reason(self, key: Node, origin: NumberOrigin) -> Reason:
+        return reason_of(origin, lambda change: self.causes.change(change, self.watch.life(key)))
+
+    def history(self, node: Node, attribute: str) -> list[Span]:
+        """Return every place that influenced an attribute: where it was read or created, then what changed it."""
+        life = self.watch.life(node)
+        if life.made_by is not None and life.made_by.is_pass and len(life.sources) != 1:
+            found = [self.causes.made(life).span]
+        else:
+            found = [
+                self._span(each, attribute) for each in (life.sources[0] if len(life.sources) == 1 else life,)
+            ]
+        for change in life.of(attribute):
+            if not rewrites(change.cause):
+                found.append(self.causes.change(change, life).span)
+        return [span for span in dict.fromkeys(found) if span is not None]
+
+    def _notes(self, node: Node, attribute: Attribute) -> Iterator[str]:
+        name = attribute.name
+        if name in ORIENTATIONS:
+            for other in ORIENTATIONS:
+                if other != name and node.get(other):
+                    yield f"`{other}` is written on the element: of several orientations one counts"
+
+    # -- what does not exist -------------------------------------------------------------------------------------
+
+    def _left_out(self, asked: query.Asked) -> Iterator[Note]:
+        for life in self.watch.gone:
+            named = dict(life.items).get("name")
+            if asked.name is None or named is None or life.node in self._replaced():
+                continue
+            prefixes = [part.prefix for part in life.parts]
+            called = {"".join(reversed(prefixes[:count])) + named for count in range(len(prefixes) + 1)}
+            if asked.name in called | {
+                "".join(reversed(prefixes[at:])) + named for at in range(len(prefixes))
+            }:
+                cause = self.causes.gone(life)
+                yield Note(f"there was a {life.tag} `{named}`: {cause.words}", self._span(life))
+
+    def _replaced(self) -> set[Node]:
+        return {source.node for life in self.watch.lives.values() for source in life.sources}
+
+
+def _given_by(called: str, attribute: str, level: LevelExplained) -> str:
+    """Return the name of a level whose attribute determines another one."""
+    level_of = {"element": "", "class": f", class {level.name}", "mujoco": f", {level.name}"}[level.kind]
+    return f"{called} {attribute}{level_of}"
+
+
+def _start_tag(node: Node) -> str:
+    attributes = "".join(f' {name!s}="{_escaped(str(text))}"' for name, text in node.items())
+    return f"<{node.tag!s}{attributes}{'' if len(node) else '/'}>"
+
+
+def _escaped(text: str) -> str:
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
+
+
+if TYPE_CHECKING:
+    pass
+
+
+def explain(
+    path: Path, asked: query.Asked, context: Context, sample: int = 0, given: ConcreteGiven | None = None
+) -> Explained | None:
+    """Return the answer to a query about the model of a recipe or an MJCF file, or None after an error.
+
+    Errors go to `context.sink`. `sample` selects the draws of the model; 0 is the nominal one. `given` are values
+    of parameters and variants.
+    """
+    traced = trace(path, context, sample, given=given)
+    return None if traced is None else traced.answer(asked, context)
+
+
+def trace(path: Path, context: Context, sample: int = 0, given: ConcreteGiven | None = None) -> Traced | None:
+    """Compose the model under observation. Compiles only parts that MuJoCo has to measure."""
+    watch = Trace()
+    if path.suffix.lower() == ".xml":
+        for node in (given or {}).values():
+            message = f"`{context.shown(context.folder / path)}` is not a recipe and has no parameters"
+            context.sink.error("unknown-name", message, node.span)
+        if given:
+            return None
+        unit = parse_file(context.folder / path, context.sink, file=context.shown(context.folder / path))
+        if unit is None or not check_source(unit, context.sink):
+            return None
+        watch([unit], path)
+        return Traced(unit, watch, "/", folder=context.folder)
+    if path.suffix.lower() in (".zip", ".mjz", ".mjb") or os.path.isdir(context.folder / path):
+        _no_recipe(path, context)
+        return None
+    plan = make_plan(path, context, given, sample=sample)
+    if plan is not None and not check_sample(plan, sample, context.sink):
+        return None
+    composed = None if plan is None else Composer(context, measure_with(context), watch=watch).compose(plan)
+    if plan is not None:
+        acknowledge(plan, context.sink, context.shown, whole=False)
+    if plan is None or composed is None:
+        return None
+    collect(composed.model, composed.files, context.sink, shown=context.shown)
+    watch([composed.model], collect)
+    return Traced(composed.model, watch, plan.separator, folder=context.folder)
+
+
+def _no_recipe(path: Path, context: Context) -> None:
+    """Report that a bundle has neither its recipe nor the files of its parts."""
+    from mjcompose.build.bundle.bundle import MANIFEST
+    from mjcompose.build.bundle.manifest import from_json
+    from mjcompose.build.bundle.read import ReadError, read
+
+    recipe = None
+    try:
+        if (content := read(context.folder / path).files.get(MANIFEST)) is not None:
+            recipe = from_json(content).recipe
+    except (ReadError, ValueError):
+        pass
+    built = f"`mjcompose explain {recipe.path}`" if recipe is not None else "the recipe that it was built of"
+    context.sink.error(
+        "source-kind",
+        f"`{context.shown(context.folder / path)}` has the model as it is, not where its elements came from",
+        help=f"ask the recipe: {built}" if recipe is not None else f"ask {built}",
+    )

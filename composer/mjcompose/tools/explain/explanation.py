@@ -1,0 +1,339 @@
+"""An explanation as data and as text."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import asdict
+from itertools import groupby
+from typing import Any, Literal
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Span
+from mjcompose.base.report import Paint
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """A reason in words, and the place where it is written."""
+
+    words: str
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Changed:
+    """A changed attribute: values as MJCF text, None if it is not written."""
+
+    attribute: str | None
+    before: str | None
+    after: str | None
+    reason: Reason
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """An attribute that a default class gives to an element."""
+
+    attribute: str
+    value: str
+    by: str
+    span: Span | None
+
+
+@dataclass(frozen=True, slots=True)
+class ClassStep:
+    """A default class that reaches an element."""
+
+    name: str
+    reason: Reason
+
+
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """One of several elements; `value` is the value of an attribute, or the start tag."""
+
+    label: str
+    value: str | None
+    reason: Reason
+
+
+@dataclass(frozen=True, slots=True)
+class RowExplained:
+    """Numbers of a keyframe that belong to one joint, actuator or mocap body and have one origin.
+
+    `origin` says where they come from: `file`, `entry` (of a `keyframe` section), `edit`, `reference`
+    (configuration), `zero`, `mujoco` or `unknown`. `written` is the text at the place in `reason`. `on_the_way` has
+    everything that passed the numbers on or changed them, in order.
+    """
+
+    label: str
+    value: str
+    origin: str
+    reason: Reason
+    written: str | None
+    on_the_way: tuple[Reason, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ElementExplained:
+    """An element of the model, and how it came to be as it is.
+
+    `written` are the places where it was read or created, several if elements were merged; `end_line` is the last
+    line of the first start tag. `parts` are the parts that it belongs to, the innermost first. `sets` lists what a
+    default class sets for each kind of element.
+    """
+
+    label: str
+    text: str
+    holder: str | None
+    written: tuple[Reason, ...]
+    end_line: int | None
+    parts: tuple[Reason, ...]
+    changes: tuple[Changed, ...]
+    in_force: Reason | None
+    classes: tuple[ClassStep, ...]
+    given: tuple[Given, ...]
+    sets: tuple[Listed, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class LevelExplained:
+    """One place that an attribute may come from.
+
+    If it `wins`, its text is in effect, or only `part_of_it`: a shorter list leaves the remaining numbers to the
+    next level that has them. The text is written at `span`, apart from the `changes`; if there are `words`, these
+    say where it came from instead.
+    """
+
+    kind: Literal["element", "class", "mujoco"]
+    name: str
+    text: str | None
+    wins: bool
+    part_of_it: str | None
+    span: Span | None
+    changes: tuple[Changed, ...]
+    words: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class AttributeExplained:
+    """One attribute of an element: the value in effect, and every level that it may come from, the nearest first.
+
+    `about` is the grammar's description of the attribute. `rows` lists the numbers of a keyframe by their owners.
+    """
+
+    label: str
+    attribute: str
+    value: str | None
+    levels: tuple[LevelExplained, ...]
+    in_force: Reason | None
+    about: str | None
+    rows: tuple[RowExplained, ...]
+    notes: tuple[str, ...]
+
+
+Explained = ElementExplained | AttributeExplained | tuple[Listed, ...]
+
+
+def as_data(explained: Explained) -> dict[str, Any]:
+    """Return the explanation as JSON data; `explains` says which of the three kinds it is."""
+    if isinstance(explained, tuple):
+        return {"explains": "list", "found": [asdict(each) for each in explained]}
+    kind = "element" if isinstance(explained, ElementExplained) else "attribute"
+    return {"explains": kind, **asdict(explained)}
+
+
+ReadSource = Callable[[str], str | None]
+_WIDE = 100
+_VALUE = 46
+_PATH = 48
+_MOST_LINES = 5
+
+
+def render(explained: Explained, read_source: ReadSource | None = None, color: bool = False) -> str:
+    """Return the explanation without a final line break; `read_source` gives the source lines to show.
+
+    `color` adds ANSI colours as in diagnostics.
+    """
+    paint = Paint(color)
+    if isinstance(explained, ElementExplained):
+        lines = _element(explained, read_source, paint)
+    elif isinstance(explained, AttributeExplained):
+        lines = _attribute(explained, read_source, paint)
+    else:
+        lines = _list(explained)
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def _element(it: ElementExplained, read_source: ReadSource | None, paint: Paint) -> Iterator[str]:
+    yield paint("bold", it.label)
+    yield from textwrap.wrap(it.text, _WIDE, initial_indent="  ", subsequent_indent="      ",
+                             break_long_words=False, break_on_hyphens=False)  # fmt: skip
+    if it.holder:
+        yield f"  in {it.holder}"
+    yield ""
+    yield paint("bold", "where it comes from")
+    for number, each in enumerate(it.written):
+        yield f"  {each.words}{_in_full(each.span, ' ' if each.words == 'read from' else ', ')}"
+        yield from _source(each.span, it.end_line if number == 0 else None, read_source, paint=paint)
+    yield from _table([("part", each.words, _at(each.span)) for each in it.parts])
+    if it.sets:
+        yield ""
+        yield paint("bold", "what it sets")
+        yield from _table([(each.label, _cut(each.value or ""), _at(each.reason.span)) for each in it.sets])
+    if it.changes:
+        yield ""
+        yield paint("bold", "what changed it")
+        yield from _changes(it.changes)
+    if it.classes:
+        yield ""
+        yield paint("bold", "default classes, the nearest first")
+        if it.in_force is not None:
+            yield f"  in force {it.in_force.words}{_at(it.in_force.span, ', ')}"
+        yield from _classes(it)
+
+
+def _classes(it: ElementExplained) -> Iterator[str]:
+    width = max((len(each.attribute) for each in it.given), default=0)
+    values = max((len(_cut(each.value)) for each in it.given), default=0)
+    names = max(len(step.name) for step in it.classes)
+    for step in it.classes:
+        made = (
+            ""
+            if step.reason.words == "read from"
+            else f"{step.reason.words}{', ' if step.reason.span else ''}"
+        )
+        yield f"  {step.name:<{names}}  {made}{_at(step.reason.span)}"
+        for each in it.given:
+            if each.by == step.name:
+                yield f"      {each.attribute:<{width}}  {_cut(each.value):<{values}}  {_at(each.span)}"
+
+
+def _attribute(it: AttributeExplained, read_source: ReadSource | None, paint: Paint) -> Iterator[str]:
+    yield paint("bold", f"{it.attribute} of {it.label}")
+    nothing = "computed by MuJoCo" if any(each.wins for each in it.levels) else "not set"
+    shown = it.value if it.value is not None else nothing
+    yield from textwrap.wrap(shown, _WIDE, initial_indent="  ", subsequent_indent="  ") or ['  ""']
+    if it.about:
+        yield f"  # {it.about}"
+    yield ""
+    yield paint("bold", "where it comes from")
+    yield from _table([_level(each) for each in it.levels])
+    winner = next((each for each in it.levels if each.wins and each.span is not None), None)
+    if winner is not None and winner.span is not None:
+        yield f"  {winner.span.file}:{winner.span.line}"
+        yield from _source(winner.span, None, read_source, paint=paint)
+    if it.rows:
+        yield ""
+        yield paint("bold", "number by number")
+        yield from _table([(row.label, row.value, _row_origin(row)) for row in it.rows])
+    first = next((each for each in it.levels if each.kind == "class"), None)
+    if it.in_force is not None and first is not None:
+        yield ""
+        yield f"class {first.name} is in force {it.in_force.words}{_at(it.in_force.span, ', ')}"
+    for each in it.levels:
+        if each.changes:
+            yield ""
+            where = f"in the class {each.name}" if each.kind == "class" else "on the element"
+            if it.levels[0].name[0] != "<":  # the attribute of another element that determines this one
+                where = f"in {each.name}"
+            yield paint("bold", f"what changed it {where}")
+            yield from _changes(each.changes, name=False)
+    for note in it.notes:
+        yield ""
+        yield f"{paint('note', 'note')}: {note}"
+
+
+def _row_origin(row: RowExplained) -> str:
+    place = _at(row.reason.span, ", " if row.reason.words else "")
+    passed = "".join(f", {each.words}{_at(each.span, ' ')}" for each in row.on_the_way)
+    return f"{row.reason.words}{place}{passed}"
+
+
+def _level(each: LevelExplained) -> tuple[str, str, str, str]:
+    name = f"class {each.name}" if each.kind == "class" else each.name
+    said = "none" if each.kind == "mujoco" and each.text is None else _value(each.text)
+    verdict = ""
+    if each.wins:
+        verdict = "in effect" if each.part_of_it is None else f"in effect: {each.part_of_it}"
+    elif each.text is not None and each.kind != "mujoco":
+        verdict = "overridden"
+    return name, said, verdict, f"{each.words}{_at(each.span, ', ' if each.words else '')}"
+
+
+def _changes(changes: Iterable[Changed], name: bool = True) -> Iterator[str]:
+    for reason, alike in groupby(
+        changes, key=lambda each: f"{each.reason.words}{_at(each.reason.span, ', ')}"
+    ):
+        yield f"  {reason}"
+        rows = [each for each in alike if each.attribute is not None]
+        width = max((len(str(each.attribute)) for each in rows), default=0) if name else 0
+        for each in rows:
+            called = f"{each.attribute:<{width}}  " if name else ""
+            yield f"      {called}{_value(each.before)} → {_value(each.after)}"
+
+
+def _value(text: str | None) -> str:
+    return "-" if text is None else _cut(text) or '""'
+
+
+def _list(found: Iterable[Listed]) -> Iterator[str]:
+    rows = []
+    for each in found:
+        words = "" if each.reason.words == "read from" else each.reason.words
+        row = (
+            each.label,
+            *((_cut(each.value),) if each.value is not None else ()),
+            words,
+            _at(each.reason.span),
+        )
+        rows.append(row)
+    yield from _table(rows, indent="")
+
+
+def _table(rows: list[tuple[str, ...]], indent: str = "  ") -> Iterator[str]:
+    widths: dict[int, int] = {}
+    for row in rows:
+        for column, cell in enumerate(row[:-1]):
+            widths[column] = max(widths.get(column, 0), len(cell))
+    for row in rows:
+        cells = [cell.ljust(widths[column]) for column, cell in enumerate(row[:-1])]
+        yield indent + "  ".join([*(cell for cell in cells if cell), row[-1]])
+
+
+def _source(
+    span: Span | None, last: int | None, read_source: ReadSource | None, paint: Paint
+) -> Iterator[str]:
+    text = read_source(span.file) if span is not None and read_source is not None else None
+    if text is None or span is None:
+        return
+    lines = text.split("\n")
+    end = min(max(last or span.line, span.line), len(lines), span.line + _MOST_LINES - 1)
+    margin = len(str(end))
+    for number in range(span.line, end + 1):
+        line = lines[number - 1].rstrip()
+        gutter = paint("gutter", f"{number:>{margin}} |")
+        yield f"    {gutter} {line if len(line) <= _WIDE else line[: _WIDE - 1] + '…'}"
+
+
+def _in_full(span: Span | None, before: str) -> str:
+    return "" if span is None else f"{before}{span.file}:{span.line}"
+
+
+def _at(span: Span | None, before: str = "") -> str:
+    """Return file and line; only the end of a long path, because the whole path is shown once."""
+    if span is None:
+        return ""
+    file = span.file
+    if len(file) > _PATH and file.count("/") > 2:
+        file = "…/" + "/".join(file.rsplit("/", 2)[1:])
+    return f"{before}{file}:{span.line}"
+
+
+def _cut(text: str) -> str:
+    text = " ".join(text.split())
+    if len(text) <= _VALUE:
+        return text
+    half = (_VALUE - 3) // 2
+    return f"{text[:half].rstrip()} … {text[-half:].lstrip()}"

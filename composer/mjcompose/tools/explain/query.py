@@ -1,0 +1,339 @@
+"""A query about a model, what the recipe writes for it, and the report if nothing matches."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from functools import cache
+from itertools import takewhile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.files import read_regular
+from mjcompose.base.sink import Sink
+from mjcompose.base.suggest import did_you_mean, exists_note, unknown_attribute
+from mjcompose.language.keyframe import HOLD, WAYS
+from mjcompose.model.grammar import GRAMMAR, ElementType
+from mjcompose.model.names import WORLD
+from mjcompose.model.pattern import fitter, is_pattern
+from mjcompose.model.select import kind_of, naming_attribute, query, tags_of
+from mjcompose.model.selector import EVERYTHING
+from mjcompose.tools.explain.explanation import Reason
+from mjcompose.tools.explain.trace_words import derived_names
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+
+class RecipeLines:
+    """The lines of recipes in a folder, read on first use."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.lines: dict[str, list[str]] = {}
+
+    def text_of(self, span: Span) -> str | None:
+        """Return the text of a span if it is on one line."""
+        if span.end_column is None or span.end_line != span.line:
+            return None
+        if span.file not in self.lines:
+            try:
+                self.lines[span.file] = read_regular(self.folder / span.file).decode("utf-8").splitlines()
+            except (OSError, UnicodeDecodeError):
+                self.lines[span.file] = []
+        lines = self.lines[span.file]
+        if span.line > len(lines):
+            return None
+        text = lines[span.line - 1][span.column - 1 : span.end_column - 1]
+        return text if not text.startswith("- ") else _list_of(lines[span.line - 1 :], span.column - 1)
+
+    def in_own_form(self, span: Span | None, text: str | None) -> Reason:
+        """Return the place of a value in a recipe, with the recipe's own text if that is not the value itself."""
+        if span is None or self.has(span, text):
+            return Reason("", span)
+        written = self.text_of(span)
+        if written in (HOLD, *WAYS):
+            return Reason("computed: what holds the pose of the key", span)
+        return Reason(f"`{written}` in the recipe's own unit or form", span)
+
+    def has(self, span: Span | None, text: str | None) -> bool:
+        recipe = None if span is None else self.text_of(span)
+        return recipe is None or text is None or same_words(recipe, text)
+
+
+def _list_of(lines: list[str], indent: int) -> str:
+    """Join a YAML list with an item on each line into one line."""
+    dash = " " * indent + "- "
+    items = [line[len(dash) :].strip() for line in takewhile(lambda line: line.startswith(dash), lines)]
+    return f"[{', '.join(items)}]"
+
+
+def same_words(recipe: str, text: str) -> bool:
+    """Return whether a recipe and MJCF write the same value, each in its own syntax."""
+    return same_value(re.sub(r"""[][,"']""", " ", recipe), text)
+
+
+def same_value(a: str, b: str) -> bool:
+    """Return whether two MJCF texts are the same value: word by word the same text or the same number.
+
+    >>> same_value("1 0.50 x", "1.0 .5 x")
+    True
+    """
+    ours, theirs = a.split(), b.split()
+    return len(ours) == len(theirs) and all(map(_same_word, ours, theirs))
+
+
+def _same_word(ours: str, theirs: str) -> bool:
+    try:
+        return ours == theirs or float(ours) == float(theirs)
+    except ValueError:
+        return False
+
+
+_NUMBERED = re.compile(r"(.+)#(\d+)")
+_LINE = re.compile(r"(.+\.\w+):(\d+)(?::\d+)?")
+# Words that people use for the elements of a section.
+_MEANT = {"keyframe": "key", "class": "default"}
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A parsed query: `kinds` are the grammar paths that match (None: all), the other fields narrow them down."""
+
+    text: str
+    kinds: frozenset[str] | None
+    name: str | None = None
+    number: int | None = None
+    line: tuple[str, int] | None = None
+    attribute: str | None = None
+
+
+def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
+    """Parse a query; report it and return None if it has no meaning."""
+    words = text.split()
+    if not words:
+        sink.error("unknown-name", "there is nothing to explain: the query is empty",
+                   help="write for example `geom gripper/pad`, or `option timestep`")  # fmt: skip
+        return None
+    numbered = _NUMBERED.fullmatch(words[0])
+    line = _LINE.fullmatch(words[0])
+    kinds = _kinds(numbered[1] if numbered else words[0])
+    if numbered and kinds is None:
+        unknown_kind(numbered[1], sink)
+        return None
+    if numbered:
+        asked, rest = Asked(text, kinds, number=int(numbered[2])), words[1:]
+    elif line and kinds is None:
+        asked, rest = Asked(text, None, line=(line[1], int(line[2]))), words[1:]
+    elif kinds is None and len(words) > 1 and _is_word(words[0]) and not _is_attribute(words[1]):
+        unknown_kind(words[0], sink)
+        return None
+    elif kinds is None:
+        asked, rest = Asked(text, None, name=words[0]), words[1:]
+    elif _is_one(kinds):
+        asked, rest = _inside(text, words)
+    elif len(words) > 1:
+        asked, rest = Asked(text, kinds, name=words[1]), words[2:]
+    else:
+        asked, rest = Asked(text, kinds), []
+    rest = [*rest, *([attribute] if attribute is not None else [])]
+    if len(rest) > 1:
+        sink.error("unknown-name", f"`{' '.join(rest)}` is more than the name of one attribute",
+                   help="a query is KIND NAME ATTRIBUTE, quoted as one: 'geom gripper/pad friction'")  # fmt: skip
+        return None
+    return Asked(
+        asked.text,
+        asked.kinds,
+        asked.name,
+        number=asked.number,
+        line=asked.line,
+        attribute=rest[0] if rest else None,
+    )
+
+
+def find(asked: Asked, root: Node, separator: str) -> list[Node]:
+    """Return the elements that a query matches, in the order of the model; lines are not looked up here.
+
+    Raises `BadPattern`.
+    """
+    found = [node for node in ordered(root) if asked.kinds is None or _counts(kind_of(node)) in asked.kinds]
+    if asked.number is not None:
+        return found[asked.number : asked.number + 1]
+    if asked.name is None:
+        return found
+    if asked.name == WORLD and (asked.kinds is None or "body" in asked.kinds):
+        return list(root.iterchildren("worldbody"))
+    if not is_pattern(asked.name):
+        return [node for node in found if name_of(node) == asked.name]
+    if asked.name == EVERYTHING:
+        return found
+    names = {name for node in found if (name := name_of(node))}
+    meant = set(filter(fitter(asked.name, lambda: names, separator), names))
+    return [node for node in found if name_of(node) in meant]
+
+
+def _counts(kind: ElementType) -> str:
+    """Return the path under which an element is counted: the world is the first body."""
+    return "body" if kind.path == "worldbody" else kind.path
+
+
+def ordered(root: Node) -> Iterator[Node]:
+    """Yield every element; those in bodies in MuJoCo's order, body by body."""
+    yield root
+    for section in root.iterchildren("*"):
+        if section.tag != "worldbody":
+            yield from section.iter("*")
+    worlds = list(root.iterchildren("worldbody"))
+    for world in worlds:
+        yield from _own(world)
+    for world in worlds:
+        for body in world.iter("body"):
+            yield from _own(body)
+
+
+def _own(holder: Node) -> Iterator[Node]:
+    """Yield a body and everything in it except the bodies below it."""
+    yield holder
+    waiting: list[Iterator[Node]] = [holder.iterchildren("*")]
+    while waiting:
+        child = next(waiting[-1], None)
+        if child is None:
+            waiting.pop()
+        elif child.tag != "body":
+            yield child
+            waiting.append(child.iterchildren("*"))
+
+
+def name_of(node: Node) -> str | None:
+    """Return the name that a query uses for an element."""
+    naming = naming_attribute(kind_of(node))
+    value = None if naming is None else node.get(naming.name)
+    return str(value) if value else None
+
+
+def labels(root: Node) -> dict[Node, str]:
+    """Return for each element a query that matches it and no other."""
+    counts: Counter[str] = Counter()
+    found: dict[Node, str] = {}
+    for node in ordered(root):
+        kind = kind_of(node)
+        word, name = _word(kind), name_of(node)
+        if kind.path == "worldbody":
+            found[node] = "body world"
+        elif node.getparent() is root and kind.path != "default":
+            found[node] = kind.tag  # a section
+        elif name is not None and name.split() == [name]:
+            found[node] = f"{word} {name}"
+        elif _is_one(frozenset({kind.path})):
+            found[node] = word
+        else:
+            found[node] = f"{word}#{counts[word]}"
+        for alike in _words(kind):
+            counts[alike] += 1
+    return found
+
+
+@cache
+def _word(kind: ElementType) -> str:
+    """Return the tag, or the whole path if the tag alone means other elements."""
+    wanted = _kinds(kind.tag)
+    return kind.tag if wanted is not None and kind.path in wanted else kind.path
+
+
+@cache
+def _words(kind: ElementType) -> tuple[str, ...]:
+    """Return every word under which an element is counted: `joint` counts free joints too."""
+    words = dict.fromkeys([_word(kind), *([kind.family] if kind.family else [])])
+    if kind.path == "worldbody":
+        words = dict.fromkeys(["body"])
+    return tuple(word for word in words if _counts(kind) in (_kinds(word) or ()))
+
+
+def _kinds(word: str) -> frozenset[str] | None:
+    """Return the grammar paths that a word means: a tag, a family, a section, or a path."""
+    word = _MEANT.get(word, word)
+    if word in GRAMMAR.paths:
+        family = GRAMMAR.families.get(word)
+        if family is None or "/" in word:
+            wanted = query(word, None).paths if "/" not in word else frozenset({word})
+            return wanted or frozenset({word})
+    wanted = query(word, None).paths
+    return wanted or None
+
+
+def _is_one(kinds: frozenset[str]) -> bool:
+    """Return whether a model has only one of these: a section of settings, or an element in it."""
+    return all(GRAMMAR.element(path).family is None and _settings(path) for path in kinds)
+
+
+def _settings(path: str) -> bool:
+    top = path.split("/")[0]
+    return top in ("mujoco", "compiler", "option", "size", "statistic", "visual") and path != "mujoco/include"
+
+
+def _inside(text: str, words: list[str]) -> tuple[Asked, list[str]]:
+    """Follow the words into a section of settings as far as there are elements, as in `option flag gravity`."""
+    path, rest = words[0], words[1:]
+    while rest and f"{path}/{rest[0]}" in GRAMMAR.paths:
+        path, rest = f"{path}/{rest[0]}", rest[1:]
+    return Asked(text, _kinds(path) or frozenset({path})), rest
+
+
+def _is_word(word: str) -> bool:
+    return re.fullmatch(r"[a-z_]+", word) is not None
+
+
+def _is_attribute(word: str) -> bool:
+    return any(word in GRAMMAR.element(path).attributes for path in GRAMMAR.paths)
+
+
+def unknown_kind(word: str, sink: Sink) -> None:
+    """Report that MJCF has no element of that name."""
+    help = did_you_mean(word, tags_of())
+    sink.error("unknown-element", f"MJCF has no element `{word}`", help=help)
+
+
+def not_found(asked: Asked, root: Node, sink: Sink, notes: Iterable[Note] = ()) -> None:
+    """Report that nothing matches a query, what exists, and what was probably meant."""
+    notes = tuple(notes)
+    word = asked.text.split()[0].split("#")[0] if asked.kinds is not None else "element"
+    if asked.line is not None:
+        file, line = asked.line
+        sink.error("unknown-name", f"nothing in the model comes from `{file}:{line}`", notes=notes)
+    elif asked.number is not None:
+        count = len(find(Asked(asked.text, asked.kinds), root, "/"))
+        existing = f"there are {count}, the first is `{word}#0`" if count else "there are none"
+        sink.error("unknown-name", f"`{word}#{asked.number}` does not exist: {existing}", notes=notes)
+    elif asked.name is None:
+        sink.error("unknown-name", f"the model has no {word}", notes=notes)
+    else:
+        _no_such_name(asked, asked.name, word, root=root, sink=sink, notes=notes)
+
+
+def _no_such_name(
+    asked: Asked, name: str, word: str, root: Node, sink: Sink, notes: tuple[Note, ...]
+) -> None:
+    fitting = find(Asked("", asked.kinds), root, "/")
+    names = [found for node in fitting if (found := name_of(node)) is not None]
+    other = next((node for node in ordered(root) if name_of(node) == name), None)
+    help = did_you_mean(name, names, f"{f'{word} ' if asked.kinds else ''}{{}}")
+    if other is not None:
+        help = f"did you mean `{labels(root)[other]}`?"
+    unnamed = len(fitting) - len(names) if asked.kinds else 0
+    if unnamed:
+        count = "there is 1" if unnamed == 1 else f"there are {unnamed}"
+        notes = (*notes, Note(f"{count} without a name: write `{word}#0`, …"))
+    if names or not unnamed:
+        notes = (*notes, exists_note(word, names, name))
+    missing = f"nothing in the model is called `{name}`"
+    message = missing if asked.kinds is None else f"the {word} `{name}` does not exist"
+    sink.error("unknown-name", message, notes=notes, help=help)
+
+
+def no_attribute(node: Node, name: str, sink: Sink) -> None:
+    """Report that elements of this kind do not have the attribute."""
+    known = sorted({*kind_of(node).attributes, *derived_names(kind_of(node))})
+    sink.add(unknown_attribute(name, f"`<{node.tag}>`", known))

@@ -1,0 +1,475 @@
+"""What happens to every element and key during composition.
+
+Record what happens to every element during composition.
+
+Elements are compared by identity after each pass and step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import field, replace
+from types import FunctionType
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Span
+from mjcompose.build.plan.steps import DrawValues, EditElements
+from mjcompose.link import numbers
+from mjcompose.link.key_layout import Layout, Unknown, element_of, lay_out
+from mjcompose.link.linking import Linking, Part
+from mjcompose.link.unit_keys import VECTORS as VECTORS
+from mjcompose.link.unit_keys import holders
+from mjcompose.model.unit import KeySource, Number, Origins, Place, Unit, line_of
+from mjcompose.model.xml_text import as_it_is
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+Owner = str | Span | Place
+Function = Callable[..., object]
+TAG = "<tag>"
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """What was done, as reported to the `Watch`, and the tree and part in which it changed something."""
+
+    done: object
+    unit: Unit
+    part: Part | None = None
+    linking: Linking | None = None
+
+    @property
+    def function(self) -> Function | None:
+        """The pass or other function that ran; None for a step, a source or a plan."""
+        return self.done if isinstance(self.done, FunctionType) else None
+
+    @property
+    def is_pass(self) -> bool:
+        return callable(self.done)
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A new value of an attribute or of `TAG`; None if it is not written.
+
+    `owner` knows where the new value is written.
+    """
+
+    attribute: str
+    before: str | None
+    after: str | None
+    cause: Cause
+    owner: Owner
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """A new parent."""
+
+    before: Node | None
+    after: Node | None
+    cause: Cause
+
+
+@dataclass(eq=False, slots=True)
+class Life:
+    """Everything known of one element: its first state, its changes, and its end.
+
+    `born` is the cause after which it was first seen; `made_by` is the same cause, or None for an element that was
+    read from a file. `home` is the root of the tree that it was last seen in. `parts` are the parts that it belongs
+    to, the innermost first; `sources` are the elements that it replaces.
+    """
+
+    node: Node
+    root: Node
+    owner: Owner
+    line: int | None
+    tag: str
+    attributes: dict[str, str]
+    parent: Node | None
+    home: Node
+    made_by: Cause | None
+    born: Cause
+    changes: list[Change | Move] = field(default_factory=list)
+    parts: list[Part] = field(default_factory=list)
+    sources: list[Life] = field(default_factory=list)
+    gone: Cause | None = None
+    items: list[tuple[str, str]] = field(default_factory=list)
+    last_tag: str = ""
+    last_parent: Node | None = None
+
+    def span(self, origins: Origins, attribute: str | None = None, owner: Owner | None = None) -> Span:
+        """Return where the element was first written, or the value of an attribute there."""
+        owner = self.owner if owner is None else owner
+        if isinstance(owner, Span):
+            return owner
+        if not isinstance(owner, str):
+            return owner(attribute)
+        return origins.in_file(owner, self.line, self.tag, written=self.attributes, attribute=attribute)
+
+    @property
+    def name(self) -> str | None:
+        """Its name when it was first seen."""
+        return self.attributes.get("class" if self.tag == "default" else "name")
+
+    def of(self, attribute: str) -> list[Change]:
+        """Return the changes of one attribute."""
+        return [each for each in self.changes if isinstance(each, Change) and each.attribute == attribute]
+
+
+class Trace:
+    """A `Watch` that records. It holds every node, so that identities stay valid."""
+
+    def __init__(self) -> None:
+        self.lives: dict[Node, Life] = {}
+        self.gone: list[Life] = []
+        self._members: dict[Node, list[Node]] = {}
+        self._texts: dict[Node, bytes] = {}
+        self._linkings: dict[Node, Linking] = {}
+        self._parts: dict[Node, Part] = {}
+
+    def __call__(self, units: Iterable[Unit], done: object) -> None:
+        units = list(units)
+        if isinstance(done, Linking):
+            self._announce(done)
+        changed = [unit for unit in units if self._looks_other(unit.root)]
+        if not changed:
+            return
+        linking = self._linkings.get(units[0].root)
+        causes = {
+            unit.root: Cause(done, unit, self._parts.get(unit.root), linking=linking) for unit in units
+        }  # fmt: skip
+        before = {node for unit in changed for node in self._members.get(unit.root, ())}
+        now: set[Node] = set()
+        born: list[Life] = []
+        for unit in changed:
+            cause = causes[unit.root]
+            members = self._members[unit.root] = list(unit.root.iter("*"))
+            now.update(members)
+            for node in members:
+                life = self.lives.get(node)
+                if life is None:
+                    born.append(self._born(node, cause))
+                else:
+                    self._compare(life, causes.get(life.home, cause), unit)
+                    life.home = unit.root
+        lost = [self.lives[node] for node in before - now]
+        for life in lost:
+            life.gone = causes.get(life.home)
+        self.gone += [life for life in lost if life.gone is not None]
+        for life in born:
+            if life.made_by is not None and life.made_by.is_pass and life.tag != "default":
+                self._succeed(life, lost)
+
+    def _looks_other(self, root: Node) -> bool:
+        """Return whether a tree is not what it was: to write it takes a tenth of the time to compare its elements."""
+        text = as_it_is(root)
+        same = self._texts.get(root) == text and self._members[root] == list(root.iter("*"))
+        self._texts[root] = text
+        return not same
+
+    def life(self, node: Node) -> Life:
+        return self.lives[node]
+
+    def written(self, unit: Unit, tag: str, attribute: str) -> Life | None:
+        """Return the element with that tag in which a unit, as read, sets an attribute."""
+        found = None
+        for life in self.lives.values():
+            if life.root is unit.root and life.tag == tag and attribute in life.attributes:
+                found = life
+        return found
+
+    def _announce(self, linking: Linking) -> None:
+        self._linkings[linking.base.root] = linking
+        for part in linking.parts:
+            self._parts[part.unit.root] = part
+            for node in part.unit.root.iter("*"):
+                self.lives[node].parts.append(part)
+
+    def _born(self, node: Node, cause: Cause) -> Life:
+        owner = cause.unit.origins.owner(node, cause.unit.file)
+        laid_out = (
+            node in cause.unit.origins.keys
+        )  # by the edits of a part that is not linked to anything yet
+        made = cause if cause.linking is not None or laid_out else None
+        items: list[tuple[str, str]] = node.items()  # type: ignore[assignment]  # of a parsed tree
+        parent = node.getparent()
+        root = cause.unit.root
+        life = Life(
+            node,
+            root,
+            owner,
+            line=line_of(node),
+            tag=str(node.tag),
+            attributes=dict(items),
+            parent=parent,
+            home=root,
+            made_by=made,
+            born=cause,
+            items=items,
+            last_tag=str(node.tag),
+            last_parent=parent,
+        )
+        self.lives[node] = life
+        part = cause.part or (_carried(life, cause.linking) if cause.linking is not None else None)
+        if part is not None and made is not None and made.is_pass:
+            life.made_by = Cause(cause.done, part.unit, part, linking=cause.linking)
+            life.parts.append(part)
+        return life
+
+    def _compare(self, life: Life, cause: Cause, unit: Unit) -> None:
+        items: list[tuple[str, str]] = life.node.items()  # type: ignore[assignment]
+        tag = life.node.tag
+        if items != life.items or tag != life.last_tag:
+            owner = unit.origins.owner(life.node, unit.file)
+            if tag != life.last_tag:
+                life.changes.append(Change(TAG, life.last_tag, str(tag), cause=cause, owner=owner))
+                life.last_tag = str(tag)
+            life.changes += _differences(dict(life.items), dict(items), cause, owner=owner)
+            life.items = items
+        parent = life.node.getparent()
+        if parent is not life.last_parent:
+            life.changes.append(Move(life.last_parent, parent, cause))
+            life.last_parent = parent
+
+    def _succeed(self, life: Life, lost: list[Life]) -> None:
+        """Link an element that a pass wrote anew to those that it replaces: removed ones with the same tag and name."""
+        assert life.made_by is not None
+        record = life.made_by.unit.origins.keys.get(life.node)
+        if record is not None:
+            life.sources += [self.lives[key] for key in record.keys if key in self.lives]
+        else:
+            for old in lost:
+                if old.tag == life.tag and dict(old.items).get("name") == life.name:
+                    life.sources.append(old)
+        if len(life.sources) == 1:
+            life.changes += _differences(
+                dict(life.sources[0].items), life.attributes, life.made_by, owner=life.owner
+            )
+
+
+def _differences(
+    before: dict[str, str], after: dict[str, str], cause: Cause, owner: Owner
+) -> Iterator[Change]:
+    for name in {**before, **after}:
+        if before.get(name) != after.get(name):
+            yield Change(name, before.get(name), after.get(name), cause=cause, owner=owner)
+
+
+def _carried(life: Life, linking: Linking) -> Part | None:
+    """Return the part for which the linker created an element, such as the frame of its attachment."""
+    for part in linking.parts:
+        carries = {"frame": "childclass", "default": "class"}.get(life.tag, "")
+        if part.top_class and life.attributes.get(carries) == part.top_class:
+            return part
+        if part.span is not None and life.owner in (part.span, part.sense and part.sense.span):
+            return part
+    return None
+
+
+Kind = Literal["file", "entry", "edit", "reference", "zero", "mujoco", "unknown"]
+
+
+@dataclass(frozen=True, slots=True)
+class NumberOrigin:
+    """Where numbers of a key come from.
+
+    - `file`: a `<key>` of a file writes them;
+    - `entry`: an entry of a `keyframe` section of a recipe writes them;
+    - `edit`: an edit or a draw of a recipe made them: `change`;
+    - `reference`: nobody writes them, and they are the reference configuration; `zero` if they are 0;
+    - `mujoco`: the row of the key at `span` is too short, and MuJoCo has filled it up;
+    - `unknown`.
+
+    `span` is the place of the numbers themselves if that is known; `written` is the text there. `taken` are the
+    `from` entries of recipes that passed them on. `moved` are the parts whose place changed them, each with the
+    place of its attachment. `lost` is the origin of numbers in a key that edits have made meaningless.
+    """
+
+    kind: Kind
+    span: Span | None = None
+    written: str | None = None
+    taken: tuple[Span, ...] = ()
+    moved: tuple[tuple[str, Span | None], ...] = ()
+    change: Change | None = None
+    lost: NumberOrigin | None = None
+
+
+class Row(NamedTuple):
+    """Numbers of one joint, actuator or mocap body that have one origin."""
+
+    holder: Node
+    numbers: str
+    origin: NumberOrigin
+
+
+def rows(model: Unit, key: Node, vector: str, trace: Trace) -> list[Row]:
+    """Return at least one row for each owner of numbers; none if only MuJoCo knows their layout."""
+    reading = _Reading(model, trace)
+    known = reading.settled(key, vector)
+    layout = _layout(model, trace.life(key))
+    owners = [] if layout is None else holders(layout, vector)
+    if not known or sum(width for _, width in owners) != len(known):
+        return []
+    found, at = [], 0
+    for holder, width in owners:
+        for run in _runs(known[at : at + width]):
+            text = " ".join(each.number.text for each in run)
+            found.append(Row(element_of(holder), text, reading.origin(run)))
+        at += width
+    return found
+
+
+def key_origins(model: Unit, key: Node, attribute: str, trace: Trace) -> list[NumberOrigin]:
+    """Return the origins of all numbers in an attribute of a key, including `time`, in order."""
+    reading = _Reading(model, trace)
+    return [reading.origin(run) for run in _runs(reading.settled(key, attribute))]
+
+
+class _Known(NamedTuple):
+    """A number of a key, and the edit or draw that made it, if any."""
+
+    number: Number
+    change: Change | None = None
+
+
+class _Reading:
+    """Reads the linker's records of keys, and the observed changes to them."""
+
+    def __init__(self, model: Unit, trace: Trace) -> None:
+        self.model, self.trace = model, trace
+        self.known: dict[tuple[Node, str], list[_Known]] = {}
+
+    def settled(self, key: Node, vector: str) -> list[_Known]:
+        """Return the numbers of a key, each with the file attribute, entry or edit that it comes from."""
+        return [self._settled(each) for each in self._numbers(key, vector)]
+
+    def _settled(self, known: _Known) -> _Known:
+        source = known.number.source
+        if known.change is not None or source.key is None or source.key not in self.trace.lives:
+            return known
+        if source.kind not in ("key", "edited"):
+            return known
+        if source.kind == "key" and self._noted(source.key, source.vector) is not None:
+            return known  # as in the file: the record shows later values
+        there = self._numbers(source.key, source.vector)
+        if known.number.at >= len(there):
+            return _Known(Number(known.number.text, KeySource("edited", source.vector)))
+        found = there[known.number.at]
+        if found.number.source is not source:
+            if found.number.source.key is not source.key:
+                found = self._settled(found)
+            ours, theirs = source, found.number.source
+            both = replace(
+                theirs, taken=theirs.taken + ours.taken, moved=theirs.moved + ours.moved, lost=theirs.lost
+            )
+            found = _Known(Number(known.number.text, both, found.number.at), found.change)
+        return found
+
+    def _noted(self, key: Node, vector: str) -> list[Number] | None:
+        record = self.model.origins.keys.get(key)
+        return None if record is None else record.numbers.get(vector)
+
+    def _numbers(self, key: Node, vector: str) -> list[_Known]:
+        """Return the numbers of an element from the linker's notes, updated by later edits and draws."""
+        if (key, vector) not in self.known:
+            life, noted = self.trace.life(key), self._noted(key, vector)
+            if noted is None:
+                source = KeySource("key", vector, key)
+                written = life.attributes.get(vector, "").split()
+                noted = [Number(text, source, at) for at, text in enumerate(written)]
+            changes = [
+                each for each in life.of(vector) if isinstance(each.cause.done, EditElements | DrawValues)
+            ]
+            now = str(key.get(vector) or "").split()
+            self.known[key, vector] = _after([_Known(each) for each in noted], now, changes, vector=vector)
+        return self.known[key, vector]
+
+    def origin(self, run: list[_Known]) -> NumberOrigin:
+        first, last = run[0], run[-1]
+        source = first.number.source
+        lost = None
+        if source.lost is not None:
+            lost = self._of(source.lost.source, (source.lost.at, source.lost.at))
+        if first.change is not None:
+            found = NumberOrigin("edit", change=first.change)
+        else:
+            found = self._of(source, (first.number.at, last.number.at))
+        if found.written is not None and not source.moved:
+            text = [each.number.text for each in run]
+            if numbers.read(found.written) != numbers.read(" ".join(text)):
+                found = NumberOrigin("unknown")
+        return replace(found, taken=source.taken, moved=source.moved, lost=lost)
+
+    def _of(self, source: KeySource, at: tuple[int, int]) -> NumberOrigin:
+        if source.kind == "entry":
+            return NumberOrigin("entry", source.span)
+        if source.kind in ("reference", "zero"):
+            return NumberOrigin("reference" if source.kind == "reference" else "zero")
+        life = None if source.key is None else self.trace.lives.get(source.key)
+        if life is None or (source.kind == "edited"):
+            return NumberOrigin("unknown")
+        span = life.span(self.model.origins, source.vector)
+        if source.kind == "mujoco":
+            return NumberOrigin("mujoco", span)
+        return self._in_file(source, at, life) or NumberOrigin("file", span)
+
+    def _in_file(self, source: KeySource, at: tuple[int, int], life: Life) -> NumberOrigin | None:
+        """Return the place of the numbers themselves if they are on one line."""
+        if not isinstance(life.owner, str) or life.line is None:
+            return None
+        text = self.model.origins.text(life.owner)
+        found = None if text is None else text.items(life.tag, life.line, life.attributes, source.vector, *at)
+        if found is None:
+            return None
+        first, last, words = found
+        span = Span(life.owner, first.line, first.column, end_line=last.line, end_column=last.end_column)
+        return NumberOrigin("file", span, " ".join(words.split()))
+
+
+def _after(known: list[_Known], now: list[str], changes: list[Change], vector: str) -> list[_Known]:
+    """Apply the changes of recipe steps to the numbers; numbers that no step accounts for become unknown."""
+    for change in changes:
+        before, after = (change.before or "").split(), (change.after or "").split()
+        source = KeySource("edited", vector)
+        made = [_Known(Number(text, source, at), change) for at, text in enumerate(after)]
+        if len(after) == len(before) and [each.number.text for each in known] == before:
+            pairs = zip(known, made, strict=True)
+            made = [old if old.number.text == new.number.text else new for old, new in pairs]
+        if after or not now:
+            known = made
+    if [each.number.text for each in known] == now:
+        return known
+    source = KeySource("edited", vector)
+    return [_Known(Number(text, source, at)) for at, text in enumerate(now)]
+
+
+def _layout(model: Unit, life: Life) -> Layout | None:
+    """Return the layout of a key's numbers: the linker's, or else the one that the tree implies."""
+    linking = None if life.made_by is None else life.made_by.linking
+    if linking is not None and linking.keys.final_layout is not None:
+        return linking.keys.final_layout
+    try:
+        return lay_out(model, {})
+    except Unknown:
+        return None
+
+
+def _runs(numbers: list[_Known]) -> Iterator[list[_Known]]:
+    """Yield runs of neighbouring numbers with one origin."""
+    run: list[_Known] = []
+    for each in numbers:
+        if run and not _goes_on(run[-1], each):
+            yield run
+            run = []
+        run.append(each)
+    if run:
+        yield run
+
+
+def _goes_on(before: _Known, after: _Known) -> bool:
+    if before.change is not after.change or before.number.source != after.number.source:
+        return False
+    return before.number.source.kind != "key" or after.number.at == before.number.at + 1

@@ -1,0 +1,586 @@
+"""What a pass or step did to an element, in words, with the place that is the reason.
+
+Attributes that `edit`, `randomize` and `check` know and MJCF writes elsewhere, and what determines them.
+
+The mass of a body is that of its `<inertial>` or of its geoms; the `gainprm` of a `<position>` comes from its `kp`.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING
+
+from mjcompose.base.diagnostic import Span
+from mjcompose.build.bundle.collect import collect
+from mjcompose.build.compose.checks import check_names
+from mjcompose.build.compose.elements import settle_joints
+from mjcompose.build.compose.keys import hold_poses
+from mjcompose.build.plan.plan import DropElements, Plan
+from mjcompose.build.plan.steps import DrawValues, EditElements, Step
+from mjcompose.language.form import shown
+from mjcompose.language.verbs.values import MASS
+from mjcompose.link import numbers
+from mjcompose.link.agreement import agreement
+from mjcompose.link.angles import angles, model_angle
+from mjcompose.link.bodies import bodies
+from mjcompose.link.body_reduction import body_reduction
+from mjcompose.link.defaults import defaults
+from mjcompose.link.files import add_file, files
+from mjcompose.link.inertia import MEASURED, fitting, has_mass, inertia, lengthranges
+from mjcompose.link.keyframes import keyframes
+from mjcompose.link.link import row_of
+from mjcompose.link.linking import Part
+from mjcompose.link.names import names
+from mjcompose.link.replicates import replicates
+from mjcompose.link.settings import compiler, model_autolimits
+from mjcompose.link.submodels import submodel_options, submodels
+from mjcompose.link.world import roots, sections
+from mjcompose.model.classes import MAIN, ORIENTATIONS, Classes, childclass_of, class_in_force, own
+from mjcompose.model.files import Settings, read_settings
+from mjcompose.model.grammar import GRAMMAR, ElementType
+from mjcompose.model.select import kind_of
+from mjcompose.mujoco.attributes import attributes as compared
+from mjcompose.text.node import find, locate
+from mjcompose.tools.explain.explanation import Reason, RowExplained
+from mjcompose.tools.explain.trace import Cause, Change, Function, Life, Move, NumberOrigin, Trace
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from mjcompose.model.unit import Unit
+
+_NOBODY = {
+    "reference": "the reference configuration",
+    "zero": "0, as no key says it",
+    "unknown": "not known",
+}
+
+
+def row_explained(
+    label: str, numbers: str, origin: NumberOrigin, reason: Reason, written: str | None
+) -> RowExplained:
+    """Return the row; `reason` comes from `reason_of`, `written` is the text at its place."""
+    on_the_way = [Reason("by `from`", span) for span in origin.taken]
+    on_the_way += [Reason(f"moved with the part `{part}`", span) for part, span in origin.moved]
+    if origin.lost is not None:
+        on_the_way.append(Reason("an edit has made meaningless what is written there:", origin.lost.span))
+    return RowExplained(
+        label, numbers, origin.kind, reason=reason, written=written, on_the_way=tuple(on_the_way)
+    )
+
+
+def reason_of(origin: NumberOrigin, edited: Callable[[Change], Reason]) -> Reason:
+    """Return what set the numbers, and where; `edited` describes an edit or a draw."""
+    if origin.change is not None:
+        return edited(origin.change)
+    if origin.kind == "mujoco":
+        return Reason("filled up by MuJoCo, as the row ends in the middle of a joint", origin.span)
+    return Reason(_NOBODY.get(origin.kind, ""), origin.span)
+
+
+def only_place(reasons: Iterable[Reason]) -> Span | None:
+    """Return the only place where numbers are written, or None if there are several."""
+    spans = {reason.span for reason in reasons if reason.words not in _NOBODY.values()}
+    return spans.pop() if len(spans) == 1 else None
+
+
+def of_step(cause: Cause, owner: object, attribute: str | None, node: Node | None = None) -> Reason:
+    """Return what a cause did, and where; `owner` wrote the element or its attribute."""
+    done = cause.done
+    if isinstance(done, Plan):
+        return _by_plan(done, attribute)
+    span = owned(owner, attribute) or getattr(done, "span", None)
+    if isinstance(done, EditElements | DropElements):
+        written_by_it = span is not None and span.file == done.span.file
+        return Reason(done.words, span if written_by_it else done.span)
+    if isinstance(done, DrawValues):
+        drawn = None if node is None else _drawn(cause, node, done.field.name)
+        value = "" if drawn is None else f": {shown(drawn)} is drawn"
+        return Reason(f"{done.reason}{value}", done.span)
+    if isinstance(done, Step):
+        return Reason(done.reason, span)
+    return Reason(_summary(done), span if isinstance(span, Span) else None)
+
+
+def owned(owner: object, attribute: str | None) -> Span | None:
+    """Return the place of an element or of its attribute, if its owner knows it."""
+    if isinstance(owner, Span):
+        return owner
+    if callable(owner):
+        span = owner(attribute)
+        return span if isinstance(span, Span) else None
+    return None
+
+
+def _drawn(cause: Cause, node: Node, field: str) -> object | None:
+    """Return what a field drew for an element, or for the body whose mass the element determines."""
+    if cause.linking is None:
+        return None
+    for each in (node, *node.iterancestors("body")):
+        if field in (found := cause.linking.notes.drawn.get(each, {})):
+            return found[field]
+    return None
+
+
+def _by_plan(plan: Plan, attribute: str | None) -> Reason:
+    if attribute == "model":
+        named = find(plan.document, ("name",)) is not None
+        words = "`name` of the recipe" if named else "the name of the recipe's file"
+        return Reason(words, locate(plan.document, ("name",)) if named else None)
+    return Reason("the recipe leaves it out", locate(plan.document, ("base", "keyframes")))
+
+
+def _summary(done: object) -> str:
+    """Return the words in the row of a pass, or the first line of another function's docstring."""
+    if (row := row_of(done)) is not None:
+        return row.words
+    module = inspect.getmodule(done)
+    text = (inspect.getdoc(done) or getattr(module, "__doc__", None) or type(done).__name__).strip()
+    return text.splitlines()[0].removeprefix("Pass: ").rstrip(".")
+
+
+_DEFAULT = Settings()
+_FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
+_COMPUTED = {
+    "mate": "computed, so that what `mate` names lies on the place",
+    "replicate": "computed: the place of this copy",
+}
+
+
+class PassWords:
+    """Words for the changes that passes made in one trace."""
+
+    def __init__(self, trace: Trace) -> None:
+        self.trace = trace
+
+    def setting(self, unit: Unit, name: str) -> Span | None:
+        """Return where a unit writes a compiler setting."""
+        life = self.trace.written(unit, "compiler", name)
+        return None if life is None else life.span(unit.origins, name)
+
+    def _names(self, change: Change, life: Life) -> Reason | None:
+        part = change.cause.part
+        if change.after is not None and change.before is None and change.attribute == "name":
+            return Reason("named after its file, with the prefix of the part", part.span if part else None)
+        if part is not None and change.after == part.prefix + (change.before or ""):
+            return Reason(f"prefix of the part `{part.called}`", part.span)
+        if change.before == MAIN and change.attribute in ("class", "childclass"):
+            return Reason(f"the top class of {_file(change.cause.unit)} is called that here")
+        return Reason(
+            f"names of the part `{part.called}`" if part else "names of the base", part.span if part else None
+        )
+
+    def _angles(self, change: Change, life: Life) -> Reason | None:
+        unit = change.cause.unit
+        if change.attribute in ORIENTATIONS and unit.settings.eulerseq != _sequence(change.cause):
+            words = (
+                f"{_file(unit)} reads angles in the sequence `{unit.settings.eulerseq}`, the model does not"
+            )
+            return Reason(words, self.setting(unit, "eulerseq"))
+        span = self.setting(unit, "angle")
+        degrees = f"{_file(unit)} is in degrees" + ("" if span else ", MJCF's default")
+        if change.before is None:
+            given = Classes(life.node.getroottree().getroot()).get(class_in_force(life.node).name)
+            found = given.lookup("joint", change.attribute)
+            span = None if found is None else self.trace.life(found[1]).span(unit.origins, change.attribute)
+            return Reason(f"its class gives it to joints that slide too; in radians here, {degrees}", span)
+        return Reason(f"degrees → radians: {degrees}, the model in radians", span)
+
+    def _inertia(self, change: Change, life: Life) -> Reason | None:
+        return self._inertia_rule(change.cause)
+
+    def _inertia_made(self, life: Life, cause: Cause) -> Reason:
+        return self._inertia_rule(cause)
+
+    def _inertia_rule(self, cause: Cause) -> Reason:
+        settings, unit = cause.unit.settings, cause.unit
+        measured = [name for name in MEASURED if getattr(settings, name) != getattr(_DEFAULT, name)]
+        if measured:
+            names = " and ".join(f"`{name}`" for name in measured)
+            return Reason(
+                f"measured by MuJoCo on {_file(unit)} alone, for its {names}", self.setting(unit, measured[0])
+            )
+        for name in ("inertiagrouprange", "inertiafromgeom"):
+            value = getattr(settings, name)
+            if value != getattr(_DEFAULT, name):
+                return Reason(f'`{name}="{value}"` of {_file(unit)}, made explicit', self.setting(unit, name))
+        return Reason(f"the inertia rules of {_file(unit)}, made explicit")
+
+    def _reductions(self, change: Change, life: Life) -> Reason | None:
+        return self._reduced(life, change.cause)
+
+    def _reduced(self, life: Life, cause: Cause) -> Reason:
+        unit = cause.unit
+        spans = {name: self.setting(unit, name) for name in ("fusestatic", "discardvisual")}
+        names = " and ".join(f"`{name}`" for name, span in spans.items() if span is not None)
+        first = next((span for span in spans.values() if span is not None), None)
+        return Reason(f"as MuJoCo has it in {_file(unit)} alone, by its {names}", first)
+
+    def _unrolled(self, life: Life, cause: Cause) -> Reason:
+        words = f"a copy by the `<replicate>` of {_file(cause.unit)}, written out"
+        return Reason(words, of_step(cause, life.owner, None).span)
+
+    def _fitting(self, change: Change, life: Life) -> Reason | None:
+        unit = change.cause.unit
+        words = f"fitted by MuJoCo to the mesh's bounding box: `fitaabb` of {_file(unit)}"
+        return Reason(words, self.setting(unit, "fitaabb"))
+
+    def _lengthranges(self, change: Change, life: Life) -> Reason | None:
+        unit = change.cause.unit
+        rule = next(
+            (
+                each
+                for each in self.trace.lives.values()
+                if each.tag == "lengthrange" and each.root is unit.root
+            ),
+            None,
+        )
+        words = f"measured by MuJoCo on {_file(unit)} alone"
+        if rule is None:
+            return Reason(f"{words}, where nothing is attached to what the muscle moves", None)
+        return Reason(f"{words}, by its own `<lengthrange>`", rule.span(unit.origins))
+
+    def _adopted(self, change: Change, life: Life) -> Reason | None:
+        return self._adopted_made(life, change.cause)
+
+    def _adopted_made(self, life: Life, cause: Cause) -> Reason:
+        words = f'asked for by a model that {_file(cause.unit)} attaches, under its `conflict="merge"`'
+        return Reason(words, self.setting(cause.unit, "conflict"))
+
+    def _agreement(self, change: Change, life: Life) -> Reason | None:
+        linking = change.cause.linking
+        if linking is None or change.after is None:
+            return Reason("only one of these settings may be written")
+        path = "/".join([*(str(each.tag) for each in reversed([*life.node.iterancestors()][:-1])), life.tag])
+        for adopted in linking.base.adopted:
+            if adopted.path == f"{path}/{change.attribute}" and adopted.value == change.after:
+                return Reason(
+                    f"adopted from {', '.join(adopted.parts)}: neither base nor recipe writes it",
+                    adopted.span,
+                )
+        for part in linking.parts:
+            for node in part.unit.root.iter(life.tag):
+                asked = self.trace.lives.get(node)
+                if asked is not None and asked.attributes.get(change.attribute) == change.after:
+                    span = asked.span(part.unit.origins, change.attribute)
+                    return Reason(f"asked for by the part `{part.called}`", span)
+        return Reason("room for what the parts have")
+
+    def _agreement_made(self, life: Life, cause: Cause) -> Reason:
+        for name, value in life.attributes.items():
+            reason = self._agreement(Change(name, None, value, cause=cause, owner=life.owner), life)
+            if reason is not None:
+                return reason
+        return Reason("what the parts ask for")
+
+    def _files(self, change: Change, life: Life) -> Reason | None:
+        if change.attribute == "name":
+            return Reason("named after its file")
+        return Reason("where the bundle has the file")
+
+    def _same_file(self, change: Change, life: Life) -> Reason | None:
+        if change.attribute == "name":
+            return Reason("named after its file")
+        return Reason("a file with the same bytes is in the bundle already")
+
+    def _defaults(self, change: Change, life: Life) -> Reason | None:
+        if change.before is None:
+            return Reason(f"what has no class of its own is of the top class of {_file(change.cause.unit)}")
+        return Reason(f"the top class of {_file(change.cause.unit)} is called that here")
+
+    def _defaults_made(self, life: Life, cause: Cause) -> Reason:
+        if life.tag == "default" and "class" in life.attributes:
+            return Reason(f"the top class of {_file(cause.unit)}", self._top(cause.unit))
+        return Reason("holds the default classes of the parts")
+
+    def _top(self, unit: Unit) -> Span | None:
+        """Return where a unit begins to write its default classes."""
+        for life in self.trace.lives.values():
+            if (
+                life.root is unit.root
+                and life.parent is unit.root
+                and life.tag == "default"
+                and not life.made_by
+            ):
+                return life.span(unit.origins)
+        return None
+
+    def _agreement_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
+        change = Change(attribute, None, life.attributes.get(attribute), cause=cause, owner=life.owner)
+        return self._agreement(change, life)
+
+    def _compiler_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
+        for source in life.sources:
+            if source.attributes.get(attribute) == life.attributes.get(attribute):
+                return Reason("", source.span(cause.unit.origins, attribute))
+        return self._compiler(Change(attribute, None, None, cause=cause, owner=life.owner), life)
+
+    def _defaults_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
+        if attribute == "class" and cause.part is not None:
+            return Reason("named after the part", cause.part.span)
+        return None
+
+    def _bodies_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
+        """Return the reason for a value on the attachment of a part: the recipe's pose and joints, or the place."""
+        part = cause.part
+        if part is None:
+            return None
+        span = cause.unit.origins.set_at(life.node, attribute)
+        if span is None and cause.linking is not None:
+            span = cause.linking.base.origins.set_at(life.node, attribute)
+        is_pose = attribute == "pos" or attribute in ORIENTATIONS
+        if span is not None and attribute == "name":
+            return Reason(f"named there, with the prefix of the part `{part.called}`", span)
+        if span is not None:
+            computed = part.place.computed if is_pose else ""
+            return Reason(_COMPUTED.get(computed, ""), span)
+        if attribute in ("class", "childclass") and life.attributes[attribute] == part.top_class:
+            return Reason(f"the top class of the part `{part.called}`", part.span)
+        if attribute == "name":
+            return Reason(f"named after the part `{part.called}`", part.span)
+        if is_pose and part.floats:
+            return Reason("computed: where that place is in the world", hung_at(part))
+        if is_pose:
+            return Reason(f"the pose of the {part.place.kind} `{part.place.name}`", hung_at(part))
+        return Reason(f"for the part `{part.called}`", part.span)
+
+    def _bodies_made(self, life: Life, cause: Cause) -> Reason:
+        part = cause.part
+        if part is None:
+            return Reason("holds what the parts bring")
+        if life.tag == "frame" and life.attributes.get("childclass") == part.top_class:
+            return Reason(
+                f"carries the part `{part.called}` {place(part)}, and its default class", hung_at(part)
+            )
+        if life.tag == "frame":
+            return Reason(
+                f"the pose of the {part.place.kind} that the part `{part.called}` is attached to",
+                hung_at(part),
+            )
+        if life.tag == "body":
+            return Reason(f"a body for the joint between the part `{part.called}` and its place", part.span)
+        return Reason(f"joins the part `{part.called}` to its place", part.span)
+
+    def _weld(self, life: Life, cause: Cause) -> Reason:
+        part = cause.part
+        return Reason("left out: `joint: weld` fixes the part in its place", part.span if part else None)
+
+    def _section_made(self, life: Life, cause: Cause) -> Reason:
+        return Reason("holds what the parts bring")
+
+    def _compiler(self, change: Change, life: Life) -> Reason | None:
+        linking = change.cause.linking
+        if change.attribute in _FOLDERS:
+            return Reason("every file is named by its path in the bundle")
+        if change.attribute == "angle" and linking is not None:
+            return Reason(f"one unit for all parts: {model_angle(linking)}s")
+        if change.attribute == "autolimits" and linking is not None and model_autolimits(linking) == "true":
+            return Reason("made explicit where it matters")
+        return Reason("made explicit in what it governs, so that it does not reach other parts")
+
+    def _compiler_made(self, life: Life, cause: Cause) -> Reason:
+        if len(life.sources) == 1:
+            return Reason("the base's settings, as they hold for every part")
+        return Reason("the settings that hold for every part")
+
+    def _keyframes_made(self, life: Life, cause: Cause) -> Reason:
+        if not isinstance(life.owner, str):
+            return Reason("written in the recipe, laid out for the whole model", owned(life.owner, None))
+        if len(life.sources) > 1:
+            return Reason(f"{len(life.sources)} keys of that name made one, laid out for the whole model")
+        return Reason("laid out anew for the whole model")
+
+    def _keyframes(self, change: Change, life: Life) -> Reason | None:
+        return Reason("laid out anew for the whole model")
+
+    def _settled(self, change: Change, life: Life) -> Reason | None:
+        span = owned(change.owner, change.attribute)
+        return Reason("written in the recipe, in the model's unit of angle", span)
+
+    def _held(self, change: Change, life: Life) -> Reason | None:
+        span = owned(change.owner, change.attribute)
+        return Reason("computed: what holds the pose of the key", span)
+
+    def _main(self, change: Change, life: Life) -> Reason | None:
+        return Reason("`main` is called that here: the top class of the base")
+
+
+def place(part: Part) -> str:
+    """Return the place of a part in words."""
+    where = part.place
+    found = "in the world" if where.kind == "world" else f"on the {where.kind} `{where.name}`"
+    return f"{found}, with an offset" if where.offset else found
+
+
+def hung_at(part: Part) -> Span | None:
+    return part.place.span or part.span
+
+
+def _file(unit: Unit) -> str:
+    """Return the file name of a unit; its folder is shown beside it."""
+    return f"`{unit.file.rpartition('/')[2]}`"
+
+
+def _sequence(cause: Cause) -> str | None:
+    return None if cause.linking is None else cause.linking.base.settings.eulerseq
+
+
+CHANGES: dict[Function | None, Callable[[PassWords, Change, Life], Reason | None]] = {
+    names: PassWords._names,
+    body_reduction: PassWords._reductions,
+    angles: PassWords._angles,
+    inertia: PassWords._inertia,
+    fitting: PassWords._fitting,
+    lengthranges: PassWords._lengthranges,
+    submodel_options: PassWords._adopted,
+    agreement: PassWords._agreement,
+    files: PassWords._files,
+    submodels: PassWords._files,
+    add_file: PassWords._files,
+    collect: PassWords._same_file,
+    defaults: PassWords._defaults,
+    compiler: PassWords._compiler,
+    keyframes: PassWords._keyframes,
+    settle_joints: PassWords._settled,
+    hold_poses: PassWords._held,
+    check_names: PassWords._main,
+}
+
+MADE: dict[Function | None, Callable[[PassWords, Life, Cause], Reason]] = {
+    replicates: PassWords._unrolled,
+    body_reduction: PassWords._reduced,
+    inertia: PassWords._inertia_made,
+    submodel_options: PassWords._adopted_made,
+    agreement: PassWords._agreement_made,
+    defaults: PassWords._defaults_made,
+    bodies: PassWords._bodies_made,
+    compiler: PassWords._compiler_made,
+    keyframes: PassWords._keyframes_made,
+    sections: PassWords._section_made,
+}
+
+VALUES: dict[Function | None, Callable[[PassWords, Life, Cause, str], Reason | None]] = {
+    agreement: PassWords._agreement_value,
+    bodies: PassWords._bodies_value,
+    compiler: PassWords._compiler_value,
+    defaults: PassWords._defaults_value,
+}
+
+GONE: dict[Function | None, Callable[[PassWords, Life, Cause], Reason]] = {
+    body_reduction: PassWords._reduced,
+    inertia: PassWords._inertia_made,
+    roots: PassWords._weld,
+}
+
+
+def rewrites(cause: Cause) -> bool:
+    """Return whether a cause only rewrites a value or renames it, so that the value keeps its origin."""
+    row = row_of(cause.done)
+    return row.rewrites if row is not None else cause.function in (add_file, collect, check_names)
+
+
+class Causes:
+    """Words for the changes that one trace recorded."""
+
+    def __init__(self, trace: Trace) -> None:
+        self.passes = PassWords(trace)
+
+    def change(self, change: Change, life: Life) -> Reason:
+        """Return why an attribute changed."""
+        cause = change.cause
+        known = CHANGES.get(cause.function)
+        if known is not None:
+            reason = known(self.passes, change, life)
+            if reason is not None:
+                return reason
+        return of_step(cause, change.owner, change.attribute, node=life.node)
+
+    def made(self, life: Life) -> Reason:
+        """Return why an element exists that was read from no file."""
+        cause = life.made_by
+        assert cause is not None
+        known = MADE.get(cause.function)
+        if known is not None:
+            return known(self.passes, life, cause)
+        return of_step(cause, life.owner, None)
+
+    def value(self, life: Life, attribute: str) -> Reason:
+        """Return why an element that a pass created has this value of an attribute."""
+        cause = life.made_by
+        assert cause is not None
+        known = VALUES.get(cause.function)
+        reason = None if known is None else known(self.passes, life, cause, attribute)
+        return reason or self.made(life)
+
+    def gone(self, life: Life) -> Reason:
+        """Return why an element no longer exists."""
+        cause = life.gone
+        assert cause is not None
+        known = GONE.get(cause.function)
+        return known(self.passes, life, cause) if known is not None else of_step(cause, None, None)
+
+    def move(self, move: Move, life: Life) -> Reason | None:
+        """Return why an element moved, or None if the move means nothing, as in a merged section."""
+        cause = move.cause
+        if cause.function in (sections, defaults, compiler, keyframes):
+            return None
+        if cause.function is bodies:
+            return None if cause.part is None else Reason(f"hung {place(cause.part)}", hung_at(cause.part))
+        if (
+            move.before is not None
+            and move.after is not None
+            and move.before.tag == move.after.tag == "mujoco"
+        ):
+            return None
+        return of_step(cause, None, None)
+
+
+_INERTIA = "diaginertia"
+
+
+def is_derived(node: Node, name: str) -> bool:
+    """Return whether recipes have this attribute for the element and MJCF does not write it there."""
+    return name in derived_names(kind_of(node))
+
+
+def derived_names(kind: ElementType) -> tuple[str, ...]:
+    """Return the attributes that `edit`, `randomize` and `check: equal` accept beyond those in the grammar."""
+    if kind.path == "body":
+        return (MASS, _INERTIA)
+    if kind.family != "actuator":
+        return ()
+    return tuple(name for name in compared(kind.family) if name not in kind.attributes)
+
+
+def givers(node: Node, name: str, classes: Classes) -> list[tuple[Node, str]]:
+    """Return the elements and attributes in effect that determine it."""
+    if node.tag == "body":
+        return list(_of_body(node, name, classes))
+    general = GRAMMAR.element("actuator/motor").attributes
+    return [(node, each) for each in kind_of(node).attributes if each not in general]
+
+
+def total(found: list[tuple[Node, str]], name: str, values: list[str | None]) -> str | None:
+    """Return the value if the elements write it, or None if MuJoCo computes it."""
+    if not found and name == MASS:
+        return "0"
+    if len(found) == 1 and found[0][1] == name and found[0][0].tag == "inertial":
+        return values[0]
+    if name != MASS or any(attribute != MASS for _, attribute in found):
+        return None
+    return numbers.text([sum(numbers.read(str(value))[0] for value in values)])
+
+
+def _of_body(body: Node, name: str, classes: Classes) -> Iterator[tuple[Node, str]]:
+    root = body.getroottree().getroot()
+    rule = read_settings(root).inertiafromgeom
+    geoms = [geom for geom in own(body, "geom") if has_mass(geom, classes)]
+    inertials = own(body, "inertial")
+    if inertials and not (rule == "true" and geoms):
+        written = next((each for each in (name, "fullinertia") if inertials[-1].get(each)), name)
+        yield inertials[-1], MASS if name == MASS else written
+        return
+    for geom in geoms if rule != "false" else ():
+        mass = classes.effective(geom, childclass_of(geom), MASS)
+        yield geom, "density" if mass is None else MASS

@@ -1,0 +1,487 @@
+"""Compare parts with their state in a merged model, and write the `edit` entries that lead from one to the other."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
+
+from mjcompose.base.rotation import Pose
+from mjcompose.link.numbers import read_pose
+from mjcompose.model.classes import MAIN, childclass_of, default_tag
+from mjcompose.model.files import NAMED_AFTER_FILE
+from mjcompose.model.grammar import GRAMMAR, Attribute
+from mjcompose.model.select import numbered, parent_of
+from mjcompose.model.unit import Unit
+from mjcompose.mujoco.arrays import ANGULAR, unit
+from mjcompose.text.faults import quoted, word
+from mjcompose.tools.importing.elements import (
+    CLASSES,
+    POSE,
+    REMOVED,
+    Changed,
+    Entry,
+    Item,
+    Likeness,
+    Names,
+    Pair,
+    assets_of,
+    at_the_same_place,
+    differing,
+    effective,
+    flow,
+    flow_list,
+    items,
+    named,
+    nested,
+    numbers,
+    places,
+    plain,
+    selector_of,
+    written_value,
+)
+from mjcompose.tools.importing.search import Instance, paired, parent_body
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+_SEVERAL = 2  # if as many elements change alike, their class changed
+_ASSETS = frozenset(("material", *NAMED_AFTER_FILE))
+_BODY = "body"
+_IN_WORLD = "{body: world}"
+_IN_BODIES = ("geom", "site", "joint", "freejoint", "inertial", "light", "camera")
+_SORTED = frozenset({"pair", "exclude"})  # MuJoCo orders these in its own way
+
+
+class Comparison:
+    """Compares the parts with their state in the merged model, and writes the edits for the differences."""
+
+    def __init__(
+        self,
+        merged: Unit,
+        parts: list[Unit],
+        references: list[str],
+        found: list[Instance],
+        separator: str,
+        relative: Callable[[Path], str],
+        likeness: Callable[[Instance, Names], Likeness],
+    ) -> None:
+        self.merged, self.parts, self.references, self.found = merged, parts, references, found
+        self.relative = relative
+        self.alike: dict[str, tuple[object, ...]] = {}
+        self.separator = separator
+        self.there = named(merged)
+        self.names: dict[tuple[str, str], str] = {}
+        """Names of the merged model to names in the recipe, before it renames anything."""
+        self.covered: set[Node] = {each.body for each in found}
+        self.entries: list[Entry] = []
+        self.pairs: list[Pair] = []
+        self.labels: set[str] = set()
+        self.found_changes: list[Changed] = []
+        self.places = {unit: places(unit) for unit in (merged, *parts)}
+        self.counts = {
+            unit: Counter(kind for kind, _ in found.values()) for unit, found in self.places.items()
+        }
+        self.likeness: dict[int, Likeness] = {}
+        self.new_names: dict[tuple[int, str, str], str] = {}
+        """What the merged model calls a part's element other than with its prefix, by instance, namespace and name."""
+        for each in found:
+            self.find_renamed(each)
+        self.likeness = {id(each): likeness(each, self.names_in_merged(each)) for each in found}
+        self.places = {unit: places(unit) for unit in (merged, *parts)}
+        self.counts = {
+            unit: Counter(kind for kind, _ in found.values()) for unit, found in self.places.items()
+        }
+
+    def theirs(self, each: Instance, namespace: str | None, name: str) -> str:
+        """Return the name in the merged model of an element of a part; without a namespace, of any element."""
+        if namespace is not None:
+            return self.new_names.get((id(each), namespace, name), each.prefix + name)
+        found = (new for (part, _, old), new in self.new_names.items() if part == id(each) and old == name)
+        return next(found, each.prefix + name)
+
+    def find_renamed(self, each: Instance) -> None:
+        """Find renamed elements: the only new one with that tag in its body, or one with the same references."""
+        part = self.parts[each.part]
+        known = {
+            (namespace, one.prefix + name)
+            for one in self.found
+            for namespace, name in named(self.parts[one.part])
+        }
+        new = [item for key, item in self.there.items() if key not in known]
+        for (namespace, name), item in named(part).items():
+            if (namespace, each.prefix + name) in self.there:
+                continue
+            alike = [
+                other for other in new if other.namespace == namespace and self.renamed(item, other, each)
+            ]
+            if len(alike) == 1:
+                self.new_names[id(each), namespace, name] = alike[0].name
+                new.remove(alike[0])
+
+    def renamed(self, item: Item, other: Item, each: Instance) -> bool:
+        if item.section != "worldbody" or other.section != "worldbody":
+            return item.section == other.section and self.meant(item, each) == self.meant(other, None)
+        if item.kind.tag != other.kind.tag or self.changes(item, other, each):
+            return False
+        before, after = parent_body(item.node), parent_body(other.node)
+        if before is None or after is None:
+            return before is after and each.is_base
+        return self.theirs(each, "body", str(before.get("name"))) == after.get("name")
+
+    def names_in_merged(self, each: Instance) -> Names:
+        found: Names = {}
+        for (part, namespace, name), new in self.new_names.items():
+            if part == id(each):
+                found.setdefault(namespace, {})[name] = new
+        assets = assets_of(self.merged)
+        for tag, name in assets_of(self.parts[each.part]):
+            if (tag, each.prefix + name) not in assets and (tag, name) in assets:
+                found.setdefault(tag, {})[name] = name
+        return found
+
+    def values(self, node: Node, unit: Unit) -> dict[str, str]:
+        """Return what an asset writes or gets from its class, with file paths as the recipe needs them."""
+        kind = GRAMMAR.element(str(node.tag))
+        found = {}
+        for name, attribute in kind.attributes.items():
+            value = unit.classes.effective(node, None, name)
+            if value is None or name in ("name", "class"):
+                continue
+            found[name] = " ".join(value.split())
+            if attribute.type == "file":
+                settings = unit.settings
+                folder = settings.texture_folder if attribute.folder == "texture" else settings.mesh_folder
+                found[name] = self.relative(unit.directory / folder / value)
+        return found
+
+    def edit(self, verbs: dict[str, str], rank: int = 0) -> None:
+        self.entries.append(Entry("edit", flow(verbs), rank=rank))
+
+    def pose(self, body: Node, unit: Unit) -> Pose:
+        """Return the pose of a body in the body around it, including its frames."""
+        pose = read_pose(body, unit.settings.angle == "degree", unit.settings.eulerseq)
+        parent = body.getparent()
+        while parent is not None and parent.tag == "frame":
+            pose = read_pose(parent, unit.settings.angle == "degree", unit.settings.eulerseq) @ pose
+            parent = parent.getparent()
+        return pose
+
+    def compare(self, each: Instance) -> None:
+        """Write the edits that turn the part into its state in the merged model."""
+        part = self.parts[each.part]
+        gone: set[Node] = set()
+        for (namespace, name), item in named(part).items():
+            there = self.there.get((namespace, self.theirs(each, namespace, name)))
+            select = selector_of(namespace, item.kind.tag, each.out + name)
+            if there is None or (
+                there.kind.tag != item.kind.tag and not self.same(item.node, there.node, each)
+            ):
+                if not gone.isdisjoint(item.node.iterancestors()):
+                    continue  # it is removed together with its parent
+                gone.add(item.node)
+                self.edit({"select": select, "remove": "true"}, REMOVED + (item.section == "worldbody"))
+                continue
+            self.covered.add(there.node)
+            moved = self.moved(item, there, each)
+            changes = self.changes(item, there, each)
+            if moved or item.node is each.root:  # the attachment determines its pose
+                changes = {k: v for k, v in changes.items() if (each.is_base and not moved) or k not in POSE}
+            self.pairs.append(Pair(select, item, each, changes=changes, moved=moved))
+            if item.kind.tag == "body":
+                self.unnamed(item.node, there.node, selector_of(_BODY, _BODY, each.out + name), each=each)
+
+    def changes(self, before: Item, after: Item, each: Instance) -> dict[str, str | None]:
+        """Return the values that differ between an element of the part and the merged model.
+
+        The result is empty if both mean the same.
+        """
+        if self.same(before.node, after.node, each):
+            return {}
+        part = self.parts[each.part]
+        degrees = self.merged.settings.angle == "degree"
+        one = plain(effective(before, part), before.kind.tag, part.settings, degrees=degrees)
+        other = plain(effective(after, self.merged), after.kind.tag, self.merged.settings, degrees=degrees)
+        if POSE & (one.keys() | other.keys()) and at_the_same_place(
+            one, part.settings, other, others=self.merged.settings
+        ):
+            for name in (*POSE, "size"):
+                one.pop(name, None)
+                other.pop(name, None)
+        for name, attribute in before.kind.attributes.items():
+            both = name in one and name in other
+            if (
+                both
+                and attribute.is_reference
+                and other[name].split()
+                == [self.theirs(each, attribute.refers, old) for old in one[name].split()]
+            ):
+                del one[name], other[name]
+                continue
+            if both and attribute.refers in _ASSETS:
+                own, there = (
+                    self.alike.get(each.out + one[name]),
+                    self.names.get((attribute.refers, other[name])),
+                )
+                if other[name] in (one[name], each.prefix + one[name]) or (
+                    own and own == self.alike.get(there or "")
+                ):
+                    del one[name], other[name]  # the part has an equal one of its own
+        return differing(one, other, before.kind, prefix=each.prefix)
+
+    def same(self, before: Node, after: Node, each: Instance) -> bool:
+        """Return whether MuJoCo compiles the two to the same."""
+        part, likeness = self.parts[each.part], self.likeness.get(id(each), Likeness())
+        of_body = before.tag == after.tag == "inertial"
+        here, there = (parent_body(node) if of_body else node for node in (before, after))
+        if here is None or there is None:
+            return False
+        one, other = self.places[part].get(here), self.places[self.merged].get(there)
+        if one is None or other is None or one[0] != other[0] or one[0] in _SORTED:
+            return False
+        kind, counts = one[0], (self.counts[part][one[0]], self.counts[self.merged][one[0]])
+        return likeness.counts.get(kind) == counts and (one[1], other[1]) in likeness.same.get(kind, ())
+
+    def changed(self) -> None:
+        """Write the entries for all differences; one for a class if all values that it sets changed alike."""
+        groups: dict[tuple[int, str, str, str], list[Pair]] = {}
+        different = {name for pair in self.pairs for name in pair.changes}
+        for pair in self.pairs:
+            for name in pair.item.kind.attributes:
+                owner = self.owner(pair, name)
+                if owner is not None and name in different:
+                    groups.setdefault((id(pair.each), owner, default_tag(pair.item.node), name), []).append(
+                        pair
+                    )
+        settled: dict[str, dict[str, dict[str, object]]] = {}
+        for (_, owner, tag, name), pairs in groups.items():
+            values = {pair.changes.get(name) for pair in pairs}
+            value = values.pop()
+            if values or value is None or len(pairs) < _SEVERAL:
+                continue
+            pair = pairs[0]
+            attribute = pair.item.kind.attributes[name]
+            called = owner if pair.each.is_base else pair.each.out + (owner if owner != MAIN else "")
+            settled.setdefault(called, {}).setdefault(tag, {})[name] = written_value(
+                attribute, self.name(attribute, value)
+            )
+            before = effective(pair.item, self.parts[pair.each.part]).get(name)
+            self.found_changes.append(
+                Changed(
+                    "default class",
+                    called,
+                    f"{tag} {name}",
+                    before=before,
+                    after=value,
+                    unit=self.unit(pair, name),
+                    count=len(pairs),
+                )
+            )
+            for each in pairs:
+                del each.changes[name]
+        for owner, tags in settled.items():
+            self.edit({"select": f"{{default: {word(owner)}}}", "set": nested(dict(tags))}, CLASSES)
+        for pair in self.pairs:
+            self.change(pair)
+
+    def owner(self, pair: Pair, name: str) -> str | None:
+        """Return the class that sets an element's value, or None if the element itself or nothing sets it."""
+        node, unit = pair.item.node, self.parts[pair.each.part]
+        if node.get(name) is not None or not pair.item.kind.takes_class:
+            return None
+        found = unit.classes.get(str(node.get("class") or childclass_of(node) or MAIN))
+        given = found.lookup(default_tag(node), name)
+        if given is None:
+            return None
+        above = given[1].getparent()
+        return None if above is None else str(above.get("class") or MAIN)
+
+    def change(self, pair: Pair) -> None:
+        attributes = pair.item.kind.attributes
+        written = {
+            k: written_value(attributes[k], self.name(attributes[k], v))
+            for k, v in pair.changes.items()
+            if v is not None
+        }
+        unset = [k for k, v in pair.changes.items() if v is None]
+        before = effective(pair.item, self.parts[pair.each.part])
+        for name, value in pair.changes.items():
+            if value is not None or name in before:
+                place = Changed(
+                    pair.item.kind.tag,
+                    self.called(pair),
+                    name,
+                    before=before.get(name),
+                    after=value,
+                    unit=self.unit(pair, name),
+                )
+                self.found_changes.append(place)
+        if pair.changes or pair.moved:
+            verbs = {"select": pair.select} | ({"unset": flow_list(unset)} if unset else {})
+            verbs |= {"set": flow(written)} if written else {}
+            self.edit(verbs | ({"move": flow(pair.moved)} if pair.moved else {}))
+
+    def called(self, pair: Pair) -> str:
+        """Return the name of an element in messages."""
+        item = pair.item
+        name = item.name or (
+            PurePosixPath(str(item.node.get("file") or "")).stem if item.section == "asset" else ""
+        )
+        if name:
+            return pair.each.out + name
+        body = parent_body(item.node) if item.section == "worldbody" else None
+        if body is not None and body.get("name"):
+            number = list(body.iterchildren(item.kind.tag)).index(item.node)
+            return f"#{number} of body `{pair.each.out}{body.get('name')}`"
+        number = list(item.node.getparent().iterchildren(item.kind.tag)).index(item.node)  # type: ignore[union-attr]
+        return f"#{number}"
+
+    def unit(self, pair: Pair, name: str) -> str:
+        """Return the unit in which the merged model writes an attribute."""
+        kind, attribute = pair.item.kind, pair.item.kind.attributes[name]
+        form = ""
+        if kind.tag == "joint" and pair.item.section == "worldbody":
+            form = effective(pair.item, self.parts[pair.each.part]).get("type", "hinge")
+        if attribute.angle is not None and form in ("", *ANGULAR):
+            if attribute.angle == "joint" or form:
+                return "deg" if self.merged.settings.angle == "degree" else "rad"
+            return ""
+        arrays = {"joint": ("jnt", "dof"), "camera": ("cam",), "material": ("mat",), "texture": ("tex",)}
+        for array in arrays.get(kind.tag, (kind.tag,)):
+            if known := unit(f"{array}_{name}", form):
+                return known
+        return ""
+
+    def compare_assets(self, each: Instance) -> None:
+        """Write the edits of the part's own assets; their files remain the part's."""
+        part, assets = self.parts[each.part], assets_of(self.merged)
+        for (tag, name), node in assets_of(part).items():
+            there = assets.get((tag, each.prefix + name), assets.get((tag, name)))
+            if there is None:
+                continue
+            kind = GRAMMAR.element(tag)
+            item = Item(node, kind, "asset", namespace=tag)
+            changes = self.changes(item, Item(there, kind, "asset", namespace=tag), each)
+            self.pairs.append(
+                Pair(selector_of(tag, tag, each.out + name), item, each, changes=changes, moved={})
+            )
+
+    def compare_sections(self, each: Instance) -> None:
+        """Compare unnamed elements of sections, paired by what they refer to."""
+        there: dict[tuple[object, ...], Item] = {}
+        for item in items(self.merged):
+            if not item.name and item.section != "worldbody":
+                there.setdefault(self.meant(item, None), item)
+        for item in items(self.parts[each.part]):
+            if item.name or item.section == "worldbody":
+                continue
+            meant = self.meant(item, each)
+            references = {k: word(each.out + v) for k, a, v in self.written(item) if a.is_reference}
+            select = flow({f"{item.section}/{item.kind.tag}": '"**"', "where": flow(references)})
+            found = there.pop(meant, None)
+            if found is None or (found.kind != item.kind and not self.same(item.node, found.node, each)):
+                self.edit({"select": select, "remove": "true"}, REMOVED)
+            else:
+                self.covered.add(found.node)
+                self.pairs.append(Pair(select, item, each, changes=self.changes(item, found, each), moved={}))
+
+    def compare_world(self, each: Instance) -> list[str]:
+        """Return selectors of unnamed elements in the part's world that the merged model lacks."""
+        here, there = (
+            next(unit.root.iterchildren("worldbody"), None) for unit in (self.parts[each.part], self.merged)
+        )
+        if here is None or there is None:
+            return []
+        if each.is_base:
+            self.unnamed(here, there, _IN_WORLD, each=each)
+            return []
+        return [*self.beside(here, each)] + [
+            flow({tag: '"**"', "parent": _IN_WORLD, "where": quoted("${name == ''}")})
+            for tag in _IN_BODIES
+            if _without_name(here, tag)
+        ]
+
+    def beside(self, here: Node, each: Instance) -> list[str]:
+        """Compare the bodies without a name beside the part's root; return selectors of those to drop."""
+        around = each.body.getparent()
+        kind = GRAMMAR.within("worldbody")[_BODY]
+        one, other = (
+            [Item(node, kind, "worldbody", namespace=_BODY) for node in _without_name(holder, _BODY)]
+            for holder in (here, each.body if around is None else around)
+        )
+        other = [item for item in other if item.node not in self.covered]
+        dropped = []
+        for a, b in paired(one, other, lambda a, b: not self.changes(a, b, each)):
+            select = _numbered(a.node, _IN_WORLD)
+            if b is None or self.changes(a, b, each):
+                dropped.append(select)
+            else:
+                self.covered.add(b.node)
+                self.unnamed(a.node, b.node, select, each=each)
+        return dropped[::-1]  # one that goes must not renumber those that are still to go
+
+    def meant(self, item: Item, each: Instance | None) -> tuple[object, ...]:
+        """Return what identifies an unnamed element: its tag, and its references by their names in the merged model."""
+        kind = (
+            item.section if item.section == "actuator" else item.kind.path
+        )  # MuJoCo writes all of them as `general`
+        found = [(k, a, v) for k, a, v in self.written(item) if a.is_reference]
+        return (kind, *((k, v if each is None else self.theirs(each, a.refers, v)) for k, a, v in found))
+
+    def moved(self, item: Item, there: Item, each: Instance) -> dict[str, str]:
+        """Return the new parent of a body of a part, if it has another one."""
+        if item.kind.tag != "body" or item.node is each.root:
+            return {}
+        before, after = parent_body(item.node), parent_body(there.node)
+        if before is not None and after is not None and not before.get("name") and after in self.covered:
+            return {}  # bodies without a name come before what they hold
+        was = "world" if before is None else self.theirs(each, "body", str(before.get("name")))
+        name = "world" if after is None else str(after.get("name"))
+        if was == name:
+            return {}
+        pose = self.pose(there.node, self.merged)
+        to = {"to": word(self.names.get(("body", name), name))}
+        return to | {"pos": numbers(pose.pos), "quat": numbers(pose.quat)}
+
+    def unnamed(self, before: Node, after: Node, parent: str, each: Instance) -> None:
+        """Compare unnamed elements, paired by their order; `parent` is the selector of their parent."""
+        for tag in (*_IN_BODIES, _BODY):
+            kind = GRAMMAR.within("worldbody")[tag]
+            one, other = (
+                [Item(node, kind, "worldbody", namespace=tag) for node in _without_name(body, tag)]
+                for body in (before, after)
+            )
+            for a, b in paired(one, other, lambda a, b: not self.changes(a, b, each)):
+                select = _numbered(a.node, parent)
+                if b is None:
+                    self.edit({"select": select, "remove": "true"}, REMOVED - one.index(a))
+                else:
+                    self.covered.add(b.node)
+                    self.pairs.append(Pair(select, a, each, changes=self.changes(a, b, each), moved={}))
+                    if tag == _BODY:
+                        self.unnamed(a.node, b.node, select, each=each)
+
+    def written(self, item: Item) -> Iterator[tuple[str, Attribute, str]]:
+        for name, attribute in item.kind.attributes.items():
+            if item.node.get(name) is not None and name != "class":
+                yield name, attribute, str(item.node.get(name))
+
+    def name(self, attribute: Attribute, value: str) -> str:
+        """Return a value with its names as in the recipe."""
+        if not attribute.is_reference or attribute.refers is None:
+            return value
+        return " ".join(self.names.get((attribute.refers, each), each) for each in value.split())
+
+
+def _numbered(node: Node, parent: str) -> str:
+    """Return the selector of an element without a name, by the selector of its parent and its number there."""
+    tag, around = str(node.tag), parent_of(node)
+    assert around is not None
+    number = numbered(around, tag)[node]
+    where = {} if tag == "inertial" else {"where": quoted(f"${{index == {number}}}")}
+    return flow({tag: '"**"', "parent": parent, **where})
+
+
+def _without_name(body: Node, tag: str) -> list[Node]:
+    return [node for node in body.iterchildren(tag) if not node.get("name")]

@@ -1,0 +1,396 @@
+"""The elements of a model by kind and name, and which of them mean the same.
+
+Find which elements of a part are unchanged in the merged model, as MuJoCo compiles them.
+
+A merged model may write the same thing differently: in radians, with six digits, with `pos` and `quat` for
+`fromto`, with a class in place of an attribute. Comparing compiled models limits edits to differences in meaning.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import field
+from pathlib import PurePosixPath
+from typing import TYPE_CHECKING, Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.rotation import Pose, quat_from_zaxis
+from mjcompose.link.numbers import read, read_pose
+from mjcompose.model.classes import childclass_of
+from mjcompose.model.files import Settings
+from mjcompose.model.grammar import GRAMMAR, Attribute, ElementType, to_text
+from mjcompose.model.select import kind_of
+from mjcompose.model.select import query as paths_of
+from mjcompose.model.unit import Unit
+from mjcompose.mujoco.arrays import follows
+from mjcompose.mujoco.attributes import KINDS, Model, NameTable
+from mjcompose.mujoco.match import Correspondence, Mount
+from mjcompose.text.faults import word
+from mjcompose.tools.diff.changes import Change, Value
+from mjcompose.tools.diff.models import Values, references
+from mjcompose.tools.explain.query import ordered
+from mjcompose.tools.importing.search import Instance
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+
+def flow(values: dict[str, str]) -> str:
+    return "{" + ", ".join(f"{word(key)}: {value}" for key, value in values.items()) + "}"
+
+
+def nested(values: dict[str, object]) -> str:
+    return flow({k: nested(v) if isinstance(v, dict) else str(v) for k, v in values.items()})
+
+
+def flow_list(values: list[str]) -> str:
+    return "[" + ", ".join(word(value) for value in values) + "]"
+
+
+def numbers(values: tuple[float, ...]) -> str:
+    return "[" + ", ".join(map(_short, values)) + "]"
+
+
+def _short(value: float) -> str:
+    """Return a number with twelve digits if that is all but its rounding, and with all digits otherwise.
+
+    >>> _short(0.1 + 0.2), _short(1e-17), _short(0.943714364147489)
+    ('0.3', '0', '0.943714364147489')
+    """
+    short = f"{round(value, 12) + 0.0:.12g}"
+    return short if math.isclose(float(short), value, rel_tol=1e-15, abs_tol=1e-15) else repr(value)
+
+
+SECTIONS = ("worldbody", "tendon", "equality", "actuator", "sensor", "contact")
+_SETTINGS = ("option", "size", "visual", "statistic")
+_CLASSES = frozenset({"name", "class", "childclass"})
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """An element with or without a name; `namespace` is where its name must be unique."""
+
+    node: Node
+    kind: ElementType
+    section: str
+    namespace: str
+
+    @property
+    def name(self) -> str:
+        return str(self.node.get("name") or "")
+
+
+def items(unit: Unit) -> Iterator[Item]:
+    """Yield the elements of the body tree and of the sections in their order, without the steps of tendons."""
+    for section in unit.root:
+        if section.tag not in SECTIONS:
+            continue
+        kinds = GRAMMAR.within(str(section.tag))
+        nodes = section.iter("*") if section.tag == "worldbody" else section.iterchildren("*")
+        for node in nodes:
+            kind = kinds.get(str(node.tag))
+            name = None if kind is None else kind.attributes.get("name")
+            if node is not section and kind is not None and name is not None and name.declares is not None:
+                yield Item(node, kind, str(section.tag), namespace=name.declares)
+
+
+def named(unit: Unit) -> dict[tuple[str, str], Item]:
+    """Return the elements that have a name."""
+    return {(each.namespace, each.name): each for each in items(unit) if each.name}
+
+
+def effective(item: Item, unit: Unit) -> dict[str, str]:
+    """Return the values that an element writes or gets from its class, without names and classes."""
+    around = childclass_of(item.node)
+    found = {}
+    for name in item.kind.attributes:
+        if name not in _CLASSES:
+            value = unit.classes.effective(item.node, around, name)
+            if value is not None:
+                found[name] = " ".join(value.split())
+    return found
+
+
+def differing(
+    one: dict[str, str], other: dict[str, str], kind: ElementType, prefix: str
+) -> dict[str, str | None]:
+    """Return the values of `other` that `one` lacks; None for those that only `one` has.
+
+    A name in `one` equals the same name with `prefix` before it in `other`.
+    """
+    changes: dict[str, str | None] = {}
+    for name, attribute in kind.attributes.items():
+        before, after = (each.get(name) or default_text(attribute) for each in (one, other))
+        if before == after or (before and after and _same(before, after, attribute, prefix=prefix)):
+            continue
+        changes[name] = after
+    return changes
+
+
+def default_text(attribute: Attribute) -> str | None:
+    """Return MuJoCo's default, if the grammar knows it."""
+    return None if attribute.default in (None, ()) else to_text(attribute, attribute.default)
+
+
+def _same(before: str, after: str, attribute: Attribute, prefix: str) -> bool:
+    if attribute.is_number:
+        try:
+            a, b = ([float(each) for each in text.split()] for text in (before, after))
+        except ValueError:
+            return False
+        default = [float(each) for each in (default_text(attribute) or "").split()]
+        length = max(len(a), len(b))
+        ours, theirs = ([*each, *default[len(each) : length]] for each in (a, b))
+        return len(ours) == len(theirs) and all(map(is_rounded, ours, theirs))
+    if attribute.is_reference:
+        return [prefix + each for each in before.split()] == after.split()
+    return attribute.type in ("file", "name")
+
+
+def assets_of(unit: Unit) -> dict[tuple[str, str], Node]:
+    """Return the assets by tag and name; an unnamed asset has the stem of its file as name."""
+    return {
+        (str(node.tag), str(node.get("name") or PurePosixPath(str(node.get("file") or "")).stem)): node
+        for section in unit.root.iterchildren("asset")
+        for node in section.iterchildren("*")
+    }
+
+
+def settings_of(unit: Unit) -> dict[tuple[str, ...], str]:
+    found: dict[tuple[str, ...], str] = {}
+
+    def walk(node: Node, path: tuple[str, ...]) -> None:
+        found.update(
+            {(*path, str(name)): " ".join(str(value).split()) for name, value in node.attrib.items()}
+        )
+        for child in node.iterchildren("*"):
+            walk(child, (*path, str(child.tag)))
+
+    for section in unit.root:
+        if section.tag in _SETTINGS:
+            walk(section, (str(section.tag),))
+    return found
+
+
+# Ranks. Classes come first. Removals come after all changes, because they may select by number, and references are
+# removed before their targets. Renames come last: until then, names are those of the parts.
+CLASSES, REMOVED, RENAMED = -1, 10_000, 20_000
+
+
+@dataclass(slots=True)
+class Entry:
+    """One entry of a section of the recipe; `note` says why it is only a comment.
+
+    Entries are in groups within a section, ordered by `rank`: removals by number come last.
+    """
+
+    section: str
+    text: str
+    note: str | None = None
+    group: str = ""
+    rank: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """An element of a part and how it differs in the merged model; `select` is its selector in the recipe."""
+
+    select: str
+    item: Item
+    each: Instance
+    changes: dict[str, str | None]
+    moved: dict[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Changed:
+    """An attribute with another value in the merged model than in the parts.
+
+    `kind` and `name` are those of the element, or of the class if `count` elements get the value from it. `before`
+    and `after` are the written values, None if there is none.
+    """
+
+    kind: str
+    name: str
+    attribute: str
+    before: str | None
+    after: str | None
+    unit: str = ""
+    count: int = 1
+
+
+Names = dict[str, dict[str, str]]
+"""By kind, the names of a part's elements in the merged model that are not just prefixed."""
+
+
+def selector_of(namespace: str, tag: str, name: str) -> str:
+    kind = namespace if namespace in ("actuator", "sensor", "equality", "tendon") else tag
+    return f"{{{kind}: {word(name)}}}"
+
+
+def written_value(attribute: Attribute, text: str) -> str:
+    parts = text.split()
+    if attribute.separated and (attribute.max_length != 1):
+        return flow_list(parts)
+    if attribute.type == "bool" or attribute.is_number:
+        return text
+    return word(text)
+
+
+POSE = frozenset({"pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "fromto"})
+_ANGLES = ("range", "ref", "springref", "springyield")
+
+
+def plain(values: Mapping[str, str], tag: str, settings: Settings, degrees: bool) -> dict[str, str]:
+    """Return the values with joint angles in the given unit."""
+    found = dict(values)
+    slides = tag == "joint" and found.get("type") == "slide"
+    if tag != "joint" or slides or (settings.angle == "degree") == degrees:
+        return found
+    factor = 180 / math.pi if degrees else math.pi / 180
+    for name in _ANGLES:
+        if name in found:
+            found[name] = " ".join(f"{number * factor:.12g}" for number in read(found[name]))
+    return found
+
+
+def placed(values: Mapping[str, str], settings: Settings) -> tuple[Pose, list[float]] | None:
+    """Return the pose and size that the values describe, or None if they are not numbers."""
+    try:
+        pose, size = (
+            read_pose(values, settings.angle == "degree", settings.eulerseq),
+            read(values.get("size", "")),
+        )
+        if not values.get("fromto"):
+            return pose, size
+        ends = read(values["fromto"])
+        middle = [(a + b) / 2 for a, b in zip(ends[:3], ends[3:], strict=True)]
+        axis = [a - b for a, b in zip(ends[:3], ends[3:], strict=True)]
+        half = math.dist(ends[:3], ends[3:]) / 2
+        boxed = values.get("type") in ("box", "ellipsoid")
+        size = [size[0], size[0], half] if boxed else [size[0], half]
+        return Pose((middle[0], middle[1], middle[2]), quat_from_zaxis(axis)), size
+    except (ValueError, IndexError):
+        return None
+
+
+def at_the_same_place(
+    one: Mapping[str, str], settings: Settings, other: Mapping[str, str], others: Settings
+) -> bool:
+    """Return whether two elements have the same pose and size except for rounding, however they are written."""
+    here, there = placed(one, settings), placed(other, others)
+    if here is None or there is None or len(here[1]) != len(there[1]):
+        return False
+    quats = (list(here[0].quat), list(there[0].quat))
+    return (
+        near(list(here[0].pos), list(there[0].pos))
+        and (near(*quats) or near(quats[0], [-each for each in quats[1]]))
+        and near(here[1], there[1])
+    )
+
+
+def is_rounded(exact: float, written: float) -> bool:
+    """Return whether one number is the other, or the other rounded to the six digits that MuJoCo writes.
+
+    >>> is_rounded(1.5707963267948966, 1.5708), is_rounded(1.5707963267948966, 1.571)
+    (True, False)
+    """
+    return exact == written or float(f"{exact:.6g}") == written
+
+
+ROUNDING = 1e-5
+"""MuJoCo writes six digits when it saves a model: numbers that differ by less are the same."""
+
+_SMALLEST = 1e-6  # smaller numbers are compared as if they had this size
+_MASSES = frozenset({"body_mass", "body_inertia", "body_ipos", "body_iquat"})
+_KINDS = {path: kind for kind in KINDS if kind != "plugin" for path in paths_of(kind, None).paths}
+
+
+@dataclass(frozen=True, slots=True)
+class Likeness:
+    """By kind, the pairs of elements of the part and the merged model that are the same except for rounding.
+
+    Elements are numbered as in MuJoCo; `counts` has, by kind, how many the two models have.
+    """
+
+    same: Mapping[str, frozenset[tuple[int, int]]] = field(default_factory=dict)
+    counts: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+
+
+def unchanged(mujoco: Any, alone: Model, merged: Model, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a `Likeness` as JSON data; runs under `mjcompose.mujoco.engine.call`.
+
+    ``given`` has the ``prefix`` of the part's names in the merged model, ``names`` for those that are not just
+    prefixed, and the ``body`` that the part is attached to.
+    """
+    matching = Correspondence(
+        NameTable(alone),
+        NameTable(merged),
+        prefix=given["prefix"],
+        mount=Mount(given["body"], None),
+        renamed=given["names"],
+        by_order=False,
+    )
+    changed: dict[str, set[tuple[int, int]]] = defaultdict(set)
+    for each in (*references(matching), *Values(mujoco, matching, 0.0).changes()):
+        if not follows(each.field) and not is_rounding(each):
+            changed[each.kind].add(each.index)
+            if each.field in _MASSES:
+                changed["mass"].add(each.index)
+    same = {
+        kind: [pair for pair in matching.pairs(kind) if pair not in changed[kind]]
+        for kind in KINDS
+        if kind != "key"
+    }
+    heavier = {after for _, after in changed["mass"]}  # its own numbers do not say which geom causes that
+    same["geom"] = [pair for pair in same["geom"] if int(merged.geom_bodyid[pair[1]]) not in heavier]
+    counts = {
+        kind: [len(getattr(model, KINDS[kind].addresses)) for model in (alone, merged)] for kind in KINDS
+    }
+    return {"same": same, "counts": counts}
+
+
+def likeness_of(data: Mapping[str, Any]) -> Likeness:
+    """Return the likeness from its JSON data."""
+    return Likeness(
+        {kind: frozenset((i, j) for i, j in pairs) for kind, pairs in data["same"].items()},
+        {kind: (a, b) for kind, (a, b) in data["counts"].items()},
+    )
+
+
+def is_rounding(change: Change) -> bool:
+    """Return whether the numbers are the same to six digits; quaternions may have the opposite sign."""
+    ours, theirs = numbers_likeness(change.before), numbers_likeness(change.after)
+    if ours is None or theirs is None or len(ours) != len(theirs):
+        return False
+    return near(ours, theirs) or (change.field.endswith("quat") and near(ours, [-each for each in theirs]))
+
+
+def near(ours: list[float], theirs: list[float]) -> bool:
+    size = max([_SMALLEST, *map(abs, ours), *map(abs, theirs)])
+    return all(abs(a - b) <= ROUNDING * size for a, b in zip(ours, theirs, strict=True))
+
+
+def numbers_likeness(value: Value) -> list[float] | None:
+    """Return the numbers of a value as a flat list, or None if it contains anything else."""
+    if isinstance(value, float) or (isinstance(value, int) and not isinstance(value, bool)):
+        return [value]
+    if not isinstance(value, tuple):
+        return None
+    inner = [numbers_likeness(each) for each in value]
+    return None if None in inner else [number for each in inner for number in each or ()]
+
+
+def places(unit: Unit) -> dict[Node, tuple[str, int]]:
+    """Return kind and number of every element in MuJoCo's order, unless one element of the file makes several."""
+    found: dict[Node, tuple[str, int]] = {}
+    count: dict[str, int] = defaultdict(int)
+    for node in ordered(unit.root):
+        kind = "body" if node.tag == "worldbody" else _KINDS.get(kind_of(node).path)
+        if kind is None or (node.tag == "worldbody" and count["body"]):
+            continue
+        found[node] = (kind, count[kind])
+        count[kind] += 1
+    return found

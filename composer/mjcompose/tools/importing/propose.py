@@ -1,0 +1,473 @@
+"""The recipe that makes a merged model from its parts, as text."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+from xml.sax.saxutils import quoteattr
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Severity, Span
+from mjcompose.base.rotation import IDENTITY_QUAT, Pose
+from mjcompose.base.sink import Sink
+from mjcompose.language.recipe import SETTABLE
+from mjcompose.link.numbers import read_pose
+from mjcompose.model.classes import childclass_of
+from mjcompose.model.grammar import GRAMMAR
+from mjcompose.model.merged_settings import ReadRow
+from mjcompose.model.unit import Unit
+from mjcompose.mujoco.engine import Session
+from mjcompose.sources.context import Context
+from mjcompose.sources.lock import resolve
+from mjcompose.sources.reference import SourceError
+from mjcompose.sources.ros import UrdfChoices
+from mjcompose.text.faults import quoted, word
+from mjcompose.tools.importing.compare import Comparison
+from mjcompose.tools.importing.elements import (
+    REMOVED,
+    RENAMED,
+    Changed,
+    Entry,
+    Likeness,
+    Names,
+    assets_of,
+    default_text,
+    effective,
+    flow,
+    items,
+    named,
+    nested,
+    numbers,
+    selector_of,
+    settings_of,
+    written_value,
+)
+from mjcompose.tools.importing.search import Instance, find, name_in_recipe, parent_body, separator_of
+from mjcompose.urdf.actuators import CODE as UNREAD
+from mjcompose.urdf.inertia import CODE as INERTIA
+from mjcompose.urdf.read import UrdfReader
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+_CLOSE = 1e-9  # metres, and quaternion components
+
+
+@dataclass(slots=True)
+class Proposal:
+    """The recipe; `renamed` maps names of the merged model, by kind, to names in the recipe."""
+
+    head: list[str]
+    entries: list[Entry]
+    found: list[Instance]
+    renamed: dict[str, dict[str, str]] = field(default_factory=dict)
+    alike: dict[str, tuple[object, ...]] = field(default_factory=dict)
+    """The contents of each asset of a part, by its name in the recipe."""
+    nameless_keys: tuple[int, ...] = ()
+    """The numbers of the merged model's keys without a name."""
+    keys: dict[str, list[str]] = field(default_factory=dict)
+    """By name of a key: the parts in the recipe that have one."""
+    changed: tuple[Changed, ...] = ()
+    """The values that the merged model and the recipe set differently from the parts."""
+
+
+def propose(
+    merged: Unit,
+    parts: list[Unit],
+    references: list[str],
+    relative: Callable[[Path], str],
+    likeness: Callable[[Instance, Names], Likeness] = lambda _, __: Likeness(),
+) -> Proposal:
+    """Return the recipe that makes `merged` from `parts`, which `references` name; `relative` writes file paths.
+
+    `likeness` returns which elements of a part compile to the same; without it, any difference in writing counts.
+    """
+    found = find(merged, parts)
+    separator = separator_of(found)
+    name_in_recipe(found, [part.label for part in parts], separator)
+    return _Proposer(
+        merged, parts, references, found=found, separator=separator, relative=relative, likeness=likeness
+    ).proposal()
+
+
+class _Proposer(Comparison):
+    def proposal(self) -> Proposal:
+        self.match_names()
+        self.match_assets()
+        for each in self.found:
+            self.compare_assets(each)
+            self.compare(each)
+            self.attach(each, self.compare_world(each))
+            self.compare_sections(each)
+        self.changed()
+        self.remove_keys()
+        self.settings()
+        self.compiler()
+        self.left_over()
+        head, renamed = self.head(), self.rename()
+        nameless = tuple(at for at, key in enumerate(self.merged.root.iter("key")) if not key.get("name"))
+        keys: dict[str, list[str]] = {}
+        for each in sorted(self.found, key=lambda each: not each.is_base):
+            for key in self.parts[each.part].root.iter("key"):
+                keys.setdefault(str(key.get("name") or ""), []).append("base" if each.is_base else each.key)
+        return Proposal(
+            head,
+            self.entries,
+            self.found,
+            renamed=renamed,
+            alike=self.alike,
+            nameless_keys=nameless,
+            keys=keys,
+            changed=tuple(self.found_changes),
+        )
+
+    def match_names(self) -> None:
+        """Map each name of a part in the merged model to its name in the composition."""
+        for each in self.found:
+            for namespace, name in named(self.parts[each.part]):
+                there_named = self.theirs(each, namespace, name)
+                if (namespace, there_named) in self.there:
+                    self.names[namespace, there_named] = each.out + name
+
+    def match_assets(self) -> None:
+        """Map assets of the merged model to assets of parts; the others become entries of the recipe."""
+        assets = assets_of(self.merged)
+        for each in sorted(self.found, key=lambda each: not each.is_base):
+            unit = self.parts[each.part]
+            for (tag, name), node in assets_of(unit).items():
+                self.alike[each.out + name] = (tag, *sorted(self.values(node, unit).items()))
+                for there in (each.prefix + name, name):
+                    if (tag, there) in assets:
+                        self.names.setdefault((tag, there), each.out + name)
+                        break
+        for (tag, name), node in assets.items():
+            if (tag, name) not in self.names:
+                self.names[tag, name] = name
+                values = self.values(node, self.merged)
+                shown = {k: written_value(GRAMMAR.element(tag).attributes[k], v) for k, v in values.items()}
+                nested = "it has elements of its own" if len(node) else None
+                if not name:
+                    shown = {"name": quoted(""), **shown}
+                    name = self.label(f"asset/{tag}", shown.get("type", tag).strip('"'))
+                self.entries.append(Entry("asset", f"{word(name)}: {flow(shown)}", nested, group=tag))
+
+    def remove_keys(self) -> None:
+        """Remove the keys of parts that the merged model does not have."""
+        keys = [
+            {str(key.get("name")) for key in unit.root.iter("key")} for unit in (self.merged, *self.parts)
+        ]
+        for name in dict.fromkeys(
+            name for each in self.found for name in sorted(keys[each.part + 1] - keys[0])
+        ):
+            self.edit({"select": f"{{key: {word(name)}}}", "remove": "true"}, REMOVED)
+
+    def head(self) -> list[str]:
+        """Return the first lines of the recipe."""
+        model = self.merged.model
+        head = ["recipe: 1", *([f"name: {word(model)}"] if model else [])]
+        head += [f"angle: {self.merged.settings.angle}"]
+        if self.separator != "/":
+            head.append(f"separator: {quoted(self.separator)}")
+        head += [f"base: {word(self.references[each.part])}" for each in self.found if each.is_base]
+        return head
+
+    def rename(self) -> dict[str, dict[str, str]]:
+        """Rename elements with another name in the merged model; return the names that only verification renames."""
+        renamed: dict[str, dict[str, str]] = {}
+        for (namespace, name), new in self.names.items():
+            if name != new:
+                renamed.setdefault(namespace, {})[name] = new
+        for namespace, pairs in renamed.items():
+            for name, new in pairs.items():
+                if (namespace, name) not in self.there:
+                    continue  # the name of an asset does not matter
+                tag = self.there[namespace, name].kind.tag
+                select = selector_of(namespace, tag, new)
+                self.edit({"select": select, "rename": word(name)}, RENAMED)
+        return {  # at the end, the others have their names again
+            namespace: {name: new for name, new in pairs.items() if (namespace, name) not in self.there}
+            for namespace, pairs in renamed.items()
+        }
+
+    def label(self, section: str, word: str) -> str:
+        """Return an unused key for an unnamed element of a section."""
+        kind = section.partition("/")[2] or section
+        taken = {name for (namespace, name) in self.there if namespace == kind}
+        taken |= {name for (tag, name) in assets_of(self.merged) if tag == kind}
+        number = 1
+        while (
+            key := word if number == 1 and section.startswith("asset/") else f"{word}_{number}"
+        ) in taken | self.labels:
+            number += 1
+        self.labels.add(key)
+        return key
+
+    def attach(self, each: Instance, dropped: list[str]) -> None:
+        """Write the attachment of the part; `dropped` are selectors of elements to leave out."""
+        if each.is_base:
+            return
+        values = {"model": word(self.references[each.part])}
+        parent = parent_body(each.body)
+        pose = self.pose(each.body, self.merged) @ self.pose(each.root, self.parts[each.part]).inverse()
+        if parent is not None:
+            name = self.names.get(("body", str(parent.get("name"))))
+            if name is None:
+                note = f"the body `{parent.get('name')}` that it is attached to is in none of the parts"
+                self.entries.append(Entry("attach", f"{each.key}: {flow(values)}", note))
+                return
+            site = self.site(parent, pose)
+            values |= {"site": word(site)} if site is not None else {"body": word(name)}
+            pose = Pose() if site is not None else pose
+        if pose.quat[0] < 0:
+            w, x, y, z = pose.quat
+            pose = Pose(pose.pos, (-w, -x, -y, -z))
+        if any(abs(value) > _CLOSE for value in pose.pos):
+            values["pos"] = numbers(pose.pos)
+        if any(abs(a - b) > _CLOSE for a, b in zip(pose.quat, IDENTITY_QUAT, strict=True)):
+            values["quat"] = numbers(pose.quat)
+        if dropped:
+            values["drop"] = f"[{', '.join(dropped)}]"
+        self.entries.append(Entry("attach", f"{word(each.key)}: {flow(values)}"))
+
+    def site(self, parent: Node, pose: Pose) -> str | None:
+        """Return a part's site in this body with that pose."""
+        for each in self.found:
+            part = self.parts[each.part]
+            name = str(parent.get("name")).removeprefix(each.prefix)
+            body = named(part).get(("body", name))
+            for site in body.node.iterchildren("site") if body is not None else ():
+                own = read_pose(
+                    effective(named(part)["site", str(site.get("name"))], part) if site.get("name") else site,
+                    part.settings.angle == "degree",
+                    part.settings.eulerseq,
+                )
+                near = zip((*own.pos, *own.quat), (*pose.pos, *pose.quat), strict=True)
+                if site.get("name") and all(abs(a - b) < 1e-5 for a, b in near):
+                    return f"{each.out}{site.get('name')}"
+        return None
+
+    def compiler(self) -> None:
+        """Write the compiler settings of the whole model that differ from the base."""
+        base = next((self.parts[each.part] for each in self.found if each.is_base), None)
+        said = [
+            {}
+            if unit is None
+            else {
+                str(k): str(v) for node in unit.root.iterchildren("compiler") for k, v in node.attrib.items()
+            }
+            for unit in (self.merged, base)
+        ]
+        attributes = GRAMMAR.section("compiler").attributes
+        values = {
+            name: written_value(attributes[name], said[0][name])
+            for name in sorted(SETTABLE & attributes.keys() & said[0].keys())
+            if said[0][name] != said[1].get(name, default_text(attributes[name]))
+        }
+        if values:
+            self.entries.append(Entry("compiler", flow(values)))
+
+    def settings(self) -> None:
+        """Write settings of the whole model that differ from the base or from another part."""
+        wanted = settings_of(self.merged)
+        base = next((settings_of(self.parts[each.part]) for each in self.found if each.is_base), {})
+        others = [settings_of(self.parts[each.part]) for each in self.found if not each.is_base]
+        settled: dict[str, dict[str, object]] = {}
+        for path in dict.fromkeys([*wanted, *base, *(path for other in others for path in other)]):
+            section, *inner, name = path
+            attribute = GRAMMAR.element("/".join([section, *inner])).attributes.get(name)
+            if attribute is None or path == ("size", "nkey"):
+                continue  # MuJoCo writes the number of keys, and adds empty ones
+            value = wanted.get(path, default_text(attribute))
+            said = {each.get(path, value) for each in others}
+            if value is not None and (
+                base.get(path, default_text(attribute)) != value or (said and said != {value})
+            ):
+                into = settled.setdefault(section, {})
+                for tag in inner:
+                    into = into.setdefault(tag, {})  # type: ignore[assignment]
+                into[name] = written_value(attribute, value)
+        for section, values in settled.items():
+            self.entries.append(Entry(section, nested(values)))
+
+    def left_over(self) -> None:
+        """Write the elements of the merged model that no part has."""
+        brought = {
+            (namespace, each.out + name)
+            for each in self.found
+            for namespace, name in named(self.parts[each.part])
+        }
+        for item in items(self.merged):
+            node = item.node
+            if node in self.covered or (item.kind.tag == "frame" and self.is_empty(node)):
+                continue
+            if item.section == "worldbody":
+                parent = node.getparent()
+                if parent is None or (parent.tag != "worldbody" and parent not in self.covered):
+                    continue  # it comes with its parent
+                name = (
+                    "world"
+                    if parent.tag == "worldbody"
+                    else self.names.get(("body", str(parent.get("name"))))
+                )
+                text = self.fragment(node)
+                note = None if name else "it stands in a body without a name"
+                self.entries.append(Entry("add", f"{{to: {word(name or '?')}, xml: {quoted(text)}}}", note))
+            elif item.section == "contact":
+                values = flow({k: word(self.name(a, v)) for k, a, v in self.written(item)})
+                self.entries.append(Entry("contact", values, group=item.kind.tag))
+            elif item.name:
+                key = item.name
+                if (item.namespace, key) in brought:  # the name is taken until the part's element is removed
+                    key = self.label(item.section, f"{key}_new")
+                    select = selector_of(item.namespace, item.kind.tag, key)
+                    self.edit({"select": select, "rename": word(item.name)}, RENAMED)
+                text = f"{word(key)}: {{xml: {quoted(self.fragment(node, key))}}}"
+                self.entries.append(Entry(item.section, text))
+            else:
+                key = self.label(item.section, item.kind.tag)
+                text = f"{word(key)}: {{name: {quoted('')}, xml: {quoted(self.fragment(node))}}}"
+                self.entries.append(Entry(item.section, text))
+
+    def is_empty(self, frame: Node) -> bool:
+        """Return whether an unnamed frame holds only elements of the parts."""
+        return not frame.get("name") and all(
+            child in self.covered or (child.tag == "frame" and self.is_empty(child))
+            for child in frame.iterchildren("*")
+        )
+
+    def fragment(self, node: Node, called: str | None = None) -> str:
+        """Return an element of the merged model as text, with the values from its classes; `called` is its name."""
+        kind = GRAMMAR.within(str(_section(node).tag)).get(str(node.tag))
+        around = childclass_of(node)
+        tag = str(node.tag)
+        text = f"<{tag}"
+        for name in kind.attributes if kind is not None else map(str, node.keys()):
+            if name in ("class", "childclass"):
+                continue
+            value = node.get(name) or self.merged.classes.effective(node, around, name)
+            if value is not None:
+                shown = self.name(kind.attributes[name], str(value)) if kind is not None else str(value)
+                shown = called if called is not None and name == "name" else shown
+                text += f" {name}={quoteattr(' '.join(shown.split()))}"
+        # Elements of a part already exist there, and are moved.
+        inside = "".join(
+            self.fragment(child) for child in node.iterchildren("*") if child not in self.covered
+        )
+        return f"{text}>{inside}</{tag}>" if inside else f"{text}/>"
+
+
+def _section(node: Node) -> Node:
+    parent = node.getparent()
+    while parent is not None and parent.tag != "mujoco":
+        node, parent = parent, parent.getparent()
+    return node
+
+
+SUFFIXES = (".urdf", ".xacro")
+
+
+@dataclass(frozen=True, slots=True)
+class OfUrdf:
+    """The text of the recipe; the rows of what was read and what was not, each with its place."""
+
+    text: str
+    rows: tuple[ReadRow, ...]
+
+
+def of_urdf(path: Path, target: Path, context: Context) -> OfUrdf | None:
+    """The recipe for a URDF, with all that it needs to build; None where it has faults, which go to the sink."""
+    try:
+        source = resolve(str(path.absolute()), relative_to=target.parent, environment=context.environment)
+    except SourceError as error:
+        context.sink.add(error.at(Span(context.shown(path), 1, 1)))
+        return None
+    choices = UrdfChoices(visuals="keep")
+    with Session() as session:
+        reader = UrdfReader(replace(source, urdf=choices), Sink(), session, shown=context.shown)
+        unit = reader.unit()
+        if unit is None and {each.code for each in reader.sink.errors} == {INERTIA}:
+            choices = replace(choices, inertia="mend")
+            reader = UrdfReader(replace(source, urdf=choices), Sink(), session, shown=context.shown)
+            unit = reader.unit()
+    for each in reader.sink.diagnostics:
+        if each.code != UNREAD or each.severity is Severity.ERROR:
+            context.sink.add(each)
+    if unit is None:
+        return None
+    has_unread = any(row.why and not row.is_minor for row in unit.table)
+    return OfUrdf(_text(path, target, unit, choices=choices, has_unread=has_unread), unit.table)
+
+
+def _text(path: Path, target: Path, unit: Unit, choices: UrdfChoices, has_unread: bool) -> str:
+    file = Path(os.path.relpath(path.absolute(), target.absolute().parent)).as_posix()
+    file = file if file.startswith(".") else f"./{file}"
+    keys = {"visuals": choices.visuals, "inertia": choices.inertia}
+    lines = [
+        "recipe: 1",
+        f"name: {path.name.partition('.')[0]}",
+        "",
+        "base:",
+        f"  model: {file}",
+        f"  urdf: {{{', '.join(f'{name}: {value}' for name, value in keys.items() if value)}}}",
+    ]
+    if has_unread:
+        lines.append(f"  allow: [{UNREAD}]")
+    moving = [each for each in unit.root.iter("joint") if each.get("name")]
+    if unit.root.find("actuator") is None and moving:
+        lines += ["", "# The file commands no joint: `actuators: all` in `urdf` gives each of them a motor."]
+    return "\n".join(lines) + "\n"
+
+
+def table(rows: tuple[ReadRow, ...]) -> list[str]:
+    """The rows as text: first what was read, then what was not."""
+    found = []
+    for heading, chosen in (
+        ("read", [row for row in rows if not row.why]),
+        ("not in the model", [row for row in rows if row.why]),
+    ):
+        if chosen:
+            found.append(f"{heading}:")
+        width = max((len(row.called) for row in chosen), default=0)
+        found += [f"  {row.called:{width}}  {row.why or row.became}  ({row.span})" for row in chosen]
+    return found
+
+
+_LISTS = frozenset({"add", "edit"})
+_WHOLE = frozenset({"option", "size", "visual", "statistic", "compiler"})
+_ORDER = (
+    "attach option size visual statistic compiler asset add contact tendon equality actuator sensor edit keyframe"
+).split()
+
+
+def recipe_text(proposal: Proposal) -> tuple[str, dict[int, Entry]]:
+    """Return the text, and the entry on each line (from 1). Entries with a note are comments."""
+    lines = list(proposal.head)
+    places: dict[int, Entry] = {}
+    for section in _ORDER:
+        entries = [entry for entry in proposal.entries if entry.section == section]
+        if not entries:
+            continue
+        lines.append("")
+        live = any(entry.note is None for entry in entries)
+        if section in _WHOLE:
+            lines.append(f"{'' if live else '# '}{section}: {entries[0].text}")
+            places[len(lines)] = entries[0]
+            continue
+        lines.append(f"{section}:" if live else f"# {section}:")
+        group = note = None
+        for entry in sorted(entries, key=lambda entry: (entry.group, entry.rank)):
+            if entry.group != group and entry.group:
+                live = any(each.note is None for each in entries if each.group == entry.group)
+                lines.append(f"{'' if live else '# '}  {entry.group}:")
+                group = entry.group
+            if entry.note is not None and entry.note != note:
+                lines.append(f"  # not expressed: {entry.note}")
+            note = entry.note
+            dash = "- " if section in _LISTS or section == "contact" else ""
+            indent = "    " if entry.group else "  "
+            lines.append(f"{indent}{'# ' if entry.note is not None else ''}{dash}{entry.text}")
+            places[len(lines)] = entry
+    return "\n".join(lines) + "\n", places

@@ -1,0 +1,406 @@
+"""A recipe is recovered, built, and compared with the merged model."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import replace
+from itertools import groupby
+from pathlib import Path
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Diagnostic, Span
+from mjcompose.base.files import unsaved
+from mjcompose.build.bundle.bundle import Bundle
+from mjcompose.build.stages import Request, build
+from mjcompose.build.verify.compile import WHOLE
+from mjcompose.link.source_check import check_source
+from mjcompose.model.parse import all_admitted, parse_file
+from mjcompose.model.unit import Unit
+from mjcompose.mujoco.engine import Session, call, compile
+from mjcompose.sources.context import Context
+from mjcompose.text.faults import word
+from mjcompose.tools.diff.changes import Change, Contrast, Value
+from mjcompose.tools.diff.models import contrast, contrast_of
+from mjcompose.tools.diff.text import sentences, shown, subject
+from mjcompose.tools.importing.elements import (
+    Changed,
+    Entry,
+    Likeness,
+    Names,
+    is_rounding,
+    likeness_of,
+    numbers_likeness,
+    unchanged,
+)
+from mjcompose.tools.importing.propose import Proposal, propose, recipe_text
+from mjcompose.tools.importing.search import Instance, parent_body
+
+_TOLERANCE = 1e-7
+_MERGED = "merged"
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How the recipe's model, B, differs from the merged one, A; names are those of the recipe.
+
+    `rounded` are numbers that are equal to six digits only, which is what MuJoCo writes when it saves a model.
+    """
+
+    changes: tuple[Change, ...] = ()
+    rounded: tuple[Change, ...] = ()
+
+    @property
+    def same(self) -> bool:
+        return not self.changes
+
+    @property
+    def amount(self) -> int:
+        return len(self.changes)
+
+    @property
+    def lost_keys(self) -> list[Change]:
+        return [each for each in self.changes if each.kind == "key" and each.what == "removed"]
+
+
+class Trial:
+    """The compiled models. The merged model and its parts are compiled once here, the recipe's model by the caller."""
+
+    def __init__(self, merged: Path, parts: list[Path], session: Session) -> None:
+        self.parts, self.session = parts, session
+        compiled = compile(merged.absolute().parent, merged.name, keep=_MERGED, session=session)
+        self.refused = None if compiled.ok else compiled.error
+        self.compared = False
+        self._parts: dict[int, bool] = {}
+
+    def likeness(self, each: Instance, names: Names) -> Likeness:
+        """Return which elements are the same in the part and the merged model; empty if MuJoCo rejects one of them."""
+        if self.refused is not None:
+            return Likeness()
+        name = f"part {each.part}"
+        if each.part not in self._parts:
+            path = self.parts[each.part].absolute()
+            self._parts[each.part] = compile(path.parent, path.name, keep=name, session=self.session).ok
+        above = parent_body(each.body)
+        body = None if above is None else above.get("name")
+        if not self._parts[each.part] or (above is not None and body is None):
+            return Likeness()
+        given: dict[str, object] = {"prefix": each.prefix, "names": names, "body": body}
+        answer = call(self.session, unchanged, [name, _MERGED], argument=given)
+        if not answer.ok:
+            return Likeness()
+        self.compared = True
+        return likeness_of(answer.value)
+
+    def outcome(self, proposal: Proposal) -> Outcome | None:
+        """Return how the model built last differs from the merged one, or None if they cannot be compared."""
+        if self.refused is not None:
+            return None
+        given = {"tolerance": _TOLERANCE, "names": proposal.renamed}
+        answer = call(self.session, contrast, [_MERGED, WHOLE], argument=given)
+        if not answer.ok:
+            return None
+        seen = contrast_of(answer.value)
+        found = [each for each in seen.changes if not _only_name(each, proposal)]
+        found += _lost_without_name(seen, proposal)
+        rounded = [each for each in found if each.what == "changed" and is_rounding(each)]
+        return Outcome(tuple(each for each in found if each not in rounded), tuple(rounded))
+
+
+def _lost_without_name(seen: Contrast, proposal: Proposal) -> list[Change]:
+    """Return removals of unnamed keys that the recipe's model lacks; the contrast compares them with nothing."""
+    keys = [each.what for each in seen.changes if each.kind == "key"]
+    before, after = seen.elements["key"]
+    lost = (before - keys.count("removed")) - (after - keys.count("added"))
+    numbers = proposal.nameless_keys[: max(lost, 0)]
+    return [Change("removed", "key", f"#{number}", index=(number, -1)) for number in numbers]
+
+
+def _only_name(change: Change, proposal: Proposal) -> bool:
+    """Return whether only names or signs differ.
+
+    That is an equal asset under another name, or an additional one, or a negated quaternion.
+    """
+    if change.field.endswith("quat") and _opposite(change):
+        return True
+    if change.what == "added":
+        return change.kind in _ASSETS and change.name in proposal.alike
+    wanted, there = change.before, change.after
+    if not isinstance(wanted, str) or not isinstance(there, str):
+        return False
+    own = proposal.alike.get(there)
+    names = [wanted, *(each.out + wanted for each in proposal.found)]
+    return there in names or (own is not None and any(proposal.alike.get(name) == own for name in names))
+
+
+def _opposite(change: Change) -> bool:
+    ours, theirs = numbers_likeness(change.before), numbers_likeness(change.after)
+    return bool(ours and theirs) and all(abs(a + b) <= _TOLERANCE for a, b in zip(ours, theirs, strict=True))  # type: ignore[arg-type]
+
+
+_ASSETS = ("texture", "material", "mesh", "hfield", "skin")
+
+
+def changed(facts: tuple[Changed, ...]) -> Iterator[str]:
+    """Yield one line for each changed attribute: ``mesh `elbow`: scale 1 1 1 → 1.1 1.1 1.1``."""
+    alike: dict[tuple[object, ...], list[Changed]] = {}
+    for each in facts:
+        key = (each.kind, each.attribute, each.before, each.after, each.unit, each.count)
+        alike.setdefault(key, []).append(each)
+    for several in alike.values():
+        each = several[0]
+        unit = f" {each.unit}" if each.unit else ""
+        before, after = ("none" if value is None else f"{value}{unit}" for value in (each.before, each.after))
+        of = subject(each.kind, [one.name for one in several])
+        alone = f" ({each.count} elements)" if each.count > 1 else ""
+        yield f"{of}: {each.attribute} {before} → {after}{alone}"
+
+
+def left(outcome: Outcome, merged: str) -> Iterator[str]:
+    """Yield one line for each remaining difference between the recipe's model and the merged one.
+
+    Differences that follow from others are only counted.
+    """
+
+    def between(wanted: Value, there: Value, unit: str) -> str:
+        digits = None if shown(there) == shown(wanted) else 6
+        ours, theirs = (
+            f"{shown(value, digits)}{f' {unit}' if unit and value is not None else ''}"
+            for value in (there, wanted)
+        )
+        return f"{ours}, in {merged} it is {theirs}"
+
+    follows = [each for each in outcome.changes if each.follows]
+    others = [each for each in outcome.changes if not each.follows]
+    if not others:
+        others, follows = follows, []
+    presence = sorted(
+        (each for each in others if each.what != "changed"), key=lambda each: (each.what, each.kind)
+    )
+    for (what, kind), several in groupby(presence, key=lambda each: (each.what, each.kind)):
+        names = [each.name for each in several]
+        verb = "is" if len(names) == 1 else "are"
+        yield f"{subject(kind, names)} {verb} {'missing' if what == 'removed' else f'not in {merged}'}"
+    yield from sentences((each for each in others if each.what == "changed"), between)
+    if follows:
+        verb = "differs" if len(follows) == 1 else "differ"
+        yield f"{amount(len(follows), 'number')} that MuJoCo computes from these {verb} too"
+
+
+def amount(number: int, word: str, several: str = "") -> str:
+    """`1 part`, `2 parts`."""
+    return f"{number} {word if number == 1 else several or f'{word}s'}"
+
+
+_ROUNDS = 20
+
+
+@dataclass(frozen=True, slots=True)
+class Recovered:
+    """A recovered recipe.
+
+    `text` is the recipe; `bundle` is None if it does not build, for the reasons in `faults`. `outcome` is None if
+    the models could not be compared; `refused` is MuJoCo's message if it rejects the merged model.
+    """
+
+    text: str
+    proposal: Proposal
+    bundle: Bundle | None
+    faults: tuple[Diagnostic, ...]
+    outcome: Outcome | None
+    refused: str | None = None
+
+
+def recover(
+    merged: Path,
+    parts: list[Path],
+    out: Path,
+    context: Context,
+    progress: Callable[[str], None] = lambda _: None,
+    references: Mapping[Path, str] | None = None,
+) -> Recovered | None:
+    """Return the recipe to write to `out`, or None if a model cannot be read, which `context.sink` reports.
+
+    Entries that do not build become comments, one after the other, until the recipe builds. `progress` is called
+    before each stage. `references` maps parts to the references that the recipe uses instead of paths.
+    """
+    before = context.sink.error_count
+    read = [parse_file(path, context.sink, file=context.shown(path)) for path in (merged, *parts)]
+    units: list[Unit] = [
+        unit
+        for unit in read
+        if unit is not None
+        and all_admitted(unit, context.sink, context.shown)  # MuJoCo opens the files that it names
+        and check_source(unit, context.sink)
+    ]
+    if context.sink.error_count > before or len(units) < len(read):
+        return None
+    with Session() as session:
+        recovery = _Recovery(
+            merged,
+            parts,
+            out,
+            context=context,
+            session=session,
+            progress=progress,
+            units=units,
+            references=references or {},
+        )
+        return recovery.recovered()
+
+
+def whole_recipe(merged: Path, out: Path) -> str:
+    """Return a recipe with the merged model as base, for a model whose parts are unknown."""
+    return f"recipe: 1\nname: {word(out.stem)}\nbase: {word(_reference(merged, out.parent))}\n"
+
+
+class _Recovery:
+    def __init__(
+        self,
+        merged: Path,
+        parts: list[Path],
+        out: Path,
+        context: Context,
+        session: Session,
+        progress: Callable[[str], None],
+        units: list[Unit],
+        references: Mapping[Path, str],
+    ) -> None:
+        self.references = references
+        self.merged, self.parts, self.out, self.units = merged, parts, out, units
+        self.context, self.session, self.progress = context, session, progress
+        self.trial = Trial(merged, parts, session)
+
+    def recovered(self) -> Recovered:
+        self.progress(f"compiling {self.context.shown(self.merged)} and its parts")
+        proposal = self.proposal(self.trial.likeness)
+        found = self.settled(proposal)
+        if self.trial.compared and (found.outcome is None or not found.outcome.same):
+            # An element that counted as the same may still be the reason.
+            other = self.settled(self.proposal(lambda _, __: Likeness()))
+            if other.outcome is not None and (
+                found.outcome is None or other.outcome.amount < found.outcome.amount
+            ):
+                found = other
+        for number, part in enumerate(self.parts):
+            if not any(each.part == number for each in proposal.found):
+                self.context.sink.warning(
+                    "unknown-name",
+                    f"`{self.context.shown(part)}` is nowhere in `{self.context.shown(self.merged)}`: no body and what "
+                    "stands in it have its names",
+                    help="only parts whose names are kept, with a prefix or without, are found",
+                )
+        return found
+
+    def proposal(self, likeness: Callable[[Instance, Names], Likeness]) -> Proposal:
+        references = [self.references.get(path) or _reference(path, self.out.parent) for path in self.parts]
+        return propose(
+            self.units[0],
+            self.units[1:],
+            references,
+            relative=lambda file: _reference(file, self.out.parent),
+            likeness=likeness,
+        )
+
+    def settled(self, proposal: Proposal) -> Recovered:
+        """Return the proposal without the entries that do not build, and with the keys that it lacked."""
+        out, context = self.out, self.context
+        for number in range(_ROUNDS):
+            self.progress(
+                "trying the recipe" if not number else f"trying the recipe without what failed ({number})"
+            )
+            text, places = recipe_text(proposal)
+            bundle, faults = self.built(text)
+            guilty = [
+                (places[line], fault) for fault in faults if (line := _line(fault, out, context)) in places
+            ]
+            if bundle is not None or not guilty:
+                break
+            for entry, fault in guilty:
+                entry.note = " ".join(fault.message.split())
+        outcome = None if bundle is None else self.trial.outcome(proposal)
+        missing = [] if outcome is None else [each.name for each in outcome.lost_keys if _has_name(each)]
+        if missing:  # with a key of that name, its values can be compared
+            blank = [Entry("keyframe", f"{word(name)}: {{}}") for name in missing]
+            bundle, _ = self.built(recipe_text(replace(proposal, entries=[*proposal.entries, *blank]))[0])
+            outcome = None if bundle is None else self.trial.outcome(proposal)
+        changes = outcome.changes if outcome is not None else ()
+        keys = keyframes(changes, proposal, missing)
+        for each in changes:
+            if each.kind == "key" and each.what == "removed" and not _has_name(each):
+                note = "a key without a name; the keys of a recipe have one"
+                proposal.entries.append(Entry("keyframe", f"key_{each.index[0]}: {{}}", note))
+                text, _ = recipe_text(proposal)
+        if keys:
+            self.progress("trying the recipe with its keyframes")
+            proposal.entries += keys
+            text, _ = recipe_text(proposal)
+            bundle, faults = self.built(text)
+            outcome = None if bundle is None else self.trial.outcome(proposal)
+        return Recovered(
+            text, proposal, bundle, faults=tuple(faults), outcome=outcome, refused=self.trial.refused
+        )
+
+    def built(self, text: str) -> tuple[Bundle | None, list[Diagnostic]]:
+        """Build the text as if it were at `out`."""
+        from mjcompose.build.bundle.staging import sibling
+
+        out, context = self.out, self.context
+        trial = sibling(out, "trial")  # which is never written
+        own = Context(environment=context.environment, folder=context.folder)
+        with unsaved({os.path.realpath(trial): text.encode()}):
+            result = build(Request(trial), own, session=self.session)
+        faults = [
+            replace(each, span=_at(each, trial, out, context=own), others=(), cells=())
+            for each in own.sink.errors
+        ]
+        return (None if result is None else result.bundle), faults
+
+
+def _at(fault: Diagnostic, trial: Path, out: Path, context: Context) -> Span | None:
+    """Return the place of a fault in the file to be written."""
+    if fault.span is None or fault.span.file != context.shown(trial):
+        return fault.span
+    return replace(fault.span, file=context.shown(out))
+
+
+def _line(fault: Diagnostic, out: Path, context: Context) -> int:
+    return fault.span.line if fault.span is not None and fault.span.file == context.shown(out) else 0
+
+
+def _reference(path: Path, folder: Path) -> str:
+    relative = os.path.relpath(os.path.abspath(path), os.path.abspath(folder)).replace(os.sep, "/")
+    return relative if relative.startswith(".") else f"./{relative}"
+
+
+def _has_name(key: Change) -> bool:
+    return not key.name.startswith("#")
+
+
+def keyframes(changes: Collection[Change], proposal: Proposal, missing: Collection[str] = ()) -> list[Entry]:
+    """Return entries for keys of the merged model that the parts' keys do not produce, with the differing values.
+
+    No part has anything for the keys in `missing`.
+    """
+    rows: dict[str, dict[str, dict[str, str]]] = {name: {} for name in missing}
+    for each in changes:
+        if each.kind == "key" and each.entry and _has_name(each) and not each.entry.startswith("#"):
+            given = each.before if isinstance(each.before, tuple) else (each.before,)
+            values = [value for value in given if isinstance(value, float)]
+            unit = "rad" if len(values) == 1 and "angle: degree" in proposal.head else ""
+            numbers = f"[{', '.join(f'{value:.9g}{unit}' for value in values)}]"
+            rows.setdefault(each.name, {}).setdefault(each.field.removeprefix("key_"), {})[each.entry] = (
+                numbers
+            )
+    entries = []
+    for name, row in rows.items():
+        said = ", ".join(
+            f"{field}: {{{', '.join(f'{word(k)}: {v}' for k, v in values.items())}}}"
+            for field, values in row.items()
+        )
+        sources = [] if name in missing else proposal.keys.get(name, [])
+        start = (
+            f"from: {{{', '.join(f'{word(each)}: {word(name)}' for each in sources)}}}, " if sources else ""
+        )
+        entries.append(Entry("keyframe", f"{word(name)}: {{{start}{said}}}"))
+    return entries

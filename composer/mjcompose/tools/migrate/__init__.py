@@ -1,0 +1,1 @@
+"""From one version of MuJoCo to another."""

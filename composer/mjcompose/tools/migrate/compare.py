@@ -1,0 +1,535 @@
+"""Whether two versions of MuJoCo made the same model, array by array."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import field
+from fnmatch import fnmatchcase
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.tools.migrate.editing import later
+from mjcompose.tools.migrate.environments import Compiled
+
+_FOLLOWS: dict[str, str] = {
+    "an address, a count or an order in the arrays of one version": (
+        "*adr *_num bvh_* oct_* names_map body_bvh* mesh_bvh* flex_bvh* body_*num mesh_*num hfield_*num"
+        " skin_*num flex_*num tendon_num sensor_dim tree_* flex_bandwidth flex_cellnum actuator_ctrlnum actuator_outnum"
+        " tuple_size numeric_size text_size plugin_attradr name_*"
+    ),
+    "follows from joints, bodies and constraints, which are compared": (
+        "body_rootid body_treeid dof_treeid dof_Madr dof_simplenum dof_length body_simple *sameframe jnt_actuatorid"
+        " tendon_actuatorid tendon_tree* flg_* dof_parentid M_* B_* D_* map* ten_J_* flexedge_J_* flexvert_J_* efm*"
+        " flexedge_rigid eq_objtype sensor_datatype sensor_needstage sensor_intprm actuator_ctrlspec tendon_type"
+        " body_contype body_conaffinity body_margin pair_signature exclude_signature"
+    ),
+    "made of the triangles of a mesh, which are compared": (
+        "mesh_normal mesh_facenormal mesh_poly* mesh_graph* mesh_extrema mesh_oct* mesh_scale mesh_vert"
+        " mesh_facetexcoord mesh_pos mesh_quat geom_aabb"
+    ),
+    "made of the vertices and elements of a flex, which are compared": (
+        "flex_elemedge* flex_evpair* flex_vertedge* flex_vertmetric flex_edgeflap flex_size flex_vertcell flex_shell*"
+        " flex_elemlayer flex_node flex_node0 flex_nodebodyid flex_elemtexcoord flex_interp flex_xvert0 flex_vert0"
+    ),
+    "how a texture is stored": "tex_nchannel tex_height tex_width",
+    "compared by name": "opt.disableflags opt.enableflags",
+    "read by nothing": "opt.apirate light_softness",
+}
+
+_NEUTRAL: dict[str, tuple[float, ...]] = {
+    **dict.fromkeys(
+        "opt.disableactuator jnt_actgravcomp cam_projection vis.global.orthographic flex_damping tendon_actfrclimited"
+        " tendon_actfrcrange tendon_armature light_intensity flex_passive actuator_delay actuator_history sensor_delay"
+        " sensor_history sensor_interval actuator_armature actuator_damping actuator_dampingpoly jnt_stiffnesspoly"
+        " dof_dampingpoly tendon_stiffnesspoly tendon_dampingpoly geom_adhesion geom_surfacevel pair_adhesion"
+        " flex_plasticmode flex_yield jnt_springyield tendon_springyield key_plastic flex_bending flex_stiffness"
+        " flex_internal tree_sleep".split(),
+        (0.0,),
+    ),
+    **dict.fromkeys(
+        "light_texid vis.global.cameraid site_dataid flex_plasticadr jnt_plasticadr tendon_plasticadr"
+        " actuator_historyadr sensor_historyadr mesh_octadr".split(),
+        (-1.0,),
+    ),
+    "light_bulbradius": (0.02,),
+    "light_range": (10.0,),
+    "mat_metallic": (-1.0, 0.0, 1.0),
+    "mat_roughness": (-1.0, 1.0),
+    "tex_colorspace": (0.0, 1.0),
+    "cam_output": (1.0,),
+    "geom_castshadow": (1.0,),
+    "vis.scale.frustum": (10.0,),
+    "vis.rgba.frustum": (0.0, 0.2, 1.0),
+    "vis.rgba.bv": (0.0, 0.5, 1.0),
+    "vis.rgba.bvactive": (0.0, 0.5, 1.0),
+    "vis.global.bvactive": (0.0, 1.0),
+    "opt.sleep_tolerance": (0.0001, 0.001),
+    "opt.ccd_iterations": (35.0, 50.0),
+    "opt.ccd_tolerance": (1e-6,),
+}
+"""What a field holds that one of two versions lacks, where the model does as if it were not there."""
+
+UNSAID = frozenset({"mat_metallic", "mat_roughness"})
+"""Fields whose neutral values mean the same in all versions that have them: what no renderer of MuJoCo read then."""
+
+FLAGS = {"nativeccd": False, "multiccd": False, "island": False, "autoreset": True, "sleep": False, "diagexact": False,
+         "ipc": False, "speculative": False, "sensornoise": False, "spring": True, "damper": True}  # fmt: skip
+"""What a version does that does not have the flag."""
+
+
+@cache
+def follows(array: str) -> bool:
+    """Whether an array is made of others that are compared."""
+    if array == "nnames_map" or (array.startswith("n") and "_" not in array):
+        return True  # a count: `nbody`
+    return any(fnmatchcase(array, pattern) for patterns in _FOLLOWS.values() for pattern in patterns.split())
+
+
+def neutral(array: str) -> tuple[float, ...] | None:
+    """The numbers that say nothing in an array that one of the versions lacks; None where that is not known."""
+    return _NEUTRAL.get(array)
+
+
+Array = np.ndarray[Any, Any]
+
+TOLERANCE = 1e-6
+"""Relative to the largest number of a row: meshes are in single precision, and versions add up in another order."""
+_SMALL = 1e-8
+_SURFACE = 1e-4
+_SUMS, _GAPS = "3.5.0", "3.9.0"
+_MOST = 2000
+_DRAWN = 6  # standard deviations between two counts of random marks
+_AUTO = 2
+_STATISTICS = ("stat.center", "stat.extent", "stat.meansize")
+_LOOSE = 2e4
+_SHOWN = 6
+_PREFIXES = {
+    "body": "body", "jnt": "joint", "dof": "dof", "geom": "geom", "site": "site", "cam": "camera", "light": "light",
+    "flex": "flex", "mesh": "mesh", "skin": "skin", "hfield": "hfield", "tex": "texture", "mat": "material",
+    "pair": "pair", "exclude": "exclude", "eq": "equality", "tendon": "tendon", "actuator": "actuator",
+    "sensor": "sensor", "numeric": "numeric", "text": "text", "tuple": "tuple", "key": "key",
+}  # fmt: skip
+_ALIASES = {
+    "opt.mpr_iterations": "opt.ccd_iterations", "opt.mpr_tolerance": "opt.ccd_tolerance",
+    "cam_orthographic": "cam_projection", "tex_rgb": "tex_data",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """`element` is what it belongs to, in words; `count` of how many elements the array differs."""
+
+    array: str
+    element: str
+    before: str
+    after: str
+    count: int
+
+    def words(self) -> str:
+        more = f", and of {self.count - 1} more" if self.count > 1 else ""
+        return f"`{self.array}` of {self.element}{more}: {self.before} before, {self.after} now"
+
+
+@dataclass(slots=True)
+class Outcome:
+    """`equal` arrays are the same bit for bit, `rounded` ones up to rounding; `apart` cannot be compared."""
+
+    differences: list[Difference] = field(default_factory=list)
+    equal: list[str] = field(default_factory=list)
+    rounded: list[str] = field(default_factory=list)
+    apart: list[str] = field(default_factory=list)
+    recut: list[str] = field(default_factory=list)
+    """Meshes with the same surface, in other triangles."""
+
+    @property
+    def same(self) -> bool:
+        return not self.differences
+
+    @property
+    def settled(self) -> frozenset[str]:
+        return frozenset((*self.equal, *self.rounded))
+
+
+def compare(before: Compiled, after: Compiled) -> Outcome:
+    """What is not the same in two compiled models; both have been compiled."""
+    outcome = Outcome()
+    one, two = _Side.of(before), _Side.of(after)
+    _combine_margins(one, two, outcome)
+    _settle_surfaces(one, two, outcome)
+    _settle_marks(one, two)
+    pairs = _pairs(one, two, outcome)
+    for array in sorted(one.arrays.keys() | two.arrays.keys()):
+        if not follows(array):
+            _compare(array, one, two, pairs=pairs, outcome=outcome)
+    _compare_flags(one, two, outcome)
+    return outcome
+
+
+@dataclass(slots=True)
+class _Side:
+    arrays: dict[str, Array]
+    names: Mapping[str, Any]
+    words: Mapping[str, Any]
+    version: str = ""
+    scale: Array = field(default_factory=lambda: np.zeros(0))
+    """How large the mesh of each triangle is."""
+
+    @classmethod
+    def of(cls, compiled: Compiled) -> _Side:
+        assert compiled.arrays is not None
+        with np.load(compiled.arrays, allow_pickle=False) as stored:
+            arrays = {_ALIASES.get(name, name): stored[name] for name in stored.files}
+        side = cls(arrays, compiled.names, compiled.words, compiled.version)
+        side.settle()
+        return side
+
+    def settle(self) -> None:
+        """Bring what versions store in different forms into one."""
+        arrays = self.arrays
+        for array, words in self.words.items():
+            if array != "flags" and array in arrays:
+                arrays[array] = np.array(words)
+        types = arrays.get("light_type")
+        if types is not None:
+            arrays["light_directional"] = types == "mjLIGHT_DIRECTIONAL"
+        if arrays["eq_data"].ndim > 1:
+            arrays["eq_data"] = arrays["eq_data"][:, :11]
+        textures = arrays["mat_texid"]
+        arrays["mat_texid"] = (
+            textures.reshape(len(textures), -1).max(axis=1) if textures.size else textures.ravel()
+        )
+        if "flex_matid" in arrays and len(arrays["flex_matid"]) != len(arrays["flex_dim"]):
+            arrays["flex_matid"] = arrays["flex_matid"][arrays["flex_elemadr"]]
+        for name in ("flex_stiffness", "flex_bending"):
+            if name in arrays:
+                arrays[name] = arrays[name].ravel() if arrays[name].any() else np.zeros(0)
+        policy = arrays.pop("tree_sleep_policy", None)
+        if policy is not None:
+            arrays["tree_sleep"] = np.where(policy >= 3, policy, 0)  # smaller ones nobody wrote
+        self._begin_forces_at_the_margin()
+        self._take_meshes_out()
+        rotations = _matrices(arrays["body_iquat"])
+        tensors = np.einsum("nij,nj,nkj->nik", rotations, arrays["body_inertia"], rotations)
+        arrays["body_inertia"] = tensors.reshape(len(tensors), 9)
+        del arrays["body_iquat"]
+
+    def _begin_forces_at_the_margin(self) -> None:
+        """Before 3.9 the force of a contact began at the margin less the gap: all as if it were so since."""
+        if later(_GAPS, self.version):
+            for kind in ("geom", "pair"):
+                self.arrays[f"{kind}_margin"] = self.arrays[f"{kind}_margin"] - self.arrays[f"{kind}_gap"]
+
+    def _take_meshes_out(self) -> None:
+        """Meshes and their geoms as the file has them: MuJoCo turns a mesh by its inertia, whose axes may be any."""
+        arrays = self.arrays
+        poses = _matrices(arrays["mesh_quat"]), arrays["mesh_pos"]
+        vertices = arrays["mesh_vert"].astype(float)
+        corners = np.zeros((len(arrays["mesh_face"]), 9))
+        self.scale = np.zeros_like(corners)
+        for mesh, (start, count) in enumerate(
+            zip(arrays["mesh_vertadr"], arrays["mesh_vertnum"], strict=True)
+        ):
+            rows = slice(start, start + count)
+            vertices[rows] = vertices[rows] @ poses[0][mesh].T + poses[1][mesh]
+            faces = slice(
+                arrays["mesh_faceadr"][mesh], arrays["mesh_faceadr"][mesh] + arrays["mesh_facenum"][mesh]
+            )
+            corners[faces] = vertices[arrays["mesh_face"][faces] + start].reshape(-1, 9)
+            self.scale[faces] = np.abs(vertices[rows]).max(initial=0)
+        # Versions merge equal vertices in other orders; the triangles stay.
+        arrays["mesh_face"] = corners
+        kinds = np.asarray(self.words.get("geom_type", ()))
+        of_meshes = np.flatnonzero(
+            np.isin(kinds, ("mjGEOM_MESH", "mjGEOM_SDF")) & (arrays["geom_dataid"] >= 0)
+        )
+        fitted = ~np.isin(kinds, ("mjGEOM_MESH", "mjGEOM_SDF", "mjGEOM_HFIELD"))
+        arrays["geom_dataid"] = np.where(fitted, -1, arrays["geom_dataid"])  # the mesh that it was fitted to
+        rotations = _matrices(arrays["geom_quat"])
+        places = arrays["geom_pos"].copy()
+        for geom in of_meshes:
+            mesh = arrays["geom_dataid"][geom]
+            rotations[geom] = rotations[geom] @ poses[0][mesh].T
+            places[geom] = places[geom] - rotations[geom] @ poses[1][mesh]
+        arrays["geom_pos"] = places
+        for name in ("geom_size", "geom_rbound"):  # of the box of the mesh along its own axes
+            arrays[name] = arrays[name].copy()
+            arrays[name][of_meshes] = 0
+        arrays["geom_quat"] = rotations.reshape(len(rotations), 9)
+
+
+def _matrices(quats: Array) -> Array:
+    w, x, y, z = (quats[:, i].astype(float) for i in range(4))
+    rows = [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
+            2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+            2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]  # fmt: skip
+    return np.stack(rows, axis=-1).reshape(-1, 3, 3)
+
+
+def _combine_margins(one: _Side, two: _Side, outcome: Outcome) -> None:
+    """Where a contact has the larger margin of its geoms in one version and the sum in the other: those of contacts."""
+    if later(_SUMS, one.version) == later(_SUMS, two.version):
+        return
+    if len(one.arrays["geom_margin"]) != len(two.arrays["geom_margin"]):
+        return
+    collide = (one.arrays["geom_contype"] | one.arrays["geom_conaffinity"]) != 0
+    if collide.sum() > _MOST:
+        outcome.apart.append("geom_margin")
+        collide = collide & (np.cumsum(collide) <= _MOST)
+    for side in (one, two):
+        for name in ("margin", "gap"):
+            values = side.arrays.pop(f"geom_{name}")[collide]
+            each = np.maximum.outer if later(_SUMS, side.version) else np.add.outer
+            side.arrays[f"contact_{name}"] = each(values, values)
+
+
+def _settle_surfaces(one: _Side, two: _Side, outcome: Outcome) -> None:
+    """Meshes that are cut into triangles in another way, or in another order, are the same if their surface is."""
+    x, y = one.arrays["mesh_face"], two.arrays["mesh_face"]
+    starts, others = one.arrays["mesh_faceadr"], two.arrays["mesh_faceadr"]
+    if len(starts) != len(others):
+        return
+    counts, lengths = one.arrays["mesh_facenum"], two.arrays["mesh_facenum"]
+    used = {int(each) for side in (one, two) for each in side.arrays["geom_dataid"]}
+    used |= {int(each) for side in (one, two) for each in side.arrays.get("site_dataid", ())}
+    scales, kept = [], [[], []]  # type: ignore[var-annotated]
+    for mesh, (start, other) in enumerate(zip(starts, others, strict=True)):
+        a, b = x[start : start + counts[mesh]], y[other : other + lengths[mesh]]
+        scale = one.scale[start : start + counts[mesh]]
+        if mesh not in used and a.shape == b.shape:
+            b = a  # no geom shows it: where it stands means nothing, and is not the same in all versions
+        elif a.shape != b.shape or not _close(a, b, scale).all():
+            if _same_surface(a, b):
+                b = a
+                outcome.recut.append(_called("mesh", mesh, one))
+            elif _stand_alike(a, b, mesh, one=one, two=two):
+                b = a
+        kept[0].append(a)
+        kept[1].append(b)
+        scales.append(scale)
+    if starts.size:
+        one.arrays["mesh_face"], two.arrays["mesh_face"] = np.concatenate(kept[0]), np.concatenate(kept[1])
+        one.scale = np.concatenate(scales)
+
+
+def _settle_marks(one: _Side, two: _Side) -> None:
+    """Random marks of a texture are the same in all places, if there are as many and the rest is the same.
+
+    MuJoCo 3.2 draws them with another generator than 3.1.
+    """
+    marks = one.words.get("marks", ())
+    if not any(marks) or list(marks) != list(two.words.get("marks", ())):
+        return
+    x, y = (side.arrays["tex_data"] for side in (one, two))
+    if x.shape != y.shape or not np.array_equal(one.arrays["tex_adr"], two.arrays["tex_adr"]):
+        return
+    ends = [*one.arrays["tex_adr"][1:], len(x)]
+    for start, end, mark in zip(one.arrays["tex_adr"], ends, marks, strict=True):
+        if mark is None or (end - start) % len(mark):
+            continue
+        pixels = [each[start:end].reshape(-1, len(mark)) for each in (x, y)]
+        marked = [(each == np.array(mark)).all(axis=1) for each in pixels]
+        counts = [int(each.sum()) for each in marked]
+        if abs(counts[0] - counts[1]) <= _DRAWN * np.sqrt(sum(counts)):
+            both = marked[0] | marked[1]
+            pixels[1][both] = pixels[0][both]
+
+
+def _stand_alike(x: Array, y: Array, mesh: int, one: _Side, two: _Side) -> bool:
+    """Whether all geoms with a mesh stand alike in their bodies: a mesh may be moved, and its geoms against it."""
+    geoms = np.flatnonzero(one.arrays["geom_dataid"] == mesh)
+    if not np.array_equal(geoms, np.flatnonzero(two.arrays["geom_dataid"] == mesh)):
+        return False
+    for geom in geoms:
+        placed = [
+            corners.reshape(-1, 3) @ side.arrays["geom_quat"][geom].reshape(3, 3).T
+            + side.arrays["geom_pos"][geom]
+            for corners, side in ((x, one), (y, two))
+        ]
+        if not _same_surface(placed[0], placed[1]):
+            return False
+    for name in ("geom_pos", "geom_quat"):
+        two.arrays[name][geoms] = one.arrays[name][geoms]
+    return bool(len(geoms))
+
+
+def _same_surface(x: Array, y: Array) -> bool:
+    """Whether two surfaces have the same box, area, volume and centre."""
+    if not x.size or not y.size:
+        return False
+    one, two = (_measures(each.reshape(-1, 3, 3)) for each in (x, y))
+    return bool((np.abs(one - two) <= _SURFACE * np.abs(one).max()).all())
+
+
+def _measures(triangles: Array) -> Array:
+    """All in the unit of length: the box, the root of the area, that of the volume, and the centre of the surface."""
+    a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
+    centre = (areas[:, None] * triangles.mean(axis=1)).sum(axis=0) / max(areas.sum(), 1e-300)
+    corners = triangles.reshape(-1, 3)
+    sizes = [np.sqrt(areas.sum()), np.cbrt(volume)]
+    return np.concatenate([corners.min(axis=0), corners.max(axis=0), centre, sizes])
+
+
+def _pairs(one: _Side, two: _Side, outcome: Outcome) -> dict[str, Array]:
+    """For each kind whose elements stand in another order: where those of the first are in the second."""
+    found: dict[str, Array] = {}
+    for kind, names in one.names.items():
+        other = list(two.names.get(kind, ()))
+        if list(names) == other:
+            continue
+        keys, others = _keys(list(names)), _keys(other)
+        lost = [each for each in keys if each not in others]
+        new = [each for each in others if each not in keys]
+        for what, several in (("is missing", lost), ("is new", new)):
+            if several:
+                shown = (
+                    f"{kind} `{several[0][0]}`" if several[0][0] is not None else f"a {kind} without a name"
+                )
+                pair = ("there", "not there") if what == "is missing" else ("not there", "there")
+                outcome.differences.append(Difference(f"{kind} names", shown, *pair, len(several)))
+        if not lost and not new:
+            found[kind] = np.array([others.index(each) for each in keys])
+    return found
+
+
+def _keys(names: list[str | None]) -> list[tuple[str | None, int]]:
+    """Names, with how many of the same came before: several elements may have none."""
+    seen: dict[str | None, int] = {}
+    found = []
+    for name in names:
+        found.append((name, seen.get(name, 0)))
+        seen[name] = seen.get(name, 0) + 1
+    return found
+
+
+def _compare(array: str, one: _Side, two: _Side, pairs: Mapping[str, Array], outcome: Outcome) -> None:
+    x, y = one.arrays.get(array), two.arrays.get(array)
+    if x is None or y is None or (x.size != y.size and not (x.size and y.size)):
+        here = y if x is None or not x.size else x
+        if here is not None and here.size:
+            _alone(
+                array,
+                here,
+                x is None or not x.size,
+                side=one if y is None or not y.size else two,
+                outcome=outcome,
+            )
+        return
+    kind = _PREFIXES.get(array.partition("_")[0], "")
+    if x.shape != y.shape:
+        if len(x) != len(y) and kind in one.names and len(one.names[kind]) != len(two.names.get(kind, ())):
+            return  # other elements are there, which is told
+        outcome.apart.append(array)
+        return
+    if kind in pairs and len(pairs[kind]) == len(y):
+        y = y[pairs[kind]]
+    if x.dtype.kind in "US" or y.dtype.kind in "US":
+        wrong = x != y
+    else:
+        x, y = x.astype(float), y.astype(float)
+        if np.array_equal(x, y, equal_nan=True):
+            outcome.equal.append(array)
+            return
+        if array == "vis.headlight.active":
+            # `auto` of 4.0 is always on in earlier versions, and in the renderer that they have.
+            y = np.where(x == _AUTO, _AUTO, y)
+        if array in UNSAID:
+            said = neutral(array) or ()
+            x, y = np.where(np.isin(x, said), said[0], x), np.where(np.isin(y, said), said[0], y)
+        if "." in array and x.ndim == 1:
+            x, y = x[None], y[None]  # of the whole model
+        wrong = ~_close(x, y, one.scale if array == "mesh_face" else _scale(array, x))
+    if not wrong.any():
+        outcome.rounded.append(array)
+        return
+    rows = np.flatnonzero(wrong.reshape(len(wrong), -1).any(axis=1)) if wrong.ndim else np.zeros(1, int)
+    row = int(rows[0])
+    element = _label(array, row, one) if wrong.ndim else "the model"
+    before, after = (_shown(each[row] if each.ndim else each) for each in (x, y))
+    outcome.differences.append(Difference(array, element, before, after=after, count=len(rows)))
+
+
+def _scale(array: str, x: Array) -> Array | None:
+    """Statistics of the model are made of boxes along the axes of meshes, which are any."""
+    return np.full_like(x, _LOOSE * np.abs(x).max(initial=1.0)) if array in _STATISTICS else None
+
+
+def _close(x: Array, y: Array, scale: Array | None = None) -> Array:
+    same: Array = (x == y) | (np.isnan(x) & np.isnan(y))
+    with np.errstate(invalid="ignore"):
+        size = np.maximum(np.abs(x), np.abs(y)) if scale is None else scale
+        if size.ndim > 1:
+            size = size.max(axis=tuple(range(1, size.ndim)), keepdims=True)
+        near: Array = np.abs(x - y) <= _SMALL + TOLERANCE * size
+    return same | near
+
+
+def _alone(array: str, values: Array, is_new: bool, side: _Side, outcome: Outcome) -> None:
+    """A field that one version has: nothing is said by what it holds where nobody wrote anything."""
+    if array in ("light_type", "light_directional"):
+        return
+    known = neutral(array)
+    if known is None:
+        outcome.apart.append(array)
+        return
+    wrong = ~np.isclose(values.astype(float)[..., None], known, rtol=TOLERANCE, atol=_SMALL).any(axis=-1)
+    if not wrong.any():
+        outcome.equal.append(array)
+        return
+    rows = np.flatnonzero(wrong.reshape(len(wrong), -1).any(axis=1)) if wrong.ndim else np.zeros(1, int)
+    row = int(rows[0])
+    element = _label(array, row, side) if wrong.ndim else "the model"
+    shown = _shown(values[row] if values.ndim else values)
+    pair = ("not in that version", shown) if is_new else (shown, "not in this version")
+    outcome.differences.append(Difference(array, element, *pair, len(rows)))
+
+
+def _compare_flags(one: _Side, two: _Side, outcome: Outcome) -> None:
+    sides = []
+    for side in (one, two):
+        flags = dict(side.words["flags"])
+        passive = flags.pop("passive", None)
+        if passive is not None:
+            flags |= {"spring": passive, "damper": passive}
+        sides.append(flags)
+    wrong = list(_other_flags(*sides))
+    outcome.differences.extend(wrong)
+    several = {f"flags.{flag}" for side in sides for flag in side}
+    outcome.equal.extend(sorted(several - {each.array for each in wrong}))
+
+
+def _other_flags(one: Mapping[str, bool], two: Mapping[str, bool]) -> Iterator[Difference]:
+    for flag in sorted(one.keys() | two.keys()):
+        before, after = (each.get(flag, FLAGS.get(flag, False)) for each in (one, two))
+        if before != after:
+            words = [("enabled" if each else "disabled") for each in (before, after)]
+            yield Difference(f"flags.{flag}", "the model", words[0], after=words[1], count=1)
+
+
+def _label(array: str, row: int, side: _Side) -> str:
+    kind = _PREFIXES.get(array.partition("_")[0])
+    if array == "mesh_face":
+        kind, row = "mesh", int(np.searchsorted(side.arrays["mesh_faceadr"], row, side="right")) - 1
+    if kind == "dof" and "dof_jntid" in side.arrays:
+        kind, row = "joint", int(side.arrays["dof_jntid"][row])
+    if array.startswith("contact_"):
+        row = int(np.flatnonzero((side.arrays["geom_contype"] | side.arrays["geom_conaffinity"]) != 0)[row])
+        kind = "geom"
+    return "the model" if kind is None else _called(kind, row, side)
+
+
+def _called(kind: str, row: int, side: _Side) -> str:
+    names = side.names.get(kind, ())
+    if row >= len(names):
+        return f"row {row}"
+    return f"{kind} `{names[row]}`" if names[row] else f"{kind} {row}"
+
+
+def _shown(value: Any) -> str:
+    flat = np.ravel(value)
+    words = [f"{each:.6g}" if isinstance(each, float) else str(each) for each in flat[:_SHOWN].tolist()]
+    return " ".join(words) + (" …" if len(flat) > _SHOWN else "")

@@ -1,0 +1,588 @@
+"""A model while it is migrated: its tree, its text, and why each change was made."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import field
+from html import unescape
+from pathlib import Path
+from typing import Protocol
+from xml.sax.saxutils import quoteattr
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Cause, Span
+from mjcompose.base.sink import Sink
+from mjcompose.model.classes import childclass_of
+from mjcompose.model.files import join
+from mjcompose.model.grammar import exists_in, version_key
+from mjcompose.model.history import place, spans
+from mjcompose.model.parse import parse_file
+from mjcompose.model.unit import Unit, line_of
+from mjcompose.sources.context import Context
+
+RELEASED = tuple(
+    """
+    3.0.0 3.0.1 3.1.0 3.1.1 3.1.2 3.1.3 3.1.4 3.1.5 3.1.6 3.2.0 3.2.1 3.2.2 3.2.3 3.2.4 3.2.5 3.2.6 3.2.7
+    3.3.0 3.3.1 3.3.2 3.3.3 3.3.4 3.3.5 3.3.6 3.3.7 3.4.0 3.5.0 3.6.0 3.7.0 3.8.0 3.8.1 3.9.0 3.10.0 3.11.0
+    3.12.0 3.13.0 3.14.0 3.15.0 3.16.0 3.17.0 4.0.0
+    """.split()
+)
+
+
+def release(text: str) -> str | None:
+    """The release that is meant: of `3.1` the last one; None for a version that there is not.
+
+    >>> release("3.1"), release("3.2.3"), release("4"), release("2.3")
+    ('3.1.6', '3.2.3', '4.0.0', None)
+    """
+    wanted = version_key(text)
+    fitting = [each for each in RELEASED if version_key(each)[: len(wanted)] == wanted] if wanted else []
+    return fitting[-1] if fitting else None
+
+
+def later(version: str, than: str) -> bool:
+    """Whether a version is later than another one."""
+    return version_key(version) > version_key(than)
+
+
+_PIECE = re.compile(
+    r"<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|<!DOCTYPE[^>\[]*(?:\[.*?\])?\s*>"
+    r"|<(?P<close>/)?(?P<tag>[^\s<>/!?=]+)(?P<inside>(?:[^<>\"']|\"[^\"]*\"|'[^']*')*)>",
+    re.DOTALL,
+)
+_ATTRIBUTE = re.compile(r"""(\s*)([^\s=<>/"']+)\s*=\s*("[^"]*"|'[^']*')""")
+_INDENT = re.compile(r"[ \t]*\Z")
+_STEP = "  "
+
+
+class MarkupError(Exception):
+    """The text has another form than the tree that was read from it."""
+
+
+@dataclass(slots=True)
+class _Written:
+    """An element as it stands in its text: its start tag, what is behind its content, and its attributes."""
+
+    tag: str
+    start: int
+    inside: int
+    open_end: int
+    end: int = 0
+    close: int = 0
+    values: dict[str, str] = field(default_factory=dict)
+    stretches: dict[str, tuple[int, int, int, int, int]] = field(default_factory=dict)
+
+    @property
+    def is_empty(self) -> bool:
+        return self.close == 0
+
+
+@dataclass(slots=True)
+class Markup:
+    """The text of one file and the elements in it, in the order in which they begin."""
+
+    text: str
+    elements: list[_Written]
+
+    @classmethod
+    def read(cls, text: str) -> Markup:
+        """Raises MarkupError where tags do not close one another."""
+        found: list[_Written] = []
+        open_: list[_Written] = []
+        for piece in _PIECE.finditer(text):
+            tag = piece["tag"]
+            if tag is None:
+                continue
+            if piece["close"]:
+                if not open_ or open_[-1].tag != tag:
+                    raise MarkupError(tag)
+                element = open_.pop()
+                element.close, element.end = piece.start(), piece.end()
+                continue
+            element = _Written(tag, piece.start(), piece.start("inside"), open_end=piece.end())
+            for each in _ATTRIBUTE.finditer(text, piece.start("inside"), piece.end("inside")):
+                value = each[3]
+                element.values[each[2]] = unescape(value[1:-1])
+                element.stretches[each[2]] = (each.start(), *each.span(2), each.start(3), each.end())
+            found.append(element)
+            if piece["inside"].rstrip().endswith("/"):
+                element.end = piece.end()
+            else:
+                open_.append(element)
+        if open_:
+            raise MarkupError(open_[-1].tag)
+        return cls(text, found)
+
+
+@dataclass(slots=True)
+class Source:
+    """A file of a model: its markup, and the nodes of the tree that stand in it (None: an `<include>` or a root)."""
+
+    markup: Markup
+    nodes: Sequence[Node | None]
+
+    def rewritten(self, root: Node | None, renamed: Mapping[Node, Mapping[str, str]]) -> str:
+        """The text with all that the nodes are now otherwise than they are written.
+
+        `root` is the root of the whole tree where this is its file: what is new in it is written here. `renamed` has
+        the attributes of a node that have another name now, by the new one.
+        """
+        edits: list[tuple[int, int, str]] = []
+        text = self.markup.text
+        place = {
+            node: each
+            for node, each in zip(self.nodes, self.markup.elements, strict=True)
+            if node is not None
+        }
+        gone: list[tuple[int, int]] = []
+        for node, written in place.items():
+            if any(start <= written.start < end for start, end in gone):
+                continue
+            if root is not None and not _is_below(node, root):
+                start, end = _whole_lines(text, written.start, written.end)
+                gone.append((start, end))
+                edits.append((start, end, ""))
+                continue
+            edits.extend(_changes(node, written, renamed.get(node, {})))
+            edits.extend(_additions(node, written, place, text=text))
+        if "\r\n" in text:
+            edits = [(start, end, new.replace("\n", "\r\n")) for start, end, new in edits]
+        return _applied(text, edits)
+
+
+def _is_below(node: Node, root: Node) -> bool:
+    return node is root or any(above is root for above in node.iterancestors())
+
+
+def _changes(node: Node, written: _Written, renamed: Mapping[str, str]) -> Iterator[tuple[int, int, str]]:
+    now = {str(name): str(value) for name, value in node.items()}
+    tag = str(node.tag)
+    if tag != written.tag:
+        yield written.start + 1, written.start + 1 + len(written.tag), tag
+        if not written.is_empty:
+            yield written.close + 2, written.close + 2 + len(written.tag), tag
+    kept = set()
+    for name, value in now.items():
+        before = renamed.get(name, name)
+        if before in written.values and (before == name or name not in written.values):
+            kept.add(before)
+            _, key, key_end, at, end = written.stretches[before]
+            if before != name:
+                yield key, key_end, name
+            if value != written.values[before]:
+                yield at, end, quoteattr(value)
+    for name, (start, _, _, _, end) in written.stretches.items():
+        if name not in kept and name not in now:
+            yield start, end, ""
+    new = "".join(
+        f" {name}={quoteattr(value)}"
+        for name, value in now.items()
+        if name not in written.values and renamed.get(name, name) not in kept
+    )
+    if new:
+        last = max(
+            (stretch[4] for stretch in written.stretches.values()),
+            default=written.start + 1 + len(written.tag),
+        )
+        yield last, last, new
+
+
+def _additions(
+    node: Node, written: _Written, place: Mapping[Node, _Written], text: str
+) -> Iterator[tuple[int, int, str]]:
+    """New children, each on a line of its own: before the next one that stands there, or last."""
+    fresh = [child for child in node.iterchildren("*") if child not in place and is_made(child)]
+    if not fresh:
+        return
+    indent = _indent(text, written.start)
+    texts: dict[int, str] = {}
+    known = [
+        place[child].start
+        for child in node.iterchildren("*")
+        if child in place and _inside(place[child], written)
+    ]
+    step = "\t" if "\n\t" in text else _STEP
+    inner = _indent(text, known[0]) if known and _begins_line(text, known[0]) else indent + step
+    for child in fresh:
+        following = next((place[each].start for each in child.itersiblings("*") if each in place
+                          and _inside(place[each], written)), None)  # fmt: skip
+        markup = _markup(child, inner, step)
+        if following is not None:
+            texts[following] = texts.get(following, "") + f"{markup}\n{inner}"
+        else:
+            texts[-1] = texts.get(-1, "") + f"\n{inner}{markup}"
+    for at, added in texts.items():
+        if at >= 0:
+            yield at, at, added
+        elif written.is_empty:
+            slash = text.rindex("/", written.start, written.open_end)
+            start = slash - (len(text[:slash]) - len(text[:slash].rstrip()))
+            yield start, written.end, f">{added}\n{indent}</{node.tag!s}>"
+        else:
+            before = text[: written.close].rstrip(" \t\r\n")
+            at = max(len(before), written.open_end)
+            ends_line = "\n" in text[at : written.close]
+            yield at, at, added if ends_line else f"{added}\n{indent}"
+
+
+def _inside(child: _Written, parent: _Written) -> bool:
+    return parent.start < child.start and child.end <= parent.end
+
+
+def _markup(node: Node, indent: str, step: str) -> str:
+    """An element that was made here, its children on lines below it."""
+    start = "".join(
+        [f"<{node.tag!s}", *(f" {name!s}={quoteattr(str(value))}" for name, value in node.items())]
+    )
+    children = list(node.iterchildren("*"))
+    if not children:
+        return f"{start}/>"
+    inner = "".join(f"\n{indent}{step}{_markup(each, indent + step, step)}" for each in children)
+    return f"{start}>{inner}\n{indent}</" + str(node.tag) + ">"
+
+
+def _indent(text: str, at: int) -> str:
+    line = text[text.rfind("\n", 0, at) + 1 : at]
+    return line[: len(line) - len(line.lstrip(" \t"))]
+
+
+def _begins_line(text: str, at: int) -> bool:
+    return not text[text.rfind("\n", 0, at) + 1 : at].strip()
+
+
+def _whole_lines(text: str, start: int, end: int) -> tuple[int, int]:
+    """With the indentation and the line break where nothing else stands on these lines."""
+    found = _INDENT.search(text, text.rfind("\n", 0, start) + 1, start)
+    after = re.compile(r"[ \t]*\r?\n").match(text, end)
+    if found is not None and _begins_line(text, start) and after is not None:
+        return found.start(), after.end()
+    return start, end
+
+
+def _applied(text: str, edits: list[tuple[int, int, str]]) -> str:
+    result, done = [], 0
+    for start, end, new in sorted(edits, key=lambda each: (each[0], each[1])):
+        if start < done:
+            raise MarkupError(text[start:end])
+        result += [text[done:start], new]
+        done = end
+    return "".join((*result, text[done:]))
+
+
+def is_made(node: Node) -> bool:
+    """Whether an element was made by a migration and is in no file yet."""
+    return line_of(node) is None
+
+
+def made(tag: str, attributes: Mapping[str, str]) -> Node:
+    """A new element."""
+    return etree.Element(tag, dict(attributes))
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One thing that was done: by which change, where, and what in words."""
+
+    change: str
+    span: Span | None
+    words: str
+
+
+@dataclass(frozen=True, slots=True)
+class Meaning:
+    """Something that is not the same any more; `arrays` are those of `mjModel` in which that would show, if any."""
+
+    change: str
+    message: str
+    span: Span | None
+    help: str | None
+    arrays: tuple[str, ...] = ()
+
+
+class ChangeInProgress(Protocol):
+    """What an `Editing` needs of the change that is being carried out."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def version(self) -> str: ...
+    @property
+    def arrays(self) -> tuple[str, ...]: ...
+
+
+@dataclass(slots=True)
+class Editing:
+    """`before` and `after` are the versions from which and to which the model goes.
+
+    `whole` are the model and those that it attaches, each with its own tree; a model alone is the whole.
+    """
+
+    unit: Unit
+    sink: Sink
+    before: str
+    after: str
+    change: ChangeInProgress | None = None
+    steps: list[Step] = field(default_factory=list)
+    meanings: list[Meaning] = field(default_factory=list)
+    renamed: dict[Node, dict[str, str]] = field(default_factory=dict)
+    values: dict[str, object] = field(default_factory=dict)
+    refused: set[Node] = field(default_factory=set)
+    whole: list[Editing] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.whole = self.whole or [self]
+
+    @property
+    def root(self) -> Node:
+        return self.unit.root
+
+    @property
+    def name(self) -> str:
+        return "" if self.change is None else self.change.name
+
+    def at(self, *places: str) -> list[Node]:
+        """The elements that stand in one of these places, in the order of the file."""
+        last = {each.rpartition("/")[2] for each in places}
+        return [node for node in self.root.iter(*last) if place(node) in places]
+
+    @property
+    def stage(self) -> str:
+        """The version that the model is for once the change is made: later ones may give it other names."""
+        if self.change is None:
+            return self.after
+        if version_key(self.before) <= version_key(self.after):
+            return self.change.version
+        return RELEASED[RELEASED.index(self.change.version) - 1]
+
+    def stage_reads(self, path: str, attribute: str) -> bool:
+        """Whether that version knows an attribute."""
+        known = spans()
+        names = (path, f"{path}@{attribute}")
+        return all(exists_in(self.stage, *known[name]) for name in names if name in known)
+
+    def lacking(self, path: str, attribute: str, value: str) -> str:
+        """That the other version does not have what is on by default, or is asked for."""
+        tag = path.rpartition("/")[2]
+        return f'MuJoCo {self.after} has no `{attribute}` of `<{tag}>`, which is `"{value}"` in {self.before}'
+
+    def value(self, node: Node, attribute: str) -> str | None:
+        """What an element has of an attribute: written, or from its class."""
+        if node.getroottree().getroot() is not self.root:
+            return node.get(attribute)
+        inherits = place(node).partition("/")[0] != "default"
+        if not inherits:
+            return self.inherited(node, attribute) if node.get(attribute) is None else node.get(attribute)
+        return self.unit.classes.effective(node, childclass_of(node), attribute)
+
+    def inherited(self, node: Node, attribute: str) -> str | None:
+        """What an element of a default class has of an attribute from the classes around its own."""
+        above = node.getparent()
+        if above is None:
+            return None
+        outer = above.getparent()
+        while outer is not None and outer.tag == "default":
+            for each in outer.iterchildren(str(node.tag)):
+                if each.get(attribute) is not None:
+                    return str(each.get(attribute))
+            outer = outer.getparent()
+        return None
+
+    def span(self, node: Node, attribute: str | None = None, *, key: bool = False) -> Span | None:
+        """Where that stands; None for what was made here."""
+        origins, file = self.unit.origins, self.unit.file
+        if is_made(node):
+            parent = node.getparent()
+            return None if parent is None or parent is self.root else self.span(parent)
+        return origins.span(node, file, attribute, key=key)
+
+    def set(self, node: Node, attribute: str, value: str) -> None:
+        """Write an attribute."""
+        had = node.get(attribute)
+        if had == value:
+            return
+        words = f'`{attribute}="{value}"`' + ("" if had is None else f' instead of `"{had}"`')
+        self.steps.append(Step(self.name, self.span(node), f"wrote {words} at {called(node)}"))
+        node.set(attribute, value)
+
+    def unset(self, node: Node, attribute: str) -> None:
+        """Take an attribute away."""
+        had = node.get(attribute)
+        if had is None:
+            return
+        self.steps.append(
+            Step(self.name, self.span(node, attribute), f'took `{attribute}="{had}"` from {called(node)}')
+        )
+        del node.attrib[attribute]
+        self.renamed.get(node, {}).pop(attribute, None)
+
+    def rename(self, node: Node, attribute: str, new: str, value: str | None = None) -> None:
+        """Give an attribute another name, in its place, and perhaps another value."""
+        old = str(node.get(attribute))
+        value = old if value is None else value
+        self.steps.append(
+            Step(
+                self.name,
+                self.span(node, attribute),
+                f'`{attribute}="{old}"` is `{new}="{value}"` at {called(node)}',
+            )
+        )
+        original = self.renamed.setdefault(node, {}).pop(attribute, attribute)
+        pairs = [(new, value) if name == attribute else (str(name), str(was)) for name, was in node.items()]
+        node.attrib.clear()
+        node.attrib.update(dict(pairs))
+        if original != new:
+            self.renamed[node][new] = original
+
+    def retag(self, node: Node, tag: str) -> None:
+        """Make an element one of another tag."""
+        self.steps.append(Step(self.name, self.span(node), f"`<{node.tag}>` is `<{tag}>`"))
+        node.tag = tag
+
+    def remove(self, node: Node) -> None:
+        """Take an element away."""
+        self.steps.append(Step(self.name, self.span(node), f"took {called(node)} away"))
+        parent = node.getparent()
+        if parent is not None:
+            parent.remove(node)
+
+    def insert(self, parent: Node, tag: str, attributes: dict[str, str], index: int | None = None) -> Node:
+        """A new element in another one, last if nothing is said."""
+        node = made(tag, attributes)
+        parent.insert(len(parent) if index is None else index, node)
+        written = "".join(f' {name}="{value}"' for name, value in attributes.items())
+        self.steps.append(Step(self.name, self.span(parent), f"wrote `<{tag}{written}/>`"))
+        return node
+
+    def within(self, path: str) -> Node:
+        """The element of a section that is there once, made where there is none: `option/flag`, `visual/headlight`."""
+        section, _, tag = path.partition("/")
+        found = self.at(path)
+        if found:
+            return found[-1]
+        holder = self.at(section)
+        if holder:
+            above = holder[-1]
+        else:
+            above = made(section, {})
+            first = list(self.root.iterchildren("compiler", "include"))
+            self.root.insert(self.root.index(first[-1]) + 1 if first else len(self.unit.header), above)
+        if not tag:
+            return above
+        node = made(tag, {})
+        above.append(node)
+        return node
+
+    def warn(
+        self,
+        node: Node | None,
+        message: str,
+        help: str | None = None,
+        attribute: str | None = None,
+        arrays: tuple[str, ...] | None = None,
+    ) -> None:
+        """Something does not mean the same any more."""
+        shown = () if self.change is None else self.change.arrays
+        span = None if node is None else self.span(node, attribute)
+        self.meanings.append(
+            Meaning(self.name, message, span, help=help, arrays=shown if arrays is None else arrays)
+        )
+
+    def refuse(self, node: Node, message: str, help: str | None = None, attribute: str | None = None) -> None:
+        """Something that cannot be said in the other version."""
+        if attribute is None and node in self.refused:
+            return
+        self.refused.add(node)
+        cause = Cause(f"{self.name} {message}", called(node))
+        self.sink.error("migrate-cannot", message, self.span(node, attribute), help=help, cause=cause)
+
+
+def called(node: Node) -> str:
+    """An element as messages name it."""
+    name = node.get("name") or node.get("class")
+    return f"`<{node.tag}>` `{name}`" if name else f"`<{node.tag}>`"
+
+
+@dataclass(slots=True, eq=False)
+class Piece:
+    """A model with those that it attaches, by the names that its `<attach>` elements have for them."""
+
+    unit: Unit
+    attached: dict[str, Piece] = field(default_factory=dict)
+
+
+@dataclass(slots=True)
+class Pieces:
+    """A model and all that are attached, each once, the model itself first; `left` says what stays as it is."""
+
+    context: Context
+    every: list[Piece] = field(default_factory=list)
+    left: list[Meaning] = field(default_factory=list)
+    _known: dict[str, Piece] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, unit: Unit, context: Context) -> Pieces:
+        """Read what a model attaches; errors go to the sink."""
+        found = cls(context)
+        found._read(unit, (os.path.realpath(unit.directory / os.path.basename(unit.file)),))
+        return found
+
+    def _read(self, unit: Unit, above: tuple[str, ...]) -> Piece:
+        """`above` are the files that lead to it, and its own: MuJoCo 4.0 crashes where a model is made of itself."""
+        piece = Piece(unit)
+        self.every.append(piece)
+        for element in unit.root.iterfind("asset/model"):
+            file = str(element.get("file") or "")
+            path = Path(os.path.normpath(join(str(unit.directory), file)))
+            shown, real = self.context.shown(path), os.path.realpath(path)
+            span = unit.origins.span(element, unit.file, "file")
+            if real in above:
+                help = "take this `<model>` out, or name another file"
+                message = f"the model `{file}` is made of itself"
+                self.context.sink.error("source-cycle", message, span, help=help)
+                continue
+            if not file or not unit.door.exists(path):
+                continue  # MuJoCo says so
+            if "urdf" in f"{element.get('content_type')} {path.suffix}".lower():
+                self.left.append(
+                    Meaning("attached", f"`{shown}` is URDF, and stays as it is", span, help=None)
+                )
+                continue
+            inner = self._known.get(real)
+            if inner is None:
+                attached = parse_file(path, self.context.sink, file=shown, span=span, door=unit.door)
+                if attached is None:
+                    continue
+                inner = self._known[real] = self._read(attached, (*above, real))
+            piece.attached[str(element.get("name") or inner.unit.model)] = inner
+        return piece
+
+    def measured(self, piece: Piece, values: Mapping[str, object]) -> dict[str, object]:
+        """What was measured of the whole model, by the names that a piece has for its own actuators.
+
+        An actuator that is there several times has a value if all of them have the same.
+        """
+        kv = values.get("kv")
+        if piece is self.every[0] or not isinstance(kv, dict):
+            return dict(values)
+        prefixes = [prefix for each, prefix in _placed(self.every[0], "") if each is piece]
+        found = {}
+        for node in piece.unit.root.iterfind("actuator/*"):
+            name = str(node.get("name") or "")
+            several = {kv.get(prefix + name) for prefix in prefixes}
+            if name and len(several) == 1 and None not in several:
+                found[name] = several.pop()
+        return {"kv": found}
+
+
+def _placed(piece: Piece, prefix: str) -> Iterator[tuple[Piece, str]]:
+    """The pieces as MuJoCo attaches them, with what stands before their names. A compiled model has an end."""
+    yield piece, prefix
+    for attach in piece.unit.root.iter("attach"):
+        inner = piece.attached.get(str(attach.get("model") or ""))
+        if inner is not None:
+            yield from _placed(inner, prefix + str(attach.get("prefix") or ""))

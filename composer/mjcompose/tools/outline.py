@@ -1,0 +1,461 @@
+"""A model at a glance."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.report import Paint
+from mjcompose.base.rotation import Pose
+from mjcompose.build.bundle.bundle import MANIFEST
+from mjcompose.build.bundle.manifest import from_json
+from mjcompose.build.bundle.read import ReadError, read
+from mjcompose.build.compose.compose import Composer
+from mjcompose.build.compose.load import Loader
+from mjcompose.build.plan.matrix import check_sample
+from mjcompose.build.plan.plan import BASE
+from mjcompose.build.plan.planner import make_plan
+from mjcompose.build.plan.read import Given
+from mjcompose.link import numbers
+from mjcompose.link.bodies import effective_pose
+from mjcompose.link.key_layout import joint_type
+from mjcompose.link.measure import measure_with
+from mjcompose.link.numbers import read_pose
+from mjcompose.model.classes import text_in_effect
+from mjcompose.model.names import WORLD
+from mjcompose.model.parse import parse_text
+from mjcompose.model.select import kind_of
+from mjcompose.model.unit import Unit
+from mjcompose.mujoco.arrays import BY_WORD
+from mjcompose.sources.context import Context
+from mjcompose.sources.lock import resolve
+from mjcompose.sources.reference import SourceError
+from mjcompose.text.faults import quoted, word
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Node
+
+    from mjcompose.build.bundle.manifest import Manifest
+    from mjcompose.build.plan.plan import PartRecord
+    from mjcompose.sources.reference import Source
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """A joint; `range` is None without limits, in radians for a hinge or ball joint and in metres for a slide."""
+
+    name: str | None
+    type: str
+    range: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A place for attaching a part: `kind` is `site`, `body` or `frame`.
+
+    `pose` is relative to its body, `world` to the world with all joints at their reference; metres.
+    """
+
+    kind: str
+    name: str
+    pose: Pose
+    world: Pose
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A body or the world. `part` is its part's name in the recipe; None if the recipe adds it.
+
+    `copies` is the number of copies that MuJoCo's `<replicate>` makes. `places` has the body itself first.
+    """
+
+    name: str | None
+    part: str | None
+    joints: tuple[Joint, ...] = ()
+    places: tuple[Place, ...] = ()
+    children: tuple[Body, ...] = ()
+    copies: int = 1
+
+    def walk(self) -> Iterator[Body]:
+        """Yield the body and all below it, depth first."""
+        yield self
+        for child in self.children:
+            yield from child.walk()
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A part: its name in the recipe, the origin of its model, and the body that it is fixed to."""
+
+    name: str
+    model: str
+    body: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Outline:
+    """A model: `name` is its own, `label` the user's name for it."""
+
+    name: str
+    label: str
+    world: Body
+    parts: tuple[Part, ...] = field(default=())
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """All bodies, without the world."""
+        return tuple(self.world.walk())[1:]
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        return tuple(joint for body in self.world.walk() for joint in body.joints)
+
+
+def as_data(outline: Outline, depth: int | None = None) -> dict[str, Any]:
+    """Return parts, and every body after its parent, with its joints and places.
+
+    `depth` limits the levels of bodies. Metres and radians; poses are relative to the body (`pos`, `quat`) and to
+    the world at the reference configuration.
+    """
+    return {
+        "name": outline.name,
+        "model": outline.label,
+        "parts": [asdict(part) for part in outline.parts],
+        "bodies": list(_bodies(outline.world, None, depth)),
+    }
+
+
+def _bodies(body: Body, parent: str | None, depth: int | None) -> Iterator[dict[str, Any]]:
+    yield {
+        "name": body.name,
+        "parent": parent,
+        "part": body.part,
+        "copies": body.copies,
+        "joints": [asdict(joint) for joint in body.joints],
+        "places": [
+            {
+                place.kind: place.name,
+                "pos": place.pose.pos,
+                "quat": place.pose.quat,
+                "world_pos": place.world.pos,
+                "world_quat": place.world.quat,
+            }
+            for place in body.places
+        ],
+    }
+    if depth is None or depth > 0:
+        for child in body.children:
+            yield from _bodies(child, body.name, None if depth is None else depth - 1)
+
+
+PartOf = Callable[["Node"], str | None]
+_TRANSPARENT = ("frame", "replicate")
+_JOINTS = ("joint", "freejoint")
+
+
+def world_of(unit: Unit, part_of: PartOf) -> Body:
+    """Return the world with all bodies below it; `part_of` returns the part of an element by its name in the recipe."""
+    return _Outliner(unit, part_of).world()
+
+
+class _Outliner:
+    def __init__(self, unit: Unit, part_of: PartOf) -> None:
+        self.unit, self.part_of = unit, part_of
+        self.degrees, self.sequence = unit.settings.angle == "degree", unit.settings.eulerseq
+
+    def world(self) -> Body:
+        worlds = list(self.unit.root.iterchildren("worldbody"))
+        joints, places, children = self.contents(worlds, Pose(), 1)
+        return Body(WORLD, None, joints, places=places, children=children)
+
+    def body(self, node: Node, outside: Pose, copies: int) -> Body:
+        """Return a body; `outside` is the pose of its parent in the world."""
+        name = node.get("name")
+        pose = outside @ self.pose(node)
+        joints, places, children = self.contents([node], pose, copies)
+        own = (Place("body", str(name), Pose(), world=pose),) if name else ()
+        return Body(
+            None if not name else str(name),
+            self.part_of(node),
+            joints,
+            places=(*own, *places),
+            children=children,
+            copies=copies,
+        )
+
+    def contents(
+        self, holders: list[Node], world: Pose, copies: int
+    ) -> tuple[tuple[Joint, ...], tuple[Place, ...], tuple[Body, ...]]:
+        joints: list[Joint] = []
+        places: list[Place] = []
+        children: list[Body] = []
+        for node, inside, times in self.members(holders, Pose(), copies):
+            if node.tag in _JOINTS:
+                joints.append(self.joint(node))
+            elif node.tag == "body":
+                children.append(self.body(node, world @ inside, times))
+            elif node.tag in ("site", "frame") and node.get("name"):
+                pose = inside @ self.pose(node)
+                places.append(Place(str(node.tag), str(node.get("name")), pose, world=world @ pose))
+        return tuple(joints), tuple(places), tuple(children)
+
+    def members(self, holders: list[Node], pose: Pose, copies: int) -> Iterator[tuple[Node, Pose, int]]:
+        """Yield the contents of bodies, including frames, with the pose of their parent and the number of copies."""
+        for holder in holders:
+            for node in holder.iterchildren("*"):
+                yield node, pose, copies
+                if node.tag in _TRANSPARENT:
+                    inner = pose @ self.pose(node) if node.tag == "frame" else pose
+                    count = int(node.get("count") or 1) if node.tag == "replicate" else 1
+                    yield from self.members([node], inner, copies * count)
+
+    def joint(self, node: Node) -> Joint:
+        name = str(node.get("name")) if node.get("name") else None
+        type = "free" if node.tag == "freejoint" else joint_type(node, self.unit.classes)
+        return Joint(name, type, None if type == "free" else self.range(node, type))
+
+    def range(self, node: Node, type: str) -> tuple[float, float] | None:
+        """Return the limits in effect: `limited` decides, and if it is not set, whether a range is written."""
+        kind, classes = kind_of(node), self.unit.classes
+        text = text_in_effect(node, kind, "range", classes=classes)
+        limited = text_in_effect(node, kind, "limited", classes=classes) or "auto"
+        if limited == "false" or (limited == "auto" and self.unit.settings.autolimits == "false"):
+            return None
+        numbers_of = numbers.read(str(text or ""))
+        if len(numbers_of) != 2 or numbers_of[0] >= numbers_of[1]:
+            return None
+        low, high = numbers_of
+        if self.degrees and BY_WORD[type].range_unit == "rad":
+            low, high = numbers.joint_radians(low), numbers.joint_radians(high)
+        return low, high
+
+    def pose(self, node: Node) -> Pose:
+        """Return the pose in the parent; for a site, including values from its classes."""
+        attributes = effective_pose(node, self.unit.classes) if node.tag == "site" else node
+        return read_pose(attributes, self.degrees, self.sequence)
+
+
+_ORDER = ("site", "frame", "body")
+_HEAD = ("to write", "", "pos in the world (m)", "quat in the world")
+_NUMBER = re.compile(r"[-+.\d][-+.\deE_]*")
+
+
+def render(outline: Outline, depth: int | None = None, color: bool = False) -> str:
+    """Return parts, then bodies with their joints, down to `depth` levels; without a final line break."""
+    paint = Paint(color)
+    lines = [_head(outline, paint), *_parts(outline.parts, paint), paint("bold", "world")]
+    lines += _below(outline.world, depth, paint)
+    return "\n".join(lines)
+
+
+def render_places(outline: Outline, depth: int | None = None, color: bool = False) -> str:
+    """Return the places for attaching parts, one on a line, in recipe syntax; bodies down to `depth` levels."""
+    paint = Paint(color)
+    rows = [_HEAD]
+    found = list(_places(outline.world, depth, 0))
+    for kind in _ORDER:
+        rows += [_place(body, place) for body, place in found if place.kind == kind]
+    if len(rows) == 1:
+        return f"{outline.label}: nothing with a name; a part without `site`, `body` and `frame` stands in the world"
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    head, *lines = (_row(row, widths) for row in rows)
+    marked = (paint("bold", line[: widths[0]]) + line[widths[0] :] for line in lines)
+    return "\n".join([paint("dim", head), *marked])
+
+
+def _place(body: Body, place: Place) -> tuple[str, str, str, str]:
+    inside = "" if place.kind == "body" else f"in {body.name or 'a body without a name'}"
+    name = quoted(place.name) if _NUMBER.fullmatch(place.name) else word(place.name)
+    turned = _numbers(place.world.quat)
+    return f"{place.kind}: {name}", inside, _numbers(place.world.pos), "" if turned == "1 0 0 0" else turned
+
+
+def _head(outline: Outline, paint: Paint) -> str:
+    bodies, joints = len(outline.bodies), len(outline.joints)
+    counts = [_count(bodies, "body", "bodies"), _count(joints, "joint", "joints")]
+    if outline.parts:
+        counts.append(_count(len(outline.parts), "part", "parts"))
+    return f"{paint('bold', outline.name)}: {', '.join(counts)}"
+
+
+def _parts(parts: Sequence[Part], paint: Paint) -> Iterator[str]:
+    width = max((len(part.name) for part in parts), default=0)
+    for part in parts:
+        place = f", on {part.body}" if part.body else ""
+        yield f"  {paint('help', f'{part.name:{width}}')}  {part.model}{paint('dim', place)}"
+
+
+def _below(body: Body, depth: int | None, paint: Paint, edge: str = "") -> Iterator[str]:
+    """Yield the contents of a body; if it has several joints, each on a line of its own."""
+    for number, child in enumerate(body.children):
+        last = number == len(body.children) - 1
+        yield f"{paint('gutter', edge + ('└ ' if last else '├ '))}{_line(child, body, paint)}"
+        inner = edge + ("  " if last else "│ ")
+        if depth is not None and depth <= 1:
+            if child.children:
+                hidden = list(child.walk())[1:]
+                joints = sum(len(each.joints) for each in hidden)
+                summary = (
+                    f"… {_count(len(hidden), 'body', 'bodies')}, {_count(joints, 'joint', 'joints')} below"
+                )
+                yield paint("dim", f"{inner}└ {summary}")
+        else:
+            yield from _below(child, None if depth is None else depth - 1, paint, edge=inner)
+
+
+def _line(body: Body, parent: Body, paint: Paint) -> str:
+    name = body.name or "(no name)"
+    words = [paint("bold", name) if body.name else paint("dim", name)]
+    if body.copies > 1 and body.copies != parent.copies:
+        words.append(paint("dim", f"×{body.copies}"))
+    if body.part != parent.part and body.part not in (None, BASE):
+        words.append(paint("help", f"[{body.part}]"))
+    if body.joints:
+        words.append("  " + ", ".join(_joint(each, paint) for each in body.joints))
+    return " ".join(words)
+
+
+def _joint(joint: Joint, paint: Paint) -> str:
+    name = f"{paint('code', joint.name)} " if joint.name else ""
+    return f"{name}{joint.type}{paint('dim', _range(joint))}"
+
+
+def _range(joint: Joint) -> str:
+    if joint.range is None:
+        return ""
+    unit, values = "m", joint.range
+    if joint.type != "slide":
+        unit, values = "°", (math.degrees(joint.range[0]), math.degrees(joint.range[1]))
+    low, high = (f"{round(each, 1 if unit == '°' else 4):g}" for each in values)
+    space = "" if unit == "°" else " "
+    return f" ±{high}{space}{unit}" if low == f"-{high}" else f" {low}…{high}{space}{unit}"
+
+
+def _places(body: Body, depth: int | None, level: int) -> Iterator[tuple[Body, Place]]:
+    for place in body.places:
+        yield body, place
+    if depth is None or level < depth:
+        for child in body.children:
+            yield from _places(child, depth, level + 1)
+
+
+def _row(cells: Sequence[str], widths: Sequence[int]) -> str:
+    return "  ".join(cell.ljust(width) for cell, width in zip(cells, widths, strict=True)).rstrip()
+
+
+def _numbers(values: Sequence[float]) -> str:
+    return " ".join(f"{round(value, 4) + 0.0:g}" for value in values)
+
+
+def _count(number: int, one: str, several: str) -> str:
+    return f"{number} {one if number == 1 else several}"
+
+
+_ARCHIVES = (".zip", ".mjz")
+
+
+def outline(text: str, context: Context, given: Given | None = None, sample: int = 0) -> Outline | None:
+    """Return the outline of `text`, or None if `context.sink` says why not.
+
+    Nothing is compiled except what the linker has to measure. `given` are values of a recipe's parameters and
+    variants, `sample` selects its draws.
+    """
+    path = context.folder / text
+    if os.path.isdir(path) or (path.suffix.lower() in _ARCHIVES and "#" not in text):
+        return _of_bundle(path, text, context)
+    # An existing file is a path, whatever colons it has.
+    reference = text if not os.path.exists(path) or path.is_absolute() else os.path.join(".", text)
+    try:
+        source = resolve(
+            reference, relative_to=context.folder, environment=context.environment, fetching=context.fetching
+        )
+    except SourceError as error:
+        context.sink.add(error.diagnostic)
+        return None
+    if source.format == "recipe":
+        return _of_recipe(source.path, text, context, given=given, sample=sample)
+    for name, node in (given or {}).items():
+        context.sink.error(
+            "unknown-name", f"`{text}` is not a recipe and has no parameter `{name}`", node.span
+        )
+    unit = None if given else Loader(context).unit(source, None, True)
+    return None if unit is None else Outline(unit.model or unit.label, text, world_of(unit, lambda _: None))
+
+
+def _of_recipe(path: Path, text: str, context: Context, given: Given | None, sample: int) -> Outline | None:
+    plan = make_plan(path, context, given, sample=sample)
+    if plan is None or not check_sample(plan, sample, context.sink):
+        return None
+    composer = Composer(context, measure_with(context), notes_parts=True)
+    composed = composer.compose(plan)
+    if composed is None:
+        return None
+    part_of = _part_of(composed.model, composer.parts, plan.separator)
+    parts = tuple(_part(each, context) for each in composed.members)
+    return Outline(plan.name, text, world_of(composed.model, part_of), parts=parts)
+
+
+def _part_of(model: Unit, parts: dict[Node, str], separator: str) -> PartOf:
+    """Return a function for the part of an element in a composition: a part, the base, or (None) the recipe itself."""
+
+    def part_of(node: Node) -> str | None:
+        if (part := parts.get(node)) is not None:
+            return part
+        if isinstance(model.origins.owner(node, model.file), str):
+            return BASE
+        # A part with a joint of its own is in a body that the linker created for it.
+        inside = (parts.get(each) for each in node.iter("body"))
+        return next((each for each in inside if each and f"{each}{separator}" == node.get("name")), None)
+
+    return part_of
+
+
+def _part(record: PartRecord, context: Context) -> Part:
+    return Part(record.part, _named(record.source, context), record.body)
+
+
+def _named(source: Source, context: Context) -> str:
+    return context.shown(source.path) if source.origin is None else source.reference
+
+
+def _of_bundle(path: Path, text: str, context: Context) -> Outline | None:
+    try:
+        bundle = read(path, shown=text)
+    except ReadError as error:
+        context.sink.add(error.diagnostic)
+        return None
+    unit = parse_text(
+        bundle.files[bundle.model], context.sink, file=bundle.model, directory=path, label=path.stem
+    )
+    if unit is None:
+        return None
+    manifest = None
+    if MANIFEST in bundle.files:
+        try:
+            manifest = from_json(bundle.files[MANIFEST])
+        except ValueError:
+            context.sink.warning(
+                "bundle-manifest", f"the manifest of `{text}` cannot be read: parts are not known"
+            )
+    parts = () if manifest is None else _listed(manifest)
+    world = world_of(unit, lambda node: _by_prefix(node, manifest))
+    return Outline(unit.model or unit.label, text, world, parts=parts)
+
+
+def _listed(manifest: Manifest) -> tuple[Part, ...]:
+    return tuple(Part(each.part, manifest.inputs[each.input].reference, each.body) for each in manifest.parts)
+
+
+def _by_prefix(node: Node, manifest: Manifest | None) -> str | None:
+    """Return the part with the longest matching prefix; an element without one may belong to the base or the recipe."""
+    name = str(node.get("name") or "")
+    fitting = [
+        each for each in (manifest.parts if manifest else ()) if each.prefix and name.startswith(each.prefix)
+    ]
+    return max(fitting, key=lambda each: len(each.prefix)).part if fitting else None

@@ -1,0 +1,290 @@
+"""The model that a server shows, built again when a file changes."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack
+from dataclasses import field
+from importlib import import_module
+from pathlib import Path
+from threading import Event, Lock, RLock, Thread
+from typing import TYPE_CHECKING, Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.mujoco import engine
+from mjcompose.mujoco.controls import advance as simulate
+from mjcompose.sources.context import Context
+from mjcompose.text.node import texts
+from mjcompose.tools.diff.sides import Operand, Side, load, read_operand
+from mjcompose.tools.view.page import Asked, choices, described
+from mjcompose.tools.view.render import check_given
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.engine import Session
+
+POLL_SECONDS = 0.15
+_SETTLE_SECONDS = 0.02
+
+Mark = tuple[int, int, int] | None
+"""Data that changes with a file: its time, its size and its inode. None if it does not exist."""
+
+
+def marks(files: Iterable[Path]) -> dict[Path, Mark]:
+    """Return the marks of files."""
+    return {file: _mark(file) for file in files}
+
+
+def _mark(file: Path) -> Mark:
+    try:
+        found = os.stat(file)
+    except OSError:
+        return None
+    return found.st_mtime_ns, found.st_size, found.st_ino
+
+
+def hopes(context: Context) -> Iterator[Path]:
+    """Yield files that may fix a fault although they were not read: those that recipes name, and those with faults."""
+    for recipe, read in context.recipes.items():
+        yield context.folder / recipe
+        if read.node is not None:
+            named = (text for text in texts(read.node) if text.startswith(("./", "../")))
+            yield from (context.folder / recipe.parent / text.partition("#")[0] for text in named)
+    for each in context.sink.diagnostics:
+        if each.span is not None:
+            yield context.folder / each.span.file
+
+
+class Watch:
+    """Waits for changes, with `watchfiles` if it is installed, and otherwise by polling.
+
+    It watches folders and not files, because many editors replace a file by renaming.
+    """
+
+    def __init__(self, stop: Event) -> None:
+        self.stop = stop
+        self._watchfiles = _library()
+
+    @property
+    def polls(self) -> bool:
+        return self._watchfiles is None
+
+    def wait(self, before: dict[Path, Mark]) -> bool:
+        """Return True as soon as a file is not as `before`; False once `stop` is set."""
+        while not self.stop.is_set():
+            if marks(before) != before:
+                self.stop.wait(_SETTLE_SECONDS)  # the editor may not be done yet
+                return not self.stop.is_set()
+            self._sleep({file.parent for file in before})
+        return False
+
+    def _sleep(self, folders: set[Path]) -> None:
+        """Wait until something happens in the folders, or for a while if that cannot be observed."""
+        there = [folder for folder in folders if os.path.isdir(folder)]
+        if self._watchfiles is None or not there:
+            self.stop.wait(POLL_SECONDS)
+            return
+        # Network drives and sleeping laptops lose events, so look every few seconds.
+        with contextlib.suppress(OSError):
+            next(
+                self._watchfiles.watch(
+                    *there, watch_filter=None, recursive=False, stop_event=self.stop, debounce=50, step=10,
+                    rust_timeout=2000, yield_on_timeout=True, raise_interrupt=False,
+                ), None,
+            )  # fmt: skip
+            return
+        self.stop.wait(POLL_SECONDS)
+
+
+def _library() -> Any:
+    try:
+        return import_module("watchfiles")
+    except ImportError:
+        return None
+
+
+KEPT = "view"
+EDITOR = "vscode://file{file}:{line}:{column}"
+
+
+@dataclass(slots=True)
+class Shown:
+    """The state of a page: the last good model, and the current fault, if there is one.
+
+    `version` counts the models. `blobs` has everything that its text refers to.
+    """
+
+    version: int = -1
+    text: str = ""
+    blobs: dict[str, bytes] = field(default_factory=dict)
+    title: str = ""
+    fault: str | None = None
+    seconds: float = 0.0
+
+
+class Workshop:
+    """Builds the models that the page shows.
+
+    `open` returns a new context for each build, `words` the terminal's text for its faults. `lock` is held while
+    the engine works; `shown` and `inputs`, the files to watch, are replaced as a whole.
+    """
+
+    def __init__(
+        self,
+        target: str,
+        asked: Asked,
+        session: Session,
+        open: Callable[[], Context],
+        words: Callable[[Context], str],
+        key: str | None = None,
+        editor: str = EDITOR,
+    ) -> None:
+        self.target, self.asked, self.session = target, asked, session
+        self.key, self.editor = key, editor
+        self._open, self._words = open, words
+        self.lock = RLock()
+        self.shown = Shown()
+        self.inputs: frozenset[Path] = frozenset()
+
+    def choose(self, name: str, value: str) -> None:
+        """Show another model of the recipe."""
+        with self.lock:
+            self.asked = self.asked.choosing(name, value)
+            self.build()
+
+    def build(self) -> Shown:
+        """Build and show the result; after a fault the previous model stays."""
+        with self.lock, ExitStack() as opened:
+            started = time.monotonic()
+            context = self._open()
+            operand = read_operand(self.target, context, opened)
+            made, is_new, old = None, False, self.shown
+            if operand is not None:
+                made = self._made(operand)
+                is_new = made is not None and self._describe(made, operand, old)
+                operand.report(context.sink)
+            self._watch(operand, made, context)
+            if not is_new:
+                self.shown = Shown(
+                    old.version, old.text, old.blobs, title=old.title, fault=self._words(context)
+                )
+            self.shown.seconds = time.monotonic() - started
+            return self.shown
+
+    def _made(self, operand: Operand) -> Side | None:
+        asked = self.asked
+        if not check_given(operand, asked.given):
+            return None
+        side = load(operand, KEPT, self.session, given=asked.given, pick=asked.pick, sample=asked.sample)
+        return None if operand.context.sink.has_errors else side
+
+    def _describe(self, side: Side, operand: Operand, old: Shown) -> bool:
+        menus = choices(operand, self.asked)
+        found = described(
+            side, self.session, old.blobs, editor=self.editor, key_named=self.key, choices=menus
+        )
+        if found is None or (old.version < 0 and not found.has_key(self.key, operand.context.sink)):
+            return False
+        blobs = {name: found.blobs.get(name) or old.blobs[name] for name in found.used}
+        self.shown = Shown(old.version + 1, found.text, blobs, title=found.title)
+        return True
+
+    def _watch(self, operand: Operand | None, side: Side | None, context: Context) -> None:
+        """Watch the inputs of the model; after a fault also the previous ones, which may fix it."""
+        files = {context.folder / self.target, *hopes(context)}
+        if side is not None:
+            files |= {context.folder / path for path in side.inputs}
+        else:
+            files |= self.inputs
+        lock = None if operand is None else operand.path.with_suffix(".lock")
+        if lock is not None:
+            files.add(context.folder / lock)
+        self.inputs = frozenset(files)
+
+
+_RATE = 30
+_MOST_SECONDS = 0.2
+"""For one frame, on this machine: a model that takes longer plays slowly."""
+State = dict[str, Any]
+
+
+def advance(mujoco: Any, model: Any, asked: Mapping[str, Any]) -> State:
+    """Simulate some ``seconds`` from a state with qpos, qvel, act, ctrl and time.
+
+    The answer says why if it `stopped`. Missing values come from the keyframe ``key``, or from the reference
+    configuration. Runs under `mjcompose.mujoco.engine.call`.
+    """
+    data = mujoco.MjData(model)
+    key = asked.get("key", -1)
+    if 0 <= key < model.nkey:
+        mujoco.mj_resetDataKeyframe(model, data, key)
+    for name in ("qpos", "qvel", "act", "ctrl"):
+        value = asked.get(name)
+        array = getattr(data, name)
+        if value is not None and len(value) == len(array):
+            array[:] = value
+    data.time = asked.get("time", 0.0)
+    begun = data.time
+    stopped = simulate(mujoco, model, data, end=asked["seconds"], begun=begun, most=_MOST_SECONDS)
+    if stopped is not None:
+        return {"stopped": stopped}
+    return {name: getattr(data, name).tolist() for name in ("qpos", "qvel", "act")} | {
+        "time": float(data.time)
+    }
+
+
+class Physics:
+    """Simulates on request; `send` is called with each configuration."""
+
+    def __init__(self, workshop: Workshop, send: Callable[[State], None]) -> None:
+        self.workshop, self.send = workshop, send
+        self._going, self._stop, self._lock = Event(), Event(), Lock()
+        self._state: State = {}
+        self._version = -1
+        self._thread = Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def play(self, playing: bool, state: State, stopped: str | None = None) -> None:
+        """Start from a state of the page, or pause; `stopped` says why the simulation cannot go on."""
+        with self._lock:
+            if playing:
+                self._state, self._version = dict(state), self.workshop.shown.version
+                self._going.set()
+            else:
+                self._going.clear()
+            self.send({"playing": playing} | ({} if stopped is None else {"stopped": stopped}))
+
+    def control(self, ctrl: list[float]) -> None:
+        """Set new controls while it runs."""
+        self._state = {**self._state, "ctrl": ctrl}
+
+    def close(self) -> None:
+        self._stop.set()
+        self._going.set()
+
+    def _run(self) -> None:
+        while True:
+            self._going.wait()
+            if self._stop.is_set():
+                return
+            started = time.monotonic()
+            self._advance()
+            time.sleep(max(0.0, 1 / _RATE - (time.monotonic() - started)))
+
+    def _advance(self) -> None:
+        with self.workshop.lock:
+            if self.workshop.shown.version != self._version:
+                self.play(False, {})  # another model, to which the state does not apply
+                return
+            asked = {**self._state, "seconds": 1 / _RATE}
+            answer = engine.call(self.workshop.session, advance, [KEPT], argument=asked)
+        stopped = answer.value.get("stopped") if answer.ok else f"MuJoCo has stopped: {answer.error}"
+        if stopped is not None:
+            self.play(False, {}, stopped)
+            return
+        with self._lock:
+            if self._going.is_set():  # otherwise it was paused meanwhile, which every page knows
+                self._state = {**self._state, **answer.value}
+                self.send({"playing": True, "qpos": answer.value["qpos"], "version": self._version})

@@ -1,0 +1,156 @@
+"""Run a server, watch its files, and open a browser."""
+
+from __future__ import annotations
+
+import html
+import os
+import sys
+import webbrowser
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
+from threading import Event, Thread
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.scratch import scratch
+from mjcompose.sources.context import Context
+from mjcompose.tools.view.builder import Mark, Shown, Watch, Workshop, marks
+from mjcompose.tools.view.server import Server
+
+_PATIENCE = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Service:
+    """The address for a page, and whether a browser opens it."""
+
+    host: str = "127.0.0.1"
+    port: int = 0
+    opens: bool = True
+
+
+def started(workshop: Workshop, service: Service, context: Context) -> Server | None:
+    """Return a listening server, or None if it cannot listen, which is reported."""
+    try:
+        return Server(workshop, service.host, service.port)
+    except (OSError, OverflowError) as error:
+        said = (getattr(error, "strerror", None) or str(error)).lower()
+        help = "leave `--port` out for a free one" if service.port else "leave `--host` out"
+        at = f"{service.host}:{service.port}"
+        context.sink.error("no-server", f"the page cannot be served at {at}: {said}", help=help)
+        return None
+
+
+def serve(
+    server: Server, opens: bool, say: Callable[[str], None], stop: Event, said: Callable[[Shown], None]
+) -> None:
+    """Build, serve, watch and build again until `stop` is set; `said` is called with the result of each build."""
+    Thread(target=server.run, daemon=True).start()
+    try:
+        before = _build(server, said)
+        for line in _invitation(server.address, opens):
+            say(line)
+        # In a thread of its own: a watch swallows the signals by which a terminal ends the command.
+        failed: list[Exception] = []
+        watching = Thread(target=_watch, args=(server, before, stop, said, failed), daemon=True)
+        with _opened(server.address) if opens and _no_browser() is None else nullcontext():
+            watching.start()
+            try:
+                while watching.is_alive():
+                    watching.join(_PATIENCE)
+            finally:
+                stop.set()
+                server.workshop.session.end()  # a build that waits for MuJoCo
+                watching.join(_PATIENCE)
+        if failed:
+            raise failed[0]
+    finally:
+        server.close()
+
+
+def _watch(
+    server: Server,
+    before: dict[Path, Mark],
+    stop: Event,
+    said: Callable[[Shown], None],
+    failed: list[Exception],
+) -> None:
+    """Build again whenever a file changes, until `stop` is set."""
+    try:
+        watch = Watch(stop)
+        while watch.wait(before):
+            before = _build(server, lambda shown: None if stop.is_set() else said(shown))
+    except Exception as error:
+        if not stop.is_set():
+            failed.append(error)
+
+
+@contextmanager
+def _opened(address: str) -> Iterator[None]:
+    """Open an address in the browser, through a file that only this user can read.
+
+    Other users of the machine see the command line of a browser, and so must not find the token there.
+    """
+    with scratch("view") as folder:
+        page = folder / "open.html"
+        shown = html.escape(address)
+        with os.fdopen(os.open(page, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+            file.write(
+                "<!doctype html>\n<meta charset=utf-8>\n<title>mjcompose</title>\n"
+                f'<meta http-equiv=refresh content="0; url={shown}">\n<a href="{shown}">{shown}</a>\n'
+            )
+        Thread(target=webbrowser.open, args=(page.as_uri(),), daemon=True).start()
+        yield
+
+
+def _build(server: Server, said: Callable[[Shown], None]) -> dict[Path, Mark]:
+    """Build and show the model; return the files that were read.
+
+    Their marks are from before the build, so that no change is missed.
+    """
+    workshop = server.workshop
+    before = marks(workshop.inputs)
+    shown = workshop.build()
+    server.show(shown)
+    said(shown)
+    return {path: before.get(path, mark) for path, mark in marks(workshop.inputs).items()}
+
+
+def _invitation(address: str, opens: bool) -> list[str]:
+    """Return the address, and how to reach it from the user's browser."""
+    lines = [address]
+    if not opens:
+        return lines
+    reason = _no_browser()
+    if reason is None:
+        return lines
+    port = address.split("/")[2].rpartition(":")[2]
+    if reason == "ssh":
+        lines.append(
+            f"on your own machine: ssh -L {port}:127.0.0.1:{port} {_host()}, then open the address there"
+        )
+    elif reason == "container":
+        lines.append(f"in a container: forward the port {port}; with Docker start it with -p 127.0.0.1:{port}:{port},"
+                     f" and this with --host 0.0.0.0 --port {port}")  # fmt: skip
+    return lines
+
+
+def _no_browser() -> str | None:
+    """Return why no browser can be opened here, or None if one can."""
+    if os.environ.get("SSH_CONNECTION") or os.environ.get("SSH_TTY"):
+        return "ssh"
+    if (
+        os.path.exists("/.dockerenv")
+        or os.path.exists("/run/.containerenv")
+        or os.environ.get("KUBERNETES_SERVICE_HOST")
+    ):
+        return "container"
+    if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return "no display"
+    return None
+
+
+def _host() -> str:
+    """Return the address of this machine that the user connected to."""
+    connection = os.environ.get("SSH_CONNECTION", "").split()
+    return connection[2] if len(connection) > 2 else "HOST"

@@ -1,0 +1,475 @@
+"""The page of a model: its data, the origins of its elements, and two models side by side."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import lzma
+import os
+import zlib
+from collections.abc import Collection, Sequence
+from collections.abc import Mapping as AbcMapping
+from dataclasses import field, replace
+from pathlib import Path, PurePath
+from typing import TYPE_CHECKING, Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Span
+from mjcompose.base.scratch import scratch
+from mjcompose.base.sink import Sink
+from mjcompose.base.suggest import unknown_name
+from mjcompose.base.version import __version__
+from mjcompose.build.bundle.bundle import Bundle, OutputError
+from mjcompose.build.bundle.staging import staged_file
+from mjcompose.build.cache.cells import cells_of
+from mjcompose.build.plan.read import read_recipe
+from mjcompose.mujoco import engine
+from mjcompose.mujoco.scene import FILE, describe
+from mjcompose.sources.context import Context
+from mjcompose.text.node import Mapping, Node, Scalar, find
+from mjcompose.tools.diff.changes import Cause, Change, Diff, End, Group
+from mjcompose.tools.diff.sides import Kind, Operand, Side, split
+from mjcompose.tools.diff.text import render
+from mjcompose.tools.explain import query
+from mjcompose.tools.explain.explain import Traced
+from mjcompose.tools.explain.explanation import Changed
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.engine import Session
+
+CELL = "cell"
+_MOST_CELLS = 200
+_NONE = "(no cell)"
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """Values of parameters and variants, a cell of the matrix, a sample of what is drawn."""
+
+    given: dict[str, Node] = field(default_factory=dict)
+    pick: str | None = None
+    sample: int | None = None
+
+    def choosing(self, name: str, value: str) -> Asked:
+        """Return the selection with a choice from a menu of the page."""
+        if name == CELL:
+            return replace(self, pick=None if value == _NONE else value, sample=None)
+        given = {**self.given, name: Scalar(value, Span(f"--variant {name}", 1, 1), value, plain=False)}
+        return replace(self, given=given)
+
+
+def choices(operand: Operand, asked: Asked) -> list[dict[str, Any]]:
+    """Return the menus of a recipe: its variants, unless a cell sets them, and its cells and samples."""
+    if operand.kind is not Kind.RECIPE:
+        return []
+    context = replace(operand.context, sink=Sink())
+    document = read_recipe(context.folder / operand.path, context)
+    if not isinstance(document, Mapping):
+        return []
+    menus = []
+    cells = (
+        [cell.name for cell in cells_of(operand.path, context, dict(asked.given))]
+        if _has_cells(document)
+        else []
+    )
+    variants = find(document, ("variants",))
+    if isinstance(variants, Mapping) and asked.pick is None:
+        for axis, (_, values) in variants.entries.items():
+            if isinstance(values, Mapping):
+                menus.append(
+                    _menu(axis, f"variant {axis}", list(values.entries), value=_now(asked.given.get(axis)))
+                )
+    if cells:
+        known = [_NONE, *cells[:_MOST_CELLS]]
+        menus.append(_menu(CELL, "cell or sample", known, value=asked.pick or _NONE))
+    return menus
+
+
+def _has_cells(document: Mapping) -> bool:
+    return any(find(document, (key,)) is not None for key in ("matrix", "randomize"))
+
+
+def _now(node: Node | None) -> str | None:
+    return node.text if isinstance(node, Scalar) else None
+
+
+def _menu(name: str, label: str, values: list[str], value: str | None) -> dict[str, Any]:
+    return {"name": name, "label": label, "values": values, "value": value}
+
+
+@dataclass(slots=True)
+class Names:
+    """Short unique names for the files of several models.
+
+    `folder` is the user's folder: files below it keep their relative path. Others get the shortest unique end of
+    their path.
+    """
+
+    folder: Path
+    _files: dict[str, str] = field(default_factory=dict)
+
+    def of(self, name: str) -> str:
+        """Return the short name of the file that messages call `name`."""
+        if not os.path.isabs(name) and self.folder != Path(self.folder.anchor):
+            return self._files.setdefault(name, name)
+        parts = [part for part in PurePath(name).parts if part not in (os.sep, PurePath(name).anchor)]
+        for count in range(1, len(parts) + 1):
+            short = "/".join(parts[-count:])
+            if self._files.setdefault(short, name) == name:
+                return short
+        return name
+
+    def span(self, span: Span | None) -> Span | None:
+        return None if span is None else replace(span, file=self.of(span.file))
+
+    def diff(self, found: Diff) -> Diff:
+        """Return a comparison whose text has short names."""
+        groups = tuple(Group(self._cause(each.cause), each.changes) for each in found.groups)
+        return replace(found, a=self._end(found.a), b=self._end(found.b), groups=groups)
+
+    def _cause(self, cause: Cause | None) -> Cause | None:
+        if cause is None:
+            return None
+        return replace(cause, before=self.span(cause.before), after=self.span(cause.after))
+
+    def _end(self, end: End) -> End:
+        in_revision = None if os.path.exists(self.folder / end.label) else split(end.label)
+        if in_revision is None:
+            return replace(end, label=self.of(end.label))
+        revision, path = in_revision
+        return replace(end, label=f"{revision}:{self.of(path)}")
+
+
+KINDS = ("body", "joint", "geom", "site", "camera", "light", "tendon", "actuator", "key", "skin", "flex")
+_MOST_CHANGES = 12
+
+Place = list[int] | None
+"""The number of a file, a line and a column."""
+
+
+@dataclass(slots=True)
+class _Table:
+    """Repeated texts, each stored once."""
+
+    rows: dict[str, int] = field(default_factory=dict)
+
+    def number(self, text: str) -> int:
+        return self.rows.setdefault(text, len(self.rows))
+
+
+class Origins:
+    """The origins of elements for the page.
+
+    Files have the names in `names`, or their reference if they were fetched. `absolute` has the files of this
+    machine by these names, for links into an editor.
+    """
+
+    def __init__(self, side: Side, names: Names) -> None:
+        self.side, self.names = side, names
+        self.absolute: dict[str, str] = {}
+        self._files, self._parts = _Table(), _Table()
+        self._part_places: list[Any] = []
+        self._numbers: dict[str, int] = {}
+
+    def data(
+        self, names: AbcMapping[str, Sequence[str]], excluded: Sequence[tuple[str, str]]
+    ) -> dict[str, Any]:
+        """Return for each kind a list as long as its `names`: place, part, words and changes of an element, or null.
+
+        `excluded` are the pairs of bodies that are excluded from contact; there is a list for these too.
+        """
+        traced = self.side.traced
+        of = (
+            {}
+            if traced is None
+            else {kind: self._of_kind(kind, names[kind], traced) for kind in KINDS if kind in names}
+        )
+        exclude = self._of_excludes(excluded)  # the files that it names are listed, too
+        return {"files": list(self._files.rows), "parts": self._part_places, "of": of, "exclude": exclude}
+
+    def _of_excludes(self, pairs: Sequence[tuple[str, str]]) -> list[Any]:
+        """Return for each pair its place, words, and why it is excluded, or null: `exclude: auto` has a reason."""
+        why = {frozenset((each.one, each.other)): each.why for each in self.side.excluded if each.why}
+        traced = self.side.traced
+        nodes = () if traced is None else traced.model.root.iterfind("contact/exclude")
+        found = {frozenset((str(node.get("body1")), str(node.get("body2")))): node for node in nodes}
+        rows: list[Any] = []
+        for pair in map(frozenset, pairs):
+            place, words = None, ""
+            if traced is not None and pair in found:
+                place, _, words, _ = self._element(found[pair], traced)
+            rows.append([place, words, why.get(pair)])
+        return rows
+
+    def _of_kind(self, kind: str, names: Sequence[str], traced: Traced) -> list[Any]:
+        asked = query.read(kind, None, Sink())
+        nodes = [] if asked is None else query.find(asked, traced.model.root, traced.separator)
+        if len(nodes) == len(names):
+            return [self._element(node, traced) for node in nodes]
+        # Copies made by MuJoCo have no node of their own.
+        known = {name: node for node in nodes if (name := query.name_of(node)) is not None}
+        return [self._element(known[name], traced) if name in known else None for name in names]
+
+    def _element(self, node: Any, traced: Traced) -> list[Any]:
+        life = traced.watch.life(node)
+        written = list(traced.written(life))
+        place = next((self._place(each.span) for each in written if each.span is not None), None)
+        words = " ".join(dict.fromkeys(each.words for each in written if each.words != "read from"))
+        changes = [self._change(each) for each in list(traced.changes(life))[:_MOST_CHANGES]]
+        parts = list(traced.parts(life))
+        part = self._part(parts[0].words, parts[0].span) if parts else -1
+        return [place, part, words, changes]
+
+    def _change(self, change: Changed) -> list[Any]:
+        what = change.attribute or ""
+        return [what, change.before, change.after, change.reason.words, self._place(change.reason.span)]
+
+    def _part(self, words: str, span: Span | None) -> int:
+        number = self._parts.number(words)
+        if number == len(self._part_places):
+            self._part_places.append([words, self._place(span)])
+        return number
+
+    def _place(self, span: Span | None) -> Place:
+        if span is None or span.file.startswith("--"):
+            return None
+        if span.file not in self._numbers:
+            self._numbers[span.file] = self._number(span)
+        return [self._numbers[span.file], span.line, span.column]
+
+    def _number(self, span: Span) -> int:
+        """Return the number of the file. Finding out how a file was fetched takes long, so it is done once for each."""
+        operand = self.side.operand
+        name = self.names.of(operand.located(span).file)
+        if os.path.isfile(path := os.path.abspath(operand.context.folder / span.file)):
+            self.absolute.setdefault(name, path)
+        return self._files.number(name)
+
+
+@dataclass(frozen=True, slots=True)
+class Description:
+    """The description of a model for the page.
+
+    `text` is JSON; `used` are the names of the blobs that it refers to, `blobs` the bytes of the new ones.
+    """
+
+    title: str
+    text: str
+    used: tuple[str, ...]
+    blobs: dict[str, bytes]
+    keys: tuple[str, ...] = ()
+
+    def has_key(self, key: str | None, sink: Sink) -> bool:
+        """Return whether the keyframe exists, or none is requested; report a missing one."""
+        if key is None or key in self.keys:
+            return True
+        sink.add(unknown_name("keyframe", key, filter(None, self.keys), written="--key {}"))
+        return False
+
+
+def described(
+    side: Side,
+    session: Session,
+    known: Collection[str] = (),
+    editor: str | None = None,
+    names: Names | None = None,
+    **more: Any,
+) -> Description | None:
+    """Return the description of a model that `session` keeps, or None if MuJoCo fails, which is reported.
+
+    Blobs in `known` are not created again. With an `editor` address, in which `{file}`, `{line}` and `{column}`
+    stand for a place, it has paths of this machine; without one it has none, and the same model gives the same
+    bytes. `names` are the file names shared with another model on the page. `more` is added to the JSON.
+    """
+    with scratch("scene") as folder:
+        answer = engine.call(
+            session, describe, [side.kept], argument={"folder": str(folder), "known": sorted(known)}
+        )
+        if not answer.ok:
+            said = answer.error or answer.crash
+            message = f"`{side.operand.label}` cannot be shown: {said}"
+            side.operand.context.sink.error("mujoco-crash", message)
+            return None
+        scene = json.loads(Path(folder, FILE).read_text(encoding="utf-8"))
+        used = tuple(answer.value["blobs"])
+        blobs = {name: path.read_bytes() for name in used if os.path.exists(path := Path(folder, name))}
+    origins = Origins(side, names or Names(side.operand.context.folder))
+    elements = {
+        kind: columns["name"]
+        for kind, columns in scene.items()
+        if isinstance(columns, dict) and "name" in columns
+    }
+    bodies, excluded = scene["body"]["name"], scene["exclude"]
+    pairs = [
+        (bodies[one], bodies[two]) for one, two in zip(excluded["body1"], excluded["body2"], strict=True)
+    ]
+    scene["origins"] = origins.data(elements, pairs)
+    scene["title"] = title = _title(side)
+    if editor is not None:
+        scene["editor"] = {"template": editor, "files": origins.absolute}
+    scene["made"] = f"mjcompose {__version__}"
+    scene |= more
+    text = json.dumps(scene, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    return Description(title, text, used, blobs=blobs, keys=tuple(scene["key"]["name"]))
+
+
+def _title(side: Side) -> str:
+    """Return the model's name: that of the recipe, otherwise that of the file."""
+    if side.cell is not None:
+        return str(side.cell)
+    return str(side.plan.name) if side.plan is not None else Path(side.operand.label).stem
+
+
+_ABSENT = -1
+_PLACES = ("body_pos", "body_quat")
+
+
+def write_comparison(a: Side, b: Side, found: Diff, out: Path, context: Context, session: Session) -> bool:
+    """Write the page of two models that `session` keeps; return False after an error, which is reported."""
+    names = Names(context.folder)
+    changes = difference(names.diff(found))
+    before = described(a, session, names=names, difference=changes)
+    after = None if before is None else described(b, session, before.used, names=names, difference=changes)
+    if before is None or after is None:
+        for side in (a, b):
+            side.operand.report(context.sink)
+        return False
+    try:
+        with staged_file(context.folder / out, "--html", inputs=(*a.inputs, *b.inputs)) as stage:
+            stage.write_text(alone(before, after), encoding="utf-8")
+    except OutputError as error:
+        context.sink.add(error.diagnostic)
+        return False
+    return True
+
+
+def difference(found: Diff) -> dict[str, Any]:
+    """Return the comparison as data for the page: its text, and for each model the elements that differ."""
+    changes = [each for each in found.contrast.changes if not each.follows]
+    return {
+        "label": f"{found.a.named} → {found.b.named}",
+        "text": render(found),
+        "before": {what: _elements(changes, what, 0) for what in ("removed", "changed", "moved")},
+        "after": {what: _elements(changes, what, 1) for what in ("added", "changed", "moved")},
+    }
+
+
+def _elements(changes: list[Change], what: str, side: int) -> list[str]:
+    """Return the elements of A or B with this kind of change, as `KIND NUMBER`."""
+    found = (
+        f"{each.kind} {each.index[side]}"
+        for each in changes
+        if _what(each) == what and each.index[side] != _ABSENT
+    )
+    return list(dict.fromkeys(found))
+
+
+def _what(change: Change) -> str:
+    return "moved" if change.kind == "body" and change.field in _PLACES else change.what
+
+
+BUILT = Path(__file__).with_name("built")
+# Only content of the file: no requests at all.
+_ALONE = (
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:;"
+    " form-action 'none'; base-uri 'none'"
+)
+# MuJoCo's bindings create functions from text, and the browser loads the WebAssembly from the file itself.
+_PLAYED = _ALONE.replace("'unsafe-inline';", "'unsafe-inline' 'unsafe-eval'; connect-src blob:;", 1)
+_LINE = 4096
+
+
+def alone(
+    description: Description, *others: Description, played: AbcMapping[str, bytes] | None = None
+) -> str:
+    """Return the page of a model, or of two models, where the second is the new state of the first.
+
+    The two share blobs. With the files of a bundle in `played` the page also has MuJoCo's WebAssembly.
+    """
+    models = "".join(_embedded(number, each) for number, each in enumerate((description, *others)))
+    policy = _ALONE if played is None else _PLAYED
+    engine = "" if played is None else _engine(played)
+    return shell(
+        description.title, f'<meta http-equiv="Content-Security-Policy" content="{policy}">', models + engine
+    )
+
+
+def _engine(files: AbcMapping[str, bytes]) -> str:
+    """Return MuJoCo for the page, and the model that it compiles there."""
+    program = lzma.decompress((BUILT / "mujoco.wasm.xz").read_bytes())
+    data = _packed("physics", b"null", [*files.items(), ("mujoco.wasm", program)])
+    return f"{data}<script>{_in_script((BUILT / 'physics.js').read_text(encoding='utf-8'))}</script>\n"
+
+
+def live(title: str) -> str:
+    """Return the page of a server, which serves the program and the models separately."""
+    style, script = "<link rel=stylesheet href=page.css>", "<script src=page.js></script>"
+    return shell(title, "", "", style=style, script=script).replace(
+        "<html lang=en>", "<html lang=en data-live>"
+    )
+
+
+def shell(title: str, head: str, body: str, style: str | None = None, script: str | None = None) -> str:
+    """Return the page around a model; `style` and `script` replace the program's own, which is included otherwise."""
+    notice = (BUILT / "NOTICE").read_text(encoding="utf-8")
+    style = (
+        style if style is not None else f"<style>{(BUILT / 'page.css').read_text(encoding='utf-8')}</style>"
+    )
+    script = script if script is not None else f"<script>{_in_script(_program())}</script>"
+    return (
+        "<!doctype html>\n<html lang=en>\n<meta charset=utf-8>\n"
+        '<meta name=viewport content="width=device-width,initial-scale=1">\n'
+        f"<link rel=icon href=data:,>\n{head}\n<title>{html.escape(title)}</title>\n"
+        f"<!--\n{notice.replace('--', '- -')}-->\n"
+        f"{style}\n<div id=page></div>\n{body}{script}\n</html>\n"
+    )
+
+
+def _program() -> str:
+    return (BUILT / "page.js").read_text(encoding="utf-8")
+
+
+def _in_script(text: str) -> str:
+    """Escape text so that an HTML parser does not see the end of a script in it."""
+    return text.replace("</script", "<\\/script").replace("<!--", "<\\!--")
+
+
+def _embedded(number: int, description: Description) -> str:
+    """Return the compressed model: a line of JSON with the sizes of the blobs, the model, and the new blobs."""
+    blobs = [(name, description.blobs[name]) for name in description.used if name in description.blobs]
+    return _packed("model", description.text.encode(), blobs, more=f" data-number={number}")
+
+
+def _packed(what: str, text: bytes, blobs: list[tuple[str, bytes]], more: str = "") -> str:
+    """Return compressed bytes of the class `what` that the page unpacks."""
+    head = json.dumps([len(text), [[name, len(content)] for name, content in blobs]], separators=(",", ":"))
+    packed = zlib.compress(b"".join([head.encode(), b"\n", text, *(content for _, content in blobs)]), 9)
+    data = base64.b64encode(packed).decode("ascii")
+    lines = "\n".join(data[at : at + _LINE] for at in range(0, len(data), _LINE))
+    return f'<script type="application/octet-stream" class={what}{more}>\n{lines}\n</script>\n'
+
+
+def write_page(side: Side, out: Path, key: str | None, context: Context, session: Session) -> int | None:
+    """Write the page of a model that `session` keeps; return its size in bytes, or None after an error.
+
+    Errors are reported. `key` is the initial keyframe; the default is the first. If the side has its bundle, the
+    page can simulate it.
+    """
+    made = described(side, session, key_named=key)
+    if made is None or not made.has_key(key, context.sink):
+        return None
+    text = alone(made, played=None if side.bundle is None else _model_of(side.bundle)).encode()
+    try:
+        with staged_file(context.folder / out, "--html", inputs=side.inputs) as stage:
+            stage.write_bytes(text)
+    except OutputError as error:
+        context.sink.add(error.diagnostic)
+        return None
+    return len(text)
+
+
+def _model_of(bundle: Bundle) -> dict[str, bytes]:
+    """Return the files of a bundle that MuJoCo reads, without those that reveal their origin."""
+    used = {name: content for name, content in bundle.files.items() if name.startswith("assets/")}
+    return {"model.xml": bundle.files[bundle.model], **used}

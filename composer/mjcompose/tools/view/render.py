@@ -1,0 +1,297 @@
+"""A picture, a film or a contact sheet as a file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import asdict, replace
+from enum import StrEnum
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Diagnostic
+from mjcompose.base.limits import Limits, allow, in_force
+from mjcompose.base.processes import Died, Pool, cores
+from mjcompose.base.runtime import interruptible
+from mjcompose.base.scratch import scratch
+from mjcompose.base.sink import Sink
+from mjcompose.base.suggest import did_you_mean, unknown_name
+from mjcompose.build.bundle.bundle import OutputError
+from mjcompose.build.bundle.staging import staged_file
+from mjcompose.build.cache.cell_run import handed_over
+from mjcompose.build.compose.load import Library
+from mjcompose.build.plan.read import Given
+from mjcompose.language.expand import Cell
+from mjcompose.mujoco import engine
+from mjcompose.mujoco.pictures import draw, sheet
+from mjcompose.sources.context import Context
+from mjcompose.tools.diff.sides import Kind, Operand, load_cell
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.engine import Session
+
+
+def check_given(operand: Operand, given: Given) -> bool:
+    """Return whether the target accepts values; report that a model has no parameters."""
+    if operand.kind is Kind.RECIPE:
+        return True
+    for name, node in given.items():
+        message = f"`{operand.label}` is not a recipe and has no parameter `{name}`"
+        operand.context.sink.error("unknown-name", message, node.span)
+    return not given
+
+
+Colour = tuple[int, int, int, int]
+TRANSPARENT: Colour = (0, 0, 0, 0)
+COLOURS: dict[str, Colour] = {
+    "white": (255, 255, 255, 1),
+    "black": (0, 0, 0, 1),
+    "grey": (235, 235, 235, 1),
+    "transparent": TRANSPARENT,
+}
+MOST_PIXELS = 8192
+
+
+class Format(StrEnum):
+    """The file formats of pictures and films, by suffix."""
+
+    PNG = ".png"
+    GIF = ".gif"
+    MP4 = ".mp4"
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """The settings of a picture or film.
+
+    `size` is width and height in pixels, `background` RGB of 255 and an opacity of 0 or 1; None is the model's own.
+    `key` and `camera` are names; None is the first keyframe, and a camera that shows the whole model. `play` are
+    the seconds of physics in a film; None is no physics.
+    """
+
+    size: tuple[int, int] = (960, 720)
+    key: str | None = None
+    camera: str | None = None
+    background: Colour | None = None
+    turntable: bool = False
+    play: float | None = None
+
+    def as_data(self) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in self.__slots__}
+
+
+def format_of(out: Path, wish: Wish) -> Format:
+    """Return the format for a file's name. Raises `OutputError` if it is unknown or does not fit the wish."""
+    suffix = out.suffix.lower()
+    known = [each.value for each in Format]
+    if suffix not in known:
+        near = did_you_mean(suffix, known, "-o " + str(out.with_suffix("")) + "{}") if suffix else None
+        help = near or f"write for instance `-o {out.with_suffix('.png')}`"
+        raise OutputError("output-kind", f"`{out}` is not a .png, .gif or .mp4 file", help)
+    moves = wish.turntable or wish.play is not None
+    if suffix == Format.PNG and moves:
+        help = f"write `-o {out.with_suffix('.gif')}`"
+        raise OutputError("output-kind", f"`{out}` is one picture, and a film was asked for", help)
+    if suffix != Format.PNG and not moves:
+        help = f"add `--turntable` or `--play SECONDS`, or write `-o {out.with_suffix('.png')}`"
+        raise OutputError("output-kind", f"`{out}` is a film, and nothing moves in it", help)
+    if suffix != Format.PNG and wish.background == TRANSPARENT:
+        raise OutputError("output-kind", "a film has no transparent background", "leave `--background` out")
+    return Format(suffix)
+
+
+def colour_of(text: str) -> Colour | None:
+    """Return a colour by its name or as `#RRGGBB`; None for anything else.
+
+    >>> colour_of("#ff8000")
+    (255, 128, 0, 1)
+    """
+    if text in COLOURS:
+        return COLOURS[text]
+    digits = text.removeprefix("#")
+    if len(digits) != 6 or digits == text:
+        return None
+    try:
+        red, green, blue = bytes.fromhex(digits)
+    except ValueError:
+        return None
+    return red, green, blue, 1
+
+
+def size_of(text: str) -> tuple[int, int] | None:
+    """Parse `WIDTHxHEIGHT` in pixels, from 16 to 8192; return None for anything else.
+
+    >>> size_of("640x480")
+    (640, 480)
+    """
+    width, _, height = text.lower().partition("x")
+    if not (width.isascii() and width.isdigit() and height.isascii() and height.isdigit()):
+        return None
+    found = int(width), int(height)
+    return found if all(16 <= each <= MOST_PIXELS for each in found) else None
+
+
+HELP = "without a display set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and install EGL or OSMesa"
+
+
+class _NotDrawn(Exception):
+    """There is nothing to write, which was reported; an older picture stays."""
+
+
+def render(
+    kept: str,
+    out: Path,
+    wish: Wish,
+    context: Context,
+    session: Session,
+    read: Iterable[Path] = (),
+    option: str = "-o",
+) -> bool:
+    """Write a picture or a film of a model that `session` keeps; return False after an error, which is reported.
+
+    It does not take the place of the files that were `read` for the model.
+    """
+    try:
+        suffix = format_of(out, wish)
+        with staged_file(context.folder / out, option, inputs=read) as stage:
+            made = stage.with_name(stage.name + suffix)
+            try:
+                if not drawn(kept, {**wish.as_data(), "out": str(made)}, context, session=session):
+                    raise _NotDrawn
+                made.replace(stage)
+            finally:
+                made.unlink(missing_ok=True)
+    except OutputError as error:
+        context.sink.add(error.diagnostic)
+        return False
+    except _NotDrawn:
+        return False
+    return True
+
+
+def drawn(kept: str, asked: dict[str, Any], context: Context, session: Session) -> bool:
+    """Draw a kept model in the child; return False after an error, which is reported."""
+    answer = engine.call(session, draw, [kept], argument=asked)
+    if not answer.ok:
+        context.sink.error("no-rendering", f"no picture could be made: {answer.error or answer.crash}")
+        return False
+    said: dict[str, Any] = answer.value
+    no_opengl = session.no_opengl or said.get("no OpenGL")
+    if no_opengl is not None:
+        context.sink.error("no-rendering", f"no picture can be made without OpenGL: {no_opengl}", help=HELP)
+        return False
+    if "no encoder" in said:
+        context.sink.error(
+            "no-video", f"no MP4 can be written without PyAV: {said['no encoder']}",
+            help='install it with `pip install "mjcompose[video]"`, or write a `.gif`',
+        )  # fmt: skip
+        return False
+    if "stopped" in said:
+        help = "`--play` with fewer seconds ends before that; a smaller `timestep` in `<option>` often helps"
+        context.sink.error("unstable", f"the film ends early: {said['stopped']}", help=help)
+        return False
+    if "unknown" in said:
+        kind = said["unknown"]
+        word = {"key": "keyframe"}.get(kind, kind)
+        written = f"--{kind} {{}}"
+        context.sink.add(unknown_name(word, asked[kind], said["known"], written=written))
+        return False
+    return True
+
+
+TILE = (320, 240)
+_KEPT = "tile"
+_CELLS_A_PROCESS = 2
+_ENDS = ("no-rendering", "mujoco-missing")
+"""Errors that apply to all cells if they apply to one."""
+_MODULES = ("mjcompose.tools.view.render",)
+Drawn = tuple[bool, tuple[Diagnostic, ...], tuple[Path, ...]]
+"""Whether a cell was drawn, its diagnostics, and the files that were read for it."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Job:
+    """What a process needs to draw cells into a folder. Can be pickled."""
+
+    operand: Operand
+    wish: Wish
+    given: Given
+    folder: Path
+    limits: Limits
+
+    @contextmanager
+    def opened(self) -> Iterator[Callable[[tuple[int, Cell]], Drawn]]:
+        """Yield, in a worker process, the function that draws a cell, by its number."""
+        with allow(**asdict(self.limits)), engine.Session(rendering=True) as session:
+            yield partial(self.draw, session, {})
+
+    def draw(self, session: engine.Session, library: Library, task: tuple[int, Cell]) -> Drawn:
+        number, cell = task
+        own = replace(self.operand, context=replace(self.operand.context, sink=Sink()))
+        with interruptible():
+            side = load_cell(own, _KEPT, session, given=self.given, cell=cell, library=library)
+            asked = {**self.wish.as_data(), "out": str(self.tile(number)), "tile": str(cell.name)}
+            is_drawn = side is not None and drawn(_KEPT, asked, own.context, session=session)
+        return is_drawn, tuple(own.context.sink.sorted()), () if side is None else side.inputs
+
+    def tile(self, number: int) -> Path:
+        return self.folder / f"{number}.npy"
+
+
+def render_sheet(
+    operand: Operand,
+    cells: Sequence[Cell],
+    out: Path,
+    wish: Wish,
+    session: engine.Session,
+    given: Given,
+    tell: Callable[[str], None],
+    jobs: int | None = None,
+) -> int:
+    """Write one picture of all `cells`, each with its name below it; return how many are in it.
+
+    Cells that cannot be built are left out, and their errors reported; if none is left, nothing is written. `tell`
+    is called with the name of each finished cell. `jobs` is the number of processes; the default is as many as pay
+    off.
+    """
+    context = operand.context
+    tiles: list[str] = []
+    read: set[Path] = set()
+    workers = min(len(cells), jobs or min(cores(), max(1, len(cells) // _CELLS_A_PROCESS))) - 1
+    with ExitStack() as held:
+        folder = held.enter_context(scratch("pictures"))
+        job = _Job(
+            replace(operand, context=handed_over(context)), wish, given, folder=folder, limits=in_force()
+        )
+        pool = held.enter_context(Pool[tuple[int, Cell], Drawn](workers, _MODULES))
+        results = pool.results(job.opened, enumerate(cells), partial(job.draw, session, {}))
+        for number, (cell, result) in enumerate(zip(cells, results, strict=True)):
+            tell(cell.name)
+            is_drawn, found, inputs = _lost(cell, result) if isinstance(result, Died) else result
+            read.update(inputs)
+            if is_drawn:
+                tiles.append(str(job.tile(number)))
+            for each in found:
+                context.sink.add_of_cell(cell.label, each)
+            if any(each.code in _ENDS for each in found):
+                break
+        pool.end()
+        return len(tiles) if tiles and _put(tiles, out, operand, session=session, read=read) else 0
+
+
+def _put(tiles: list[str], out: Path, operand: Operand, session: engine.Session, read: set[Path]) -> bool:
+    try:
+        with staged_file(operand.context.folder / out, "-o", inputs=read) as stage:
+            engine.call(session, sheet, (), argument={"tiles": tiles, "out": str(stage)})
+    except OutputError as error:
+        operand.context.sink.add(error.diagnostic)
+        return False
+    return True
+
+
+def _lost(cell: Cell, died: Died) -> Drawn:
+    help = "if memory ran out, give `--jobs` a smaller number; with `--jobs 1` no other process is used"
+    message = f"the process that drew this model {died.how}, twice"
+    return False, (Diagnostic("worker-died", message, cell.span, help=help),), ()

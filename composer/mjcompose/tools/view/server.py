@@ -1,0 +1,480 @@
+"""The server of a page, and who may talk to it."""
+
+from __future__ import annotations
+
+import contextlib
+import gzip
+import hmac
+import io
+import json
+import queue
+import re
+import secrets
+import socket
+import time
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from ipaddress import ip_address
+from threading import BoundedSemaphore, Lock
+from typing import Any
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.tools.view.builder import Physics, Shown, Workshop
+from mjcompose.tools.view.page import BUILT, live
+
+
+@dataclass(frozen=True, slots=True)
+class Guard:
+    """Decides which requests the server answers. `host` and `port` are those that it is bound to."""
+
+    host: str
+    port: int
+    token: str
+
+    @property
+    def address(self) -> str:
+        shown = "127.0.0.1" if self._is_everywhere() else self.host
+        return f"http://{_bracketed(shown)}:{self.port}/{self.token}/"
+
+    def key_of(self, target: str, hosts: Sequence[str], origins: Sequence[str]) -> str | None:
+        """Return what follows the token in the target of a request, or None if it must not be answered.
+
+        `hosts` and `origins` are the values of all its headers of these names. A page of another site cannot set
+        `Host`, and a browser sends its `Origin`, so both must be those of this server. A guard that fails refuses.
+        """
+        try:
+            return self._key(target, hosts, origins)
+        except Exception:
+            return None
+
+    def _key(self, target: str, hosts: Sequence[str], origins: Sequence[str]) -> str | None:
+        if len(hosts) != 1 or len(origins) > 1:
+            return None
+        host = hosts[0].lower()
+        if not self._is_everywhere() and host not in self._hosts():
+            return None
+        if origins and origins[0].lower() != f"http://{host}":
+            return None
+        own = f"/{self.token}/"
+        head, key = target[: len(own)], target[len(own) :]
+        return key if hmac.compare_digest(head.encode("utf-8", "surrogatepass"), own.encode()) else None
+
+    def _is_everywhere(self) -> bool:
+        """Return whether the server listens on all addresses of this machine."""
+        try:
+            return not self.host or ip_address(self.host).is_unspecified
+        except ValueError:  # a name
+            return False
+
+    def _hosts(self) -> set[str]:
+        names = {self.host, *(("localhost", "127.0.0.1", "::1") if _is_loopback(self.host) else ())}
+        return {f"{_bracketed(name)}:{self.port}".lower() for name in names}
+
+
+def _is_loopback(host: str) -> bool:
+    return host in ("localhost", "::1") or host.startswith("127.")
+
+
+def _bracketed(host: str) -> str:
+    return f"[{host}]" if ":" in host else host
+
+
+_MOST_WAITING, _MOST_PAGES = 64, 32
+_BEAT_SECONDS = 15.0
+_NOTHING = b": \n\n"
+
+
+class Page:
+    """One open page, from `Hub.join` to `Hub.leave`."""
+
+    def __init__(self) -> None:
+        self._waiting: queue.Queue[bytes | None] = queue.Queue(_MOST_WAITING)
+
+    def put(self, message: bytes | None) -> None:
+        """Add a message. If the page sleeps, its oldest messages are lost; it asks again when it wakes up."""
+        while True:
+            try:
+                self._waiting.put_nowait(message)
+                return
+            except queue.Full:
+                self._waiting.get_nowait()
+
+    def messages(self) -> Iterator[bytes]:
+        """Yield the messages for the page, and now and then a comment, which reveals a page that is gone."""
+        while True:
+            try:
+                message = self._waiting.get(timeout=_BEAT_SECONDS)
+            except queue.Empty:
+                message = _NOTHING
+            if message is None:
+                return
+            yield message
+
+
+class Hub:
+    """Server-Sent Events: `send` sends one to every page."""
+
+    def __init__(self) -> None:
+        self._pages: list[Page] = []
+        self._lock = Lock()
+
+    def join(self) -> Page | None:
+        """Return a new page, or None if there are too many."""
+        page = Page()
+        with self._lock:
+            if len(self._pages) >= _MOST_PAGES:
+                return None
+            self._pages.append(page)
+        return page
+
+    def leave(self, page: Page) -> None:
+        with self._lock:
+            self._pages.remove(page)
+
+    def send(self, event: str, data: Any) -> None:
+        self._put(encoded(event, data))
+
+    def close(self) -> None:
+        self._put(None)
+
+    def _put(self, message: bytes | None) -> None:
+        with self._lock:
+            for page in self._pages:
+                page.put(message)
+
+
+def encoded(event: str, data: Any) -> bytes:
+    return f"event: {event}\ndata: {json.dumps(data)}\n\n".encode()
+
+
+_POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:;"
+    " connect-src 'self'; form-action 'none'; base-uri 'none'; frame-ancestors 'none'"
+)
+_MOST_SAID, _MOST_HEAD = 1 << 20, 1 << 17
+_WORTH_PACKING = 1024
+_MOST_CONNECTIONS = 64
+_SECONDS_TO_ASK = 10.0
+"""For a whole request, and for a connection without one."""
+_SECONDS_TO_READ = 30.0
+"""For each piece of an answer, which is at most this long:"""
+_PIECE = 1 << 20
+_MOMENT = 0.5
+_MODEL = re.compile("model/(0|[1-9][0-9]{0,8})")
+_FILES = {"page.js": "text/javascript; charset=utf-8", "page.css": "text/css; charset=utf-8"}
+
+
+class Server:
+    """Serves one workshop. `address` contains the token, without which nothing is answered."""
+
+    def __init__(self, workshop: Workshop, host: str, port: int) -> None:
+        self.workshop, self.hub = workshop, Hub()
+        self.files = {name: (BUILT / name).read_bytes() for name in _FILES}
+        server = self
+
+        class Handler(_Handler):
+            owner = server
+
+        self._http = _Http((host, port), Handler)
+        self.guard = Guard(host, self._http.server_address[1], secrets.token_urlsafe(16))
+        self.physics = Physics(workshop, lambda state: self.hub.send("state", state))
+
+    @property
+    def address(self) -> str:
+        return self.guard.address
+
+    def show(self, shown: Shown) -> None:
+        """Notify every page of the current model."""
+        for event, data in news(shown):
+            self.hub.send(event, data)
+
+    def choose(self, name: str, value: str) -> None:
+        """Build and show another model of the recipe."""
+        self.workshop.choose(name, value)
+        self.show(self.workshop.shown)
+
+    def run(self) -> None:
+        """Serve until `close`. Runs in a thread of its own."""
+        self._http.serve_forever(poll_interval=0.1)
+
+    def close(self) -> None:
+        self.physics.close()
+        self.hub.close()
+        self._http.shutdown()
+        self._http.server_close()
+
+
+def news(shown: Shown) -> list[tuple[str, Any]]:
+    """Return the events for the current model and fault."""
+    found: list[tuple[str, Any]] = []
+    if shown.version >= 0:
+        found.append(("model", {"version": shown.version, "fault": shown.fault is not None}))
+    if shown.fault is not None:
+        found.append(("fault", {"text": shown.fault}))
+    return found
+
+
+class _Http(ThreadingHTTPServer):
+    """One thread for each connection, and never more than `_MOST_CONNECTIONS`.
+
+    A connection above that takes the place of the one that has been without a whole request for the longest time, so
+    clients that send nothing cannot keep a page away.
+    """
+
+    daemon_threads = True
+    request_queue_size = 128
+    # A port that another process listens on counts as taken, on every system.
+    allow_reuse_port = False
+
+    def __init__(self, address: tuple[str, int], handler: type[BaseHTTPRequestHandler]) -> None:
+        self._free = BoundedSemaphore(_MOST_CONNECTIONS)
+        self._waiting: dict[socket.socket, None] = {}
+        self._lock = Lock()
+        super().__init__(address, handler)
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        if not self._free.acquire(blocking=False):
+            self._hang_up()
+            if not self._free.acquire(timeout=_MOMENT):
+                self.shutdown_request(request)
+                return
+        try:
+            self.waits(request)
+            super().process_request(request, client_address)
+        except BaseException:
+            self._ended(request)
+            raise
+
+    def process_request_thread(self, request: Any, client_address: Any) -> None:
+        try:
+            super().process_request_thread(request, client_address)
+        finally:
+            self._ended(request)
+
+    def waits(self, request: socket.socket, waiting: bool = True) -> None:
+        """Note that a connection has no whole request yet, or that it has one."""
+        with self._lock:
+            self._waiting.pop(request, None)
+            if waiting:
+                self._waiting[request] = None
+
+    def _hang_up(self) -> None:
+        """End the connection that has waited longest."""
+        with self._lock:
+            request = next(iter(self._waiting), None)
+            if request is not None:
+                del self._waiting[request]
+                with contextlib.suppress(OSError):
+                    request.shutdown(socket.SHUT_RDWR)
+
+    def _ended(self, request: socket.socket) -> None:
+        self.waits(request, False)
+        self._free.release()
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Ignore errors of pages that are gone."""
+
+
+class _Asked(io.RawIOBase):
+    """What a client sends. A whole request has a time limit, however slowly its bytes come, and a size."""
+
+    def __init__(self, connection: socket.socket) -> None:
+        self._connection = connection
+        self.begin()
+
+    def begin(self) -> None:
+        self._end, self.left = time.monotonic() + _SECONDS_TO_ASK, _MOST_HEAD
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        seconds = self._end - time.monotonic()
+        if seconds <= 0 or self.left <= 0:
+            raise TimeoutError
+        self._connection.settimeout(seconds)
+        count = self._connection.recv_into(buffer)
+        self.left -= count
+        return count
+
+
+class _Handler(BaseHTTPRequestHandler):
+    """Answers what the table of its server has; no part of a request is ever the name of a file."""
+
+    owner: Server
+    server: _Http
+    protocol_version = "HTTP/1.1"
+    disable_nagle_algorithm = True  # a head and its content are sent one after the other
+    server_version, sys_version = "mjcompose", ""
+
+    def setup(self) -> None:
+        super().setup()
+        self._asked = _Asked(self.connection)
+        self.rfile = io.BufferedReader(self._asked)
+
+    def handle_one_request(self) -> None:
+        self._asked.begin()
+        self.server.waits(self.connection)
+        super().handle_one_request()
+
+    def do_GET(self) -> None:
+        if (key := self._key()) is None:
+            return
+        shown = self.owner.workshop.shown
+        if key == "":
+            title = (shown.title or "mjcompose").encode("utf-8", "replace").decode()
+            self._send(live(title).encode(), "text/html; charset=utf-8")
+        elif key in _FILES:
+            self._send(self.owner.files[key], _FILES[key])
+        elif key == "events":
+            self._events()
+        elif (number := _MODEL.fullmatch(key)) and int(number[1]) <= shown.version:
+            self._send(shown.text.encode(), "application/json")  # a page that is late gets the newest one
+        elif (name := key.removeprefix("blob/")) != key and name in shown.blobs:
+            self._send(shown.blobs[name], "application/octet-stream", kept=True)
+        else:
+            self._refuse(HTTPStatus.NOT_FOUND)
+
+    def do_POST(self) -> None:
+        if (key := self._key()) is None:
+            return
+        try:
+            wish = self._wish(key, self._said())
+        except OSError:
+            raise
+        except Exception:  # whatever cannot be read is a bad request
+            self._refuse(HTTPStatus.BAD_REQUEST)
+            return
+        if wish is None:
+            self._refuse(HTTPStatus.NOT_FOUND)
+            return
+        wish()
+        self._send(b"", "text/plain", HTTPStatus.NO_CONTENT)
+
+    def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
+        """Refuse what is no request for this server: methods, lines and headers that it does not know."""
+        self._refuse(HTTPStatus.FORBIDDEN)
+
+    def log_message(self, format: str, *args: Any) -> None:
+        """Log nothing: the terminal is for the model."""
+
+    # -- requests -----------------------------------------------------------------------------------------------
+
+    def _key(self) -> str | None:
+        """Return what is asked for, as it was sent: `self.path` is not that."""
+        words = self.requestline.split(" ")  # Python splits at other spaces too
+        target = words[1] if len(words) == 3 else ""
+        hosts, origins = (self.headers.get_all(name, []) for name in ("host", "origin"))
+        key = self.owner.guard.key_of(target, hosts, origins)
+        if key is None:
+            self._refuse(HTTPStatus.FORBIDDEN)
+        else:
+            self.server.waits(self.connection, False)
+        return key
+
+    def _said(self) -> Any:
+        """Return the JSON of a request. Raises an exception if that is not what it has."""
+        (kind,), (length,) = (self.headers.get_all(name, []) for name in ("content-type", "content-length"))
+        if kind != "application/json" or not (length.isascii() and length.isdecimal()):
+            raise ValueError
+        if "transfer-encoding" in self.headers or (size := int(length)) > _MOST_SAID:
+            raise ValueError
+        self._asked.left += size
+        return json.loads(self.rfile.read(size))
+
+    def _wish(self, key: str, said: Any) -> Callable[[], object] | None:
+        """Return what a page wants to be done; None if there is nothing of that name."""
+        physics = self.owner.physics
+        if key == "play":
+            start = {name: _numbers(said[name]) for name in ("qpos", "ctrl")} | {"key": int(said["key"])}
+            return partial(physics.play, bool(said["playing"]), start)
+        if key == "pose":
+            return partial(physics.control, _numbers(said["ctrl"]))
+        if key == "choose":
+            return partial(self.owner.choose, _text(said["name"]), _text(said["value"]))
+        return (lambda: None) if key == "shown" else None
+
+    # -- answers ------------------------------------------------------------------------------------------------
+
+    def _events(self) -> None:
+        page = self.owner.hub.join()  # before the page reads the current model, so that it misses no change
+        if page is None:
+            self._refuse(HTTPStatus.SERVICE_UNAVAILABLE)
+            return
+        try:
+            self.send_response(HTTPStatus.OK)
+            self._headers("text/event-stream")
+            self.send_header("Connection", "close")
+            self.end_headers()
+            self.close_connection = True
+            for event, data in news(self.owner.workshop.shown):
+                self._write(encoded(event, data))
+            for message in page.messages():
+                self._write(message)
+        except OSError:
+            self.close_connection = True
+        finally:
+            self.owner.hub.leave(page)
+
+    def _refuse(self, status: HTTPStatus) -> None:
+        """Answer with a status, and end the connection without reading the rest of the request.
+
+        What is still on its way is taken for a moment: otherwise the system takes the answer back.
+        """
+        self.close_connection = True
+        self._send(f"{status.phrase}\n".encode(), "text/plain", status)
+        end = time.monotonic() + _MOMENT
+        with contextlib.suppress(OSError):
+            self.connection.shutdown(socket.SHUT_WR)
+            while (seconds := end - time.monotonic()) > 0:
+                self.connection.settimeout(seconds)
+                if not self.connection.recv(1 << 16):
+                    break
+
+    def _send(
+        self, content: bytes, kind: str, status: HTTPStatus = HTTPStatus.OK, kept: bool = False
+    ) -> None:
+        packed = (
+            len(content) > _WORTH_PACKING and "gzip" in self.headers.get("accept-encoding", "") and not kept
+        )
+        if packed:
+            content = gzip.compress(content, 1)
+        self.send_response(status)
+        self._headers(kind, kept)
+        if packed:
+            self.send_header("Content-Encoding", "gzip")
+        if status != HTTPStatus.NO_CONTENT:
+            self.send_header("Content-Length", str(len(content)))
+        if self.close_connection:
+            self.send_header("Connection", "close")
+        self.end_headers()
+        if status != HTTPStatus.NO_CONTENT:
+            self._write(content)
+
+    def _write(self, content: bytes) -> None:
+        """Send bytes. Raises TimeoutError as soon as a piece of them takes too long."""
+        for at in range(0, len(content), _PIECE):
+            self.connection.settimeout(_SECONDS_TO_READ)
+            self.connection.sendall(content[at : at + _PIECE])
+
+    def _headers(self, kind: str, kept: bool = False) -> None:
+        self.connection.settimeout(_SECONDS_TO_READ)
+        self.send_header("Content-Type", kind)
+        self.send_header("Cache-Control", "private, max-age=31536000, immutable" if kept else "no-store")
+        self.send_header("Content-Security-Policy", _POLICY)
+        self.send_header("Referrer-Policy", "no-referrer")
+        self.send_header("X-Content-Type-Options", "nosniff")
+        self.send_header("Cross-Origin-Resource-Policy", "same-origin")
+
+
+def _numbers(values: Any) -> list[float]:
+    return [float(each) for each in values]
+
+
+def _text(value: Any) -> str:
+    """Return a text of a page. Raises UnicodeEncodeError for half a character."""
+    text = str(value)
+    text.encode()
+    return text

@@ -1,0 +1,1 @@
+"""Bundles in a program, and many models as one."""

@@ -1,0 +1,365 @@
+"""Separate models become worlds of the first of them."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import field, replace
+from hashlib import sha256
+from os import PathLike
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.files import read_regular
+from mjcompose.base.sink import Sink
+from mjcompose.build.bundle.bundle import WORLDS, Bundle
+from mjcompose.build.bundle.listing import SIZES
+from mjcompose.build.bundle.staging import write_folder
+from mjcompose.build.cache.builder import Made, Maker
+from mjcompose.build.plan.read import read_recipe
+from mjcompose.language.expand import Cell
+from mjcompose.mujoco.attributes import KINDS, ON_BODIES, Model, NameTable, names
+from mjcompose.mujoco.engine import Session
+from mjcompose.mujoco.varying import Differences, arrays, flat
+from mjcompose.sources.context import Context
+from mjcompose.text.expression_values import Value
+from mjcompose.text.node import Scalar, find
+from mjcompose.tools.worlds.load import Loaded, load
+from mjcompose.tools.worlds.many import load_many
+from mjcompose.tools.worlds.worlds import Table, Varying, Worlds, failure, model_sha256, read
+
+CODE = "not-a-world"
+_HFIELD, _MESH = 1, 7
+_NOT_UNITED = ("flex", "skin", "plugin")
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A body with everything on it that not all models have: its parent, and its contents."""
+
+    parent: str
+    body: str
+    shape: Hashable
+
+
+@dataclass(slots=True)
+class Tree:
+    """A model as named bodies; `own` has the elements on each body, `children` its child bodies."""
+
+    model: Model
+    name: str
+    table: NameTable = field(init=False)
+    own: dict[str, Hashable] = field(init=False, default_factory=dict)
+    children: dict[str, list[str]] = field(init=False, default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.table = NameTable(self.model)
+        for kind in _NOT_UNITED:
+            if self.table.count(kind):
+                message = f"`{self.name}` has the {kind} `{self.table.describe(kind, 0)}`, which no union takes over"
+                raise failure(CODE, message, "build these cells by themselves with `--pick`")
+        bodies = self.table.names["body"]
+        if "" in bodies:
+            help = "give it a name in its source"
+            raise failure(
+                CODE, f"`{self.name}` has a body without a name, which a union cannot tell from others", help
+            )
+        for number, name in enumerate(bodies):
+            self.own[name] = tuple(
+                (kind, *self._about(kind, each))
+                for kind, bodies_of in ON_BODIES.items()
+                for each in np.flatnonzero(getattr(self.model, bodies_of) == number).tolist()
+            )
+            self.children[name] = []
+            if number:
+                self.children[bodies[self.model.body_parentid[number]]].append(name)
+
+    def _about(self, kind: str, each: int) -> tuple[Hashable, ...]:
+        """Return what an element is, without its numbers."""
+        model, name = self.model, self.table.names[kind][each]
+        if kind == "joint":
+            return name, int(model.jnt_type[each])
+        if kind == "geom":
+            mesh, shape = int(model.geom_dataid[each]), int(model.geom_type[each])
+            material = int(model.geom_matid[each])
+            looks = self.table.names["material"][material] if material >= 0 else ""
+            return name, shape, looks, self._surface(shape, mesh) if mesh >= 0 else ""
+        if kind == "camera":
+            return name, int(model.cam_mode[each]), int(model.cam_targetbodyid[each]) >= 0
+        return (name,)
+
+    def _surface(self, shape: int, asset: int) -> str:
+        """Return the data of a mesh or a height field.
+
+        A mesh that a geom of another type was fitted to does not count.
+        """
+        model = self.model
+        if shape == _HFIELD:
+            first, count = (
+                int(model.hfield_adr[asset]),
+                int(model.hfield_nrow[asset] * model.hfield_ncol[asset]),
+            )
+            return sha256(model.hfield_data[first : first + count].tobytes()).hexdigest()
+        if shape != _MESH:
+            return ""
+        first, count = int(model.mesh_vertadr[asset]), int(model.mesh_vertnum[asset])
+        return sha256(model.mesh_vert[first : first + count].tobytes()).hexdigest()
+
+    def shape(self, body: str) -> Hashable:
+        """Return a body and all bodies below it, without numbers."""
+        return body, self.own[body], tuple(self.shape(each) for each in self.children[body])
+
+    def below(self, body: str) -> Iterator[str]:
+        """Yield a body and all bodies below it."""
+        yield body
+        for each in self.children[body]:
+            yield from self.below(each)
+
+
+def shape_of(model: Model, name: str) -> Hashable:
+    """Return all bodies of a model, without numbers. Raises LoadError for an unnamed body."""
+    return Tree(model, name).shape("world")
+
+
+def common(trees: Sequence[Tree]) -> set[str]:
+    """Return the bodies that all models have, with the same elements and the same parent, down from the world.
+
+    Raises LoadError if only some models have an element on the world that is not a body.
+    """
+    first, *others = trees
+    for each in others:
+        if each.own["world"] != first.own["world"]:
+            ours, theirs = set(first.own["world"]), set(each.own["world"])  # type: ignore[call-overload]
+            kind, name, *_ = min(ours ^ theirs, key=str)
+            message = f"`{each.name}` and `{first.name}` have not both the {kind} `{name}` on the world"
+            raise failure(CODE, message, "put it into a body of its own: a union is of whole bodies")
+    found: set[str] = set()
+    waiting = ["world"]
+    while waiting:
+        body = waiting.pop()
+        found.add(body)
+        waiting += [
+            child
+            for child in first.children[body]
+            if all(child in each.children[body] and each.own[child] == first.own[child] for each in others)
+        ]
+    return found
+
+
+def parts(tree: Tree, shared: set[str]) -> list[Part]:
+    """Return the topmost bodies of a model that are not shared."""
+    return [
+        Part(parent, child, tree.shape(child))
+        for parent in tree.children
+        if parent in shared
+        for child in tree.children[parent]
+        if child not in shared
+    ]
+
+
+def gather(path: str | PathLike[str], where: str | None = None) -> Worlds:
+    """Load the models that `mjcompose build --all` wrote to a folder as worlds of one model.
+
+        study = worlds.gather("build/study", where="payload > 0")
+        study.save("study.npz")     # worlds.load("build/study/first.zip", "study.npz") needs no other model
+
+    `where` is as in `mjcompose.load_many`. The models must have the same elements with the same names; numbers of
+    mjModel and options may differ. World `n` is the n-th of these models. Raises LoadError.
+    """
+    every = list(load_many(path, where))
+    if not every:
+        raise failure("unknown-name", f"no model in `{path}` is to be gathered", "choose others with `where`")
+
+    found = (
+        Joined(
+            each.load(),
+            each.name,
+            {"name": each.values.get("cell", each.name)},
+            sample=int(str(each.values.get("sample", 0))),
+        )
+        for each in every
+    )
+    return join(found, len(every))
+
+
+_SHOWN = 4
+
+
+class Joined(NamedTuple):
+    """One model that becomes a world, or with a table several; its name, its cell and its sample."""
+
+    loaded: Loaded
+    name: str
+    cell: Mapping[str, Value | None]
+    sample: int
+    table: Table | None = None
+    folder: Path | None = None
+
+
+@dataclass(slots=True)
+class Group:
+    """Models that differ from the `first` one in numbers only: what differs, and which worlds they are.
+
+    For a union they also have the same `shape`: geoms of the same types and with the same meshes.
+    """
+
+    first: Joined
+    differences: Differences
+    shape: Hashable = None
+    worlds: list[int] = field(default_factory=list)
+
+    def take(self, each: Joined, first: int, count: int) -> None:
+        """Add a model as `count` worlds from the `first`."""
+        taken = len(self.worlds)
+        self.differences.extend(taken + count)
+        self.differences.take(taken, each.loaded.model, count)
+        for name, own in each.table.arrays.items() if each.table is not None else ():
+            self.differences.take_numbers(taken, name, own.index, values=own.values)
+        self.worlds += range(first, first + count)
+
+    def varying(self) -> Iterator[tuple[str, Varying]]:
+        """Yield the numbers that differ, by array."""
+        for name, index, values in self.differences.found():
+            if not _is_of_names(name):
+                yield name, Varying(index, values[: len(self.worlds)])
+
+
+@dataclass(slots=True)
+class Joining:
+    """Joins models one by one, `expected` or more; also models with other elements if it `unites` them."""
+
+    expected: int
+    unites: bool = False
+    groups: list[Group] = field(default_factory=list)
+    _cells: list[Mapping[str, Value | None]] = field(default_factory=list)
+    _cell: list[int] = field(default_factory=list)
+    _sample: list[int] = field(default_factory=list)
+
+    def add(self, each: Joined) -> bool:
+        """Add a model; return whether it must be kept. Raises LoadError if it is another model."""
+        model = each.loaded.model
+        shape = shape_of(model, each.name) if self.unites else None
+        alike = (
+            one for one in self.groups if one.shape == shape and unlike(one.first.loaded.model, model) is None
+        )
+        group = next(alike, None)
+        is_new = group is None
+        if group is None:
+            if self.groups and not self.unites:
+                raise _other(self.groups[0].first, each)
+            group = Group(each, Differences(model, 1 if self.unites else self.expected), shape)
+            self.groups.append(group)
+        if each.cell not in self._cells:
+            self._cells.append(each.cell)
+        count = 1 if each.table is None else each.table.count
+        group.take(each, len(self._cell), count)
+        self._cell += [self._cells.index(each.cell)] * count
+        self._sample += [each.sample] if each.table is None else each.table.sample.tolist()
+        return is_new
+
+    def worlds(self) -> Worlds:
+        """Return the worlds of the common model."""
+        (group,) = self.groups
+        loaded = group.first.loaded
+        return Worlds(
+            loaded.model, loaded.manifest, loaded.index, table=self.table(loaded, dict(group.varying()))
+        )
+
+    def table(self, loaded: Loaded, varying: Mapping[str, Varying]) -> Table:
+        """Return a table of the differences from a model."""
+        first = self.groups[0].first
+        seed = first.loaded.manifest.seed if first.table is None else first.table.seed
+        return Table(varying, len(self._cell), seed, cells=tuple(self._cells), cell=np.array(self._cell, np.int64),
+                     sample=np.array(self._sample, np.int64), model=model_sha256(loaded.manifest),
+                     mujoco=loaded.manifest.mujoco)  # fmt: skip
+
+
+def join(found: Iterable[Joined], expected: int) -> Worlds:
+    """Return these models, `expected` or more, as worlds of the first one's model.
+
+    Raises LoadError for another model.
+    """
+    joining = Joining(expected)
+    for each in found:
+        joining.add(each)
+    return joining.worlds()
+
+
+def _other(first: Joined, other: Joined) -> Exception:
+    why = unlike(first.loaded.model, other.loaded.model)
+    help = "build these cells by themselves with `--pick`, or let one model have the parts of all: write `emit: union`"
+    message = f"`{other.name}` cannot be a world of `{first.name}`: it is another model"
+    return failure(CODE, message, help, notes=why or ())
+
+
+def unlike(first: Model, other: Model) -> list[str] | None:
+    """Return why a model is another one, or None if only numbers differ."""
+    why = []
+    for kind in KINDS:
+        here, there = names(first, kind), names(other, kind)
+        if here == there:
+            continue
+        known, found = set(here), set(there)
+        why += [f"it has the {kind} `{name}`" for name in there if name not in known][:_SHOWN]
+        why += [f"it lacks the {kind} `{name}`" for name in here if name not in found][:_SHOWN]
+        if known == found:
+            why.append(f"it has {len(there)} {kind}s in another order or number")
+    if why:
+        return why[: 2 * _SHOWN]
+    for size in SIZES:
+        if getattr(first, size) != getattr(other, size):
+            return [f"`{size}` is {getattr(other, size)}, not {getattr(first, size)}"]
+    for name in arrays(first):
+        if (now := flat(other, name).size) != (before := flat(first, name).size):
+            return [f"the array `{name}` has {now} numbers, not {before}"]
+    return None
+
+
+def _is_of_names(array: str) -> bool:
+    """Return whether an array holds positions of names and file paths in a text that begins with the model's name."""
+    return array.startswith("name") or array.endswith("pathadr")
+
+
+@dataclass(frozen=True, slots=True)
+class Shelf:
+    """A folder for built models until they are converted. Can be pickled."""
+
+    folder: Path
+
+    def place(self, name: str, mujoco: str | None) -> Path:
+        """Return the folder of a model, for `Maker`."""
+        return self.folder / name.replace("/", "_")
+
+    def put(self, made: Made, maker: Maker, context: Context, session: Session | None) -> Made | None:
+        """Write a model, for `CellMaker`."""
+        bundle = made.bundle
+        assert isinstance(bundle, Bundle)
+        write_folder(bundle, self.place(made.name, made.mujoco))
+        return made
+
+    def take(self, made: Made, cell: Cell) -> Joined:
+        """Load a model, with its worlds if it has some. Raises LoadError."""
+        folder = self.place(made.name, made.mujoco)
+        loaded, table = load(folder), None
+        if os.path.exists(folder / WORLDS):
+            table = read(read_regular(folder / WORLDS))
+        named = {"name": cell.cell or loaded.manifest.name}
+        return Joined(
+            loaded, made.name, {**named, **cell.values()}, sample=cell.sample, table=table, folder=folder
+        )
+
+    def clear(self, each: Joined) -> None:
+        """Remove the files of a model."""
+        assert each.folder is not None
+        shutil.rmtree(each.folder, ignore_errors=True)
+
+
+def is_united(recipe: Path, context: Context) -> bool:
+    """Return whether a recipe requests one model with the parts of all: `emit: union` in `matrix` or `randomize`."""
+    document = read_recipe(context.folder / recipe, replace(context, sink=Sink()))
+    found = [find(document, (section, "emit")) for section in ("matrix", "randomize")] if document else []
+    return any(isinstance(each, Scalar) and each.value == "union" for each in found)

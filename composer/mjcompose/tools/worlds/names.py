@@ -1,0 +1,398 @@
+"""The ids and addresses of everything in a compiled model, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cached_property
+from typing import TypeAlias, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Diagnostic
+from mjcompose.base.report import MjcomposeError
+from mjcompose.base.suggest import did_you_mean, exists_note
+from mjcompose.build.bundle.manifest import Actuator, Joint
+from mjcompose.build.bundle.manifest import Index as Listed
+from mjcompose.model.pattern import BadPattern, fitter, is_pattern
+from mjcompose.mujoco.arrays import BY_WORD
+
+
+class LoadError(MjcomposeError):
+    """A bundle that cannot be loaded, or does not match its manifest."""
+
+
+class UnknownNameError(MjcomposeError, KeyError):
+    """A name that a model does not have; the message lists the existing names. Also a KeyError."""
+
+
+class BundleWarning(UserWarning):
+    """A possible problem of a bundle, for instance that another version of MuJoCo verified the model."""
+
+
+Several: TypeAlias = tuple[str, ...] | list[str]
+Names: TypeAlias = str | Several
+"""One name or glob, or several of them."""
+
+
+def unknown(kind: str, name: str, known: Iterable[str]) -> UnknownNameError:
+    """Return the error for a name or a glob that matches nothing."""
+    known = [each for each in known if each]
+    return UnknownNameError(
+        [
+            Diagnostic(
+                "unknown-name",
+                f"the model has no {kind} `{name}`",
+                notes=(exists_note(kind, known, name),),
+                help=did_you_mean(name, known),
+            )
+        ]
+    )
+
+
+class Lookup:
+    """The names of one kind in the order of the model, and their look-up by name or glob.
+
+    `*` and `?` stop at the separator, `**` does not, `{a,b}` is a choice, `/…/` a regular expression over the whole
+    name. An existing name always matches itself, whatever characters it has.
+    """
+
+    def __init__(self, kind: str, names: Sequence[str], separator: str) -> None:
+        self.kind = kind
+        self.names = tuple(names)
+        self.separator = separator
+        self._rows: dict[str, int] = {}
+        for row, name in enumerate(self.names):
+            if name:
+                self._rows.setdefault(name, row)
+
+    def row(self, name: str) -> int | None:
+        """Return the row of one name, or None for a glob. Raises UnknownNameError."""
+        found = self._rows.get(name)
+        if found is None and not is_pattern(name):
+            raise unknown(self.kind, name, self._rows)
+        return found
+
+    def rows(self, names: Names) -> list[int]:
+        """Return the rows of all names, in their order; a glob has the order of the model."""
+        if not isinstance(names, Iterable):
+            raise TypeError(f"names are asked for, one or several, not {names!r}")
+        found: list[int] = []
+        for name in [names] if isinstance(names, str) else names:
+            row = self.row(name)
+            if row is not None:
+                found.append(row)
+                continue
+            fits = self._fitter(name)
+            matched = [row for known, row in self._rows.items() if fits(known)]
+            if not matched:
+                raise unknown(self.kind, name, self._rows)
+            found += matched
+        return found
+
+    def _fitter(self, pattern: str) -> Callable[[str], bool]:
+        try:
+            return fitter(pattern, self._rows.keys, self.separator)
+        except BadPattern as bad:
+            raise UnknownNameError([Diagnostic("selector", bad.message, help=bad.help)]) from None
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._rows
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._rows)
+
+
+class Numbers:
+    """The id of each element of a kind in `mjModel`: `index.camera["overview"]`.
+
+    One name gives an int; several names, or a glob, give an array of shape (n,).
+    """
+
+    def __init__(self, lookup: Lookup) -> None:
+        self._lookup = lookup
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All names in the order of the model; unnamed elements are ""."""
+        return self._lookup.names
+
+    @overload
+    def __getitem__(self, names: str) -> int: ...
+    @overload
+    def __getitem__(self, names: Several) -> NDArray[np.intp]: ...
+    def __getitem__(self, names: Names) -> int | NDArray[np.intp]:
+        """Return the id for a name, or the ids for several names or a glob. Raises UnknownNameError.
+
+        For a glob the declared type is that of a name, int, although the result is an array.
+        """
+        if isinstance(names, str) and (row := self._lookup.row(names)) is not None:
+            return row
+        return np.array(self._lookup.rows(names), dtype=np.intp)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._lookup
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._lookup)
+
+    def __len__(self) -> int:
+        return len(self._lookup.names)
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} × {self._lookup.kind}>"
+
+
+Place: TypeAlias = int | slice | NDArray[np.intp]
+"""An index into a vector or a batch of vectors: `qpos[place]`, `qpos[..., place]`."""
+
+Range: TypeAlias = tuple[float, float]
+UNLIMITED: Range = (-np.inf, np.inf)
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One element of the model in a vector: `units` and `limits` have an item for each of its numbers.
+
+    `body` is its body, `origin` where it is written; each is None if it does not apply or is unknown.
+    """
+
+    name: str
+    start: int
+    units: tuple[str | None, ...]
+    limits: tuple[Range, ...]
+    body: str | None = None
+    origin: str | None = None
+
+    @property
+    def size(self) -> int:
+        """The number of its values."""
+        return len(self.units)
+
+
+class Vector:
+    """One vector of MuJoCo (`qpos`, `ctrl`, …), by name.
+
+    `index.qpos["elbow"]` is an int if the element has one number, else a slice; `index.qpos["a", "b"]` and globs
+    (`index.qpos["left/*"]`) are an array of all their numbers, shape (n,). All three index a single vector,
+    `data.qpos[place]`, and the last axis of a batch, `qpos[..., place]`.
+    """
+
+    def __init__(self, name: str, kind: str, entries: Sequence[Entry], separator: str) -> None:
+        self.name = name
+        self.entries = tuple(entries)
+        self._lookup = Lookup(kind, [each.name for each in entries], separator)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names in the order of the vector; unnamed elements are ""."""
+        return self._lookup.names
+
+    @property
+    def size(self) -> int:
+        """The length of the vector."""
+        return sum(each.size for each in self.entries)
+
+    def __getitem__(self, names: Names) -> Place:
+        """Return the addresses of the elements with these names or globs. Raises UnknownNameError, a KeyError."""
+        if isinstance(names, str) and (row := self._lookup.row(names)) is not None:
+            entry = self.entries[row]
+            return entry.start if entry.size == 1 else slice(entry.start, entry.start + entry.size)
+        return self._places(self._entries(names))
+
+    def array(self, names: Names) -> NDArray[np.intp]:
+        """Return the addresses as an array of shape (n,), even for one name."""
+        return self._places(self._entries(names))
+
+    def on(self, body: str) -> Place:
+        """Return the addresses of the elements of a body, including unnamed joints. Raises UnknownNameError."""
+        found = [each for each in self.entries if each.body == body]
+        if not found:
+            raise unknown(
+                f"body with a {self._lookup.kind}", body, [each.body for each in self.entries if each.body]
+            )
+        start, end = found[0].start, found[-1].start + found[-1].size
+        return start if end - start == 1 else slice(start, end)
+
+    def limits(self, names: Names = "**") -> NDArray[np.float64]:
+        """Return the least and greatest value of each number, shape (n, 2), infinite if not limited; in its unit."""
+        limits = [pair for each in self._entries(names) for pair in each.limits]
+        return np.array(limits, dtype=np.float64).reshape(-1, 2)
+
+    def units(self, names: Names = "**") -> tuple[str | None, ...]:
+        """Return the unit of each number: `rad`, `m`, `quaternion`, `N m`, …; None if it depends on the model."""
+        return tuple(unit for each in self._entries(names) for unit in each.units)
+
+    def origin(self, name: str) -> str | None:
+        """Return where an element is written, as FILE:LINE."""
+        (entry,) = self._entries(name)[:1]
+        return entry.origin
+
+    def _entries(self, names: Names) -> list[Entry]:
+        if names == "**":
+            return list(self.entries)
+        return [self.entries[row] for row in self._lookup.rows(names)]
+
+    @staticmethod
+    def _places(entries: Sequence[Entry]) -> NDArray[np.intp]:
+        return np.array(
+            [place for each in entries for place in range(each.start, each.start + each.size)], dtype=np.intp
+        )
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._lookup
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._lookup)
+
+    def __len__(self) -> int:
+        return len(self.entries)
+
+    def __repr__(self) -> str:
+        return f"<{self.name}: {self.size} numbers of {len(self)} × {self._lookup.kind}>"
+
+
+class Index:
+    """The vectors and elements of a model by name, so that programs need not depend on their order.
+
+    `qpos`, `qvel`, `ctrl`, `act` and `sensordata` have the addresses in the vectors of that name; `camera`, `key`,
+    `joint`, `actuator`, `sensor`, `body`, `geom`, `site` and `tendon` have the ids of elements. `qvel` serves every
+    vector of `nv` numbers: `qacc`, `qfrc_applied`, ….
+    """
+
+    def __init__(self, listed: Listed, names: Callable[[str], Sequence[str]], separator: str = "/") -> None:
+        """Create the index; `names` returns the names of a kind in the order of the model."""
+        self._listed, self._names, self._separator = listed, names, separator
+
+    @cached_property
+    def qpos(self) -> Vector:
+        """Positions of joints: rad, m, and quaternions (w x y z)."""
+        return self._vector("qpos", "joint", [_position(joint) for joint in self._listed.joints])
+
+    @cached_property
+    def qvel(self) -> Vector:
+        """Velocities of joints: rad/s, m/s. MuJoCo does not limit them."""
+        return self._vector("qvel", "joint", [_velocity(joint) for joint in self._listed.joints])
+
+    @cached_property
+    def ctrl(self) -> Vector:
+        """Controls of actuators, with their limits."""
+        entries = [
+            Entry(
+                each.name,
+                each.ctrl,
+                (each.unit,) * each.ctrl_size,
+                limits=tuple(map(_limits, each.ranges)),
+                origin=each.origin,
+            )
+            for each in self._listed.actuators
+        ]
+        return self._vector("ctrl", "actuator", entries)
+
+    @cached_property
+    def act(self) -> Vector:
+        """Activations of the actuators that have some."""
+        entries = list(_activations(self._listed.actuators))
+        return self._vector("act", "activation", entries)
+
+    @cached_property
+    def sensordata(self) -> Vector:
+        """Sensor values; limits are their cutoff."""
+        entries = [
+            Entry(
+                each.name,
+                each.address,
+                (each.unit,) * each.size,
+                limits=((-each.cutoff, each.cutoff) if each.cutoff is not None else UNLIMITED,) * each.size,
+                origin=each.origin,
+            )
+            for each in self._listed.sensors
+        ]
+        return self._vector("sensordata", "sensor", entries)
+
+    @cached_property
+    def camera(self) -> Numbers:
+        """Ids of cameras."""
+        return self._numbers("camera")
+
+    @cached_property
+    def key(self) -> Numbers:
+        """Ids of keyframes, for `mj_resetDataKeyframe`."""
+        return self._numbers("key", "keyframe")
+
+    @cached_property
+    def joint(self) -> Numbers:
+        """Ids of joints."""
+        return self._numbers("joint")
+
+    @cached_property
+    def actuator(self) -> Numbers:
+        """Ids of actuators."""
+        return self._numbers("actuator")
+
+    @cached_property
+    def sensor(self) -> Numbers:
+        """Ids of sensors."""
+        return self._numbers("sensor")
+
+    @cached_property
+    def body(self) -> Numbers:
+        """Ids of bodies; `world` is 0."""
+        return self._numbers("body")
+
+    @cached_property
+    def geom(self) -> Numbers:
+        """Ids of geoms."""
+        return self._numbers("geom")
+
+    @cached_property
+    def site(self) -> Numbers:
+        """Ids of sites."""
+        return self._numbers("site")
+
+    @cached_property
+    def tendon(self) -> Numbers:
+        """Ids of tendons."""
+        return self._numbers("tendon")
+
+    def _vector(self, name: str, kind: str, entries: Sequence[Entry]) -> Vector:
+        return Vector(name, kind, entries, separator=self._separator)
+
+    def _numbers(self, kind: str, word: str | None = None) -> Numbers:
+        return Numbers(Lookup(word or kind, self._names(kind), self._separator))
+
+    def __repr__(self) -> str:
+        vectors = (self.qpos, self.qvel, self.ctrl, self.act, self.sensordata)
+        return f"<Index: {', '.join(f'{each.name} {each.size}' for each in vectors)}>"
+
+
+def _limits(pair: tuple[float | None, float | None] | None) -> Range:
+    low, high = pair or (None, None)
+    return (UNLIMITED[0] if low is None else low, UNLIMITED[1] if high is None else high)
+
+
+def _position(joint: Joint) -> Entry:
+    units = BY_WORD[joint.type].position_units
+    scalar = joint.qpos_size == 1  # the range of a ball joint is an angle, not one of its numbers
+    limits = (_limits(joint.range) if scalar else UNLIMITED,) * joint.qpos_size
+    return Entry(joint.name, joint.qpos, units, limits=limits, body=joint.body, origin=joint.origin)
+
+
+def _velocity(joint: Joint) -> Entry:
+    units = BY_WORD[joint.type].velocity_units
+    return Entry(
+        joint.name,
+        joint.dof,
+        units,
+        limits=(UNLIMITED,) * joint.dof_size,
+        body=joint.body,
+        origin=joint.origin,
+    )
+
+
+def _activations(actuators: Sequence[Actuator]) -> Iterator[Entry]:
+    for each in actuators:
+        if each.act is not None:
+            limits = (_limits(each.act_range),) * each.act_size
+            yield Entry(each.name, each.act, (None,) * each.act_size, limits=limits, origin=each.origin)

@@ -1,0 +1,476 @@
+"""Worlds for batches, MJX, MuJoCo Warp and mjlab."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+import mujoco as mujoco_module
+import numpy as np
+from numpy.typing import NDArray
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Diagnostic, Note
+from mjcompose.mujoco.attributes import Model, NameTable
+from mjcompose.mujoco.varying import MEANS, flat, put, value_of, whose
+from mjcompose.targets.solver import OPTION
+from mjcompose.targets.table import TARGETS
+from mjcompose.targets.target import Refusal
+from mjcompose.tools.worlds.names import LoadError
+from mjcompose.tools.worlds.worlds import Worlds, failure
+
+
+def mujoco(worlds: Worlds, nthread: int = 0, *, persistent: bool = False) -> Any:
+    """Return a `mujoco.batch.Batch` with a simulation for each world, on `nthread` threads (0: all cores).
+
+        batch = worlds.mujoco(study)
+        batch.expand("body_mass")      # (worlds, nbody): expanded already, with each world's masses
+
+    Every array that differs is expanded and filled, including those that mj_setConst computes: `batch.set_const()`
+    would change nothing. `stat.meaninertia`, which scales the tolerances of solvers, and `stat.meanmass` are those
+    of the nominal model: a batch has one `stat` for all.
+
+    Needs MuJoCo 3.17 or newer; raises LoadError without it, and for an array that a batch cannot expand.
+    """
+    try:
+        from mujoco.batch import MODEL_FIELDS, Batch
+    except ImportError as error:
+        import mujoco as installed
+
+        help = "install `mujoco>=3.17`, or step `worlds.models()` one after another"
+        raise failure(
+            "not-installed", f"MuJoCo {installed.__version__} has no `mujoco.batch`", help
+        ) from error
+    names = [name for name in worlds.arrays if name not in MEANS]
+    if shared := [name for name in names if name not in MODEL_FIELDS]:
+        listed = ", ".join(f"`{name}`" for name in shared)
+        help = "step `worlds.models()` one after another, or leave out of `randomize` what changes them"
+        raise failure("not-per-world", f"a batch of MuJoCo has {listed} once for all simulations", help)
+    batch = Batch(worlds.nominal, worlds.count, nthread, persistent=persistent)
+    for name in names:
+        varying, numbers = worlds.arrays[name], batch.expand(name).view()
+        numbers.shape = (worlds.count, -1)  # the same memory
+        numbers[:, varying.index] = varying.values
+    return batch
+
+
+_GPU_INSTEAD = "leave out of the recipe what changes it, or use `worlds.mujoco`"
+_OF_SLEEP = "dof_length"
+_FLUID = ("opt.density", "opt.viscosity", "opt.wind")
+_IN_FLUID = ("body_fluid_box_adr", "body_fluid_ellipsoid_adr", "body_fluid_ellipsoid")
+_FACTORS = ("efm0_", "dof_M0", _OF_SLEEP)
+"""Arrays of Warp's model that its steps do not read, except with sleep or the discrete integrator."""
+
+
+def warp(worlds: Worlds) -> Any:
+    """Return a `mujoco_warp.Model` whose arrays have a row for each world, on Warp's default device.
+
+        model = worlds.warp(study)
+        data = mujoco_warp.make_data(study.nominal, nworld=study.count)
+        mujoco_warp.step(model, data)
+
+    Every array that differs is per world, including those that mj_setConst computes, which would be shared
+    otherwise. Keys are not per world: `study.values("key_qpos")` has them. Arrays that Warp's model does not have
+    play no part in its steps. Needs `mujoco_warp`; raises LoadError without it, for a model that Warp does not take,
+    and for arrays that it shares between worlds.
+    """
+    try:
+        import mujoco_warp
+    except ImportError as error:
+        raise failure(
+            "not-installed", f"`mujoco_warp` cannot be used: {error}", "`pip install mujoco-warp`"
+        ) from error
+    simulator = Simulator("warp", mujoco_warp.put_model)
+    model = simulator.take(worlds, worlds.nominal)
+    names = per_world(model, worlds)
+    check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)], instead=_GPU_INSTEAD)
+    for name in names:
+        put_worlds(model, name, worlds)
+    return model
+
+
+def per_world(model: Any, worlds: Worlds) -> list[str]:
+    """Return the differing arrays that a `mujoco_warp.Model` can have for each world.
+
+    Raises LoadError for another differing array that its steps read.
+    """
+    names = []
+    for name in worlds.arrays:
+        if _can_vary(model, name):
+            names.append(name)
+        elif _has(model, name) and is_stepped(name) and name not in unread(worlds):
+            raise failure("not-per-world", f"MuJoCo Warp has `{name}` once for all worlds", _GPU_INSTEAD)
+    return names
+
+
+def put_worlds(model: Any, name: str, worlds: Worlds) -> None:
+    """Replace an array of a `mujoco_warp.Model` by one with a row for each world."""
+    import warp as wp
+
+    owner, field = _owner(model, name)
+    plain = getattr(owner, field)
+    shape = (worlds.count, *plain.shape[1:], *getattr(plain.dtype, "_shape_", ()))
+    numbers = worlds.values(name)
+    kind = np.float32 if numbers.dtype.kind == "f" else numbers.dtype
+    made = wp.array(numbers.reshape(shape).astype(kind), dtype=plain.dtype, device=plain.device)
+    made._is_batched = True  # marks an array for each world, as opposed to one for all
+    setattr(owner, field, made)
+
+
+def _can_vary(model: Any, name: str) -> bool:
+    if not _has(model, name):
+        return False
+    owner, field = _owner(model, name)
+    spec = next((each.type for each in dataclasses.fields(owner) if each.name == field), None)
+    shape = getattr(spec, "shape", None) or ("",)
+    return bool(shape[0] == "*")
+
+
+def unread(worlds: Worlds) -> list[str]:
+    """Return the arrays that the steps of these worlds do not use."""
+    import mujoco
+
+    flag = getattr(mujoco.mjtEnableBit, "mjENBL_SLEEP", None)
+    sleeps = flag is not None and bool(worlds.nominal.opt.enableflags & int(flag))
+    discrete = getattr(mujoco.mjtIntegrator, "mjINT_DISCRETE", None)
+    factored = discrete is not None and worlds.nominal.opt.integrator == int(discrete)
+    read = (*((_OF_SLEEP,) if sleeps else ()), *(("efm0_",) if factored else ()))
+    factors = [
+        name for name in dir(worlds.nominal) if name.startswith(_FACTORS) and not name.startswith(read)
+    ]
+    fluid = [name for name in _FLUID if name in worlds.arrays or np.any(value_of(worlds.nominal, name))]
+    return [*factors, *MEANS, *(() if fluid else _IN_FLUID)]
+
+
+def _owner(model: Any, name: str) -> tuple[Any, str]:
+    path, _, field = name.rpartition(".")
+    return (getattr(model, path) if path else model), field
+
+
+def _has(model: Any, name: str) -> bool:
+    path, _, _ = name.rpartition(".")
+    if path and not hasattr(model, path):
+        return False
+    owner, field = _owner(model, name)
+    return hasattr(owner, field)
+
+
+_JAX_TREE_INSTEAD = "leave out of the recipe what changes it, or use `worlds.mujoco`"
+
+
+def mjx(worlds: Worlds, model: Any = None) -> tuple[Any, Any]:
+    """Return the model with a row for each world in every array that differs, and the tree of axes for `jax.vmap`.
+
+        batched, in_axes = worlds.mjx(study)
+        step = jax.vmap(mjx.step, in_axes=(in_axes, 0))
+
+    `model` is an `mjx.Model` or a `brax.System` of the same bundle; without one it is made from the nominal model.
+    So a `randomization_fn` of mujoco_playground or brax is `lambda model: worlds.mjx(study, model)`. Inertia is
+    included with mass, and values that mj_setConst computes, including `stat.meaninertia`, with their inputs.
+
+    Needs `mujoco-mjx`; raises LoadError without it, for a model that MJX does not take, for arrays that it shares
+    between worlds, and for another model.
+    """
+    try:
+        import jax
+        from mujoco import mjx as module
+    except ImportError as error:
+        help = "`pip install mujoco-mjx`"
+        raise failure("not-installed", f"`mujoco.mjx` cannot be used: {error}", help) from error
+    simulator = Simulator("mjx", module.put_model)
+    plain = simulator.take(worlds, worlds.nominal)
+    base = plain if model is None else model
+    replaced: dict[str, Any] = {}
+    for name in worlds.arrays:
+        leaf = _leaf(plain, name)
+        if leaf is None or not isinstance(leaf, jax.Array):
+            if leaf is not None and is_stepped(name):
+                raise failure("not-per-world", f"MJX has `{name}` once for all worlds", _JAX_TREE_INSTEAD)
+            continue
+        theirs = _leaf(base, name)
+        if getattr(theirs, "shape", None) != leaf.shape:
+            found = (
+                "does not have it" if theirs is None else f"has the shape {theirs.shape}, not {leaf.shape}"
+            )
+            help = "make it of `study.nominal`, or leave it out"
+            raise failure(
+                "bundle-changed",
+                f"the model is another one than that of the worlds: of `{name}` it {found}",
+                help,
+            )
+        replaced[name] = jax.numpy.asarray(worlds.values(name).reshape(worlds.count, *leaf.shape), leaf.dtype)
+    check_nothing_is_shared(worlds, simulator, replaced, instead=_JAX_TREE_INSTEAD)
+    axes = jax.tree_util.tree_map(lambda _: None, base).tree_replace(dict.fromkeys(replaced, 0))
+    return base.tree_replace(replaced), axes
+
+
+def _leaf(model: Any, name: str) -> Any:
+    """Return an array of a model by its path, such as `opt.timestep`, or None if it does not exist."""
+    for each in name.split("."):
+        model = getattr(model, each, None)
+    return model
+
+
+_LAB_INSTEAD = "leave out of the recipe what changes it, or use `worlds.mujoco`"
+_WORLD = "world"
+_ON_BODY = re.compile(r"(#\d+ of body `)(.*`)")
+
+
+def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
+    """Return the terms for `events` of an environment's configuration: environment `n` is world `n` from its start.
+
+        events = {**worlds.mjlab(study, entity="robot"), "push": EventTermCfg(...)}
+
+    `entity` is what the scene calls the entity that the bundle is; without one the scene's model is the bundle's. The
+    function of the term says in `model_fields` which arrays are for each world, which mjlab's `expand_model_fields`
+    takes, and is one like those of `mjlab.envs.mdp.dr`. In a scene mjlab computes again what follows from masses and
+    poses, for of the world body more than the entity is part.
+
+    Needs `mjlab`; raises LoadError without it, for a model that MuJoCo Warp does not take, and for arrays that it
+    shares between worlds. A missing
+    element in the scene, or a number of environments other than that of worlds, raises LoadError when the
+    environment is made.
+    """
+    try:
+        import mujoco_warp
+        from mjlab.managers.event_manager import EventTermCfg, RecomputeLevel
+    except ImportError as error:
+        raise failure("not-installed", f"`mjlab` cannot be used: {error}", "`pip install mjlab`") from error
+    simulator = Simulator("warp", mujoco_warp.put_model)
+    model = simulator.take(worlds, worlds.nominal)
+    names = [name for name in per_world(model, worlds) if is_stepped(name)]
+    if dotted := [name for name in names if "." in name]:
+        raise failure("not-per-world", f"mjlab has `{dotted[0]}` once for all worlds", _LAB_INSTEAD)
+    check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)], instead=_LAB_INSTEAD)
+
+    def set_worlds(env: Any, env_ids: Any = None) -> None:
+        _set(worlds, names, entity, sim=env.sim, env_ids=env_ids)
+
+    set_worlds.model_fields = tuple(names)  # type: ignore[attr-defined]
+    set_worlds.recompute = RecomputeLevel.none if entity is None else RecomputeLevel.set_const  # type: ignore[attr-defined]
+    return {"worlds": EventTermCfg(func=set_worlds, mode="startup")}
+
+
+def _set(worlds: Worlds, names: list[str], entity: str | None, sim: Any, env_ids: Any) -> None:
+    """Write the numbers of some environments, or of all for None."""
+    import torch
+    import warp
+
+    if sim.num_envs != worlds.count:
+        help = f"make `num_envs` {worlds.count}, or choose worlds: `study.take(range({sim.num_envs}))`"
+        raise failure(
+            "bundle-changed", f"there are {sim.num_envs} environments and {worlds.count} worlds", help
+        )
+    chosen = torch.arange(sim.num_envs) if env_ids is None else env_ids.cpu()
+    for name in names:
+        ours, theirs = _places(worlds, name, entity, scene=sim.mj_model)
+        numbers = warp.to_torch(getattr(sim.wp_model, name)).view(sim.num_envs, -1)
+        values = torch.as_tensor(worlds.arrays[name].values[:, ours][chosen.numpy()], dtype=numbers.dtype)
+        numbers[chosen[:, None].to(numbers.device), torch.as_tensor(theirs, device=numbers.device)] = (
+            values.to(numbers.device)
+        )
+
+
+def _places(
+    worlds: Worlds, name: str, entity: str | None, scene: Model
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return which numbers of an array a scene takes, and their indices there.
+
+    Raises LoadError for one that it lacks.
+    """
+    index = worlds.arrays[name].index
+    if entity is None:
+        if flat(scene, name).size != flat(worlds.nominal, name).size:
+            help = "say what the scene calls the bundle: `worlds.mjlab(study, entity=...)`"
+            raise failure("bundle-changed", "the scene's model is another one than that of the worlds", help)
+        return np.arange(index.size), index
+    there = {
+        (each.element, each.attribute): at
+        for at, each in enumerate(whose(scene, name, range(flat(scene, name).size)))
+    }
+    ours, theirs = [], []
+    for at, each in enumerate(whose(worlds.nominal, name, index)):
+        if each.kind == "body" and each.element == _WORLD:
+            continue  # mjlab recomputes it
+        called = _in_scene(each.element, entity)
+        if (found := there.get((called, each.attribute))) is None:
+            help = (
+                "keep in the entity what differs between worlds, or leave out of the recipe what changes it"
+            )
+            raise failure(
+                "bundle-changed", f"the scene has no {each.kind} `{called}` with `{each.attribute}`", help
+            )
+        ours.append(at)
+        theirs.append(found)
+    return np.array(ours, np.int64), np.array(theirs, np.int64)
+
+
+def _in_scene(element: str, entity: str) -> str:
+    """Return the name in a scene of an element of an entity.
+
+    >>> _in_scene("arm/elbow", "robot"), _in_scene("#0 of body `hand`", "robot")
+    ('robot/arm/elbow', '#0 of body `robot/hand`')
+    """
+    without_name = _ON_BODY.fullmatch(element)
+    return f"{without_name[1]}{entity}/{without_name[2]}" if without_name else f"{entity}/{element}"
+
+
+_CANNOT = "target-cannot"
+_SIMULATOR_INSTEAD = "use `worlds.mujoco`, which takes all that MuJoCo compiles"
+
+
+@dataclass(frozen=True, slots=True)
+class Simulator:
+    """`target` is its name in the table of targets, `put_model` its own function for a `mujoco.MjModel`."""
+
+    target: str
+    put_model: Callable[[Model], Any]
+
+    @property
+    def name(self) -> str:
+        """Return its name in sentences: `MuJoCo Warp`."""
+        return TARGETS[self.target].title
+
+    def take(self, worlds: Worlds, model: Model) -> Any:
+        """Return the simulator's own model of the nominal model of these worlds, or of another one of them.
+
+        Raises LoadError for a model that it does not take. The simulator judges; `build --target` knows the same
+        limits, and so which elements it means.
+        """
+        try:
+            return self.put_model(model)
+        except Exception as error:
+            said = f"{self._installed()} says: {' '.join(str(error).split()) or type(error).__name__}"
+            raise LoadError(list(self._refused(worlds, model, said))) from error
+
+    def _installed(self) -> str:
+        package = TARGETS[self.target].package or self.name
+        try:
+            return f"{package} {version(package)}"
+        except PackageNotFoundError:
+            return package
+
+    def _refused(self, worlds: Worlds, model: Model, said: str) -> Iterator[Diagnostic]:
+        """Yield an error for each reason, or one with the words of the simulator, where no reason is known."""
+        found: dict[tuple[str, str], list[Refusal]] = {}
+        for limit in TARGETS[self.target].limits:
+            for each in limit.refuses(mujoco_module, model) if limit.refuses is not None else ():
+                found.setdefault((each.why, each.help), []).append(each)
+        if not found:
+            message = f"{self.name} does not take the model of the worlds"
+            help = f"leave out of the recipe what it lacks, or {_SIMULATOR_INSTEAD}"
+            yield Diagnostic(_CANNOT, message, notes=(Note(said),), help=help)
+        table = NameTable(model)
+        for (why, help), (first, *others) in found.items():
+            yield Diagnostic(
+                _CANNOT,
+                f"{_shown(table, first)}: {why}",
+                notes=(*_written(worlds, first), Note(said)),
+                help=f"in the recipe {help}, and build it again; or {_SIMULATOR_INSTEAD}",
+                others=tuple(Note(_shown(table, each)) for each in others),
+            )
+
+
+def _shown(table: NameTable, refusal: Refusal) -> str:
+    if refusal.kind == OPTION:
+        return OPTION
+    name = table.names[refusal.kind][refusal.number]
+    return f"{refusal.kind} " + (f"`{name}`" if name else table.describe(refusal.kind, refusal.number))
+
+
+def _written(worlds: Worlds, refusal: Refusal) -> Iterator[Note]:
+    """Yield where the element is written, if the manifest knows it: that of joints, actuators and sensors."""
+    elements = getattr(worlds.manifest.index, f"{refusal.kind}s", ())
+    if refusal.number < len(elements) and elements[refusal.number].origin is not None:
+        yield Note(f"it is written in {elements[refusal.number].origin}")
+
+
+_FLAG = "has"
+NOT_STEPPED = (
+    "key_",
+    "light_",
+    "mat_",
+    "tex_",
+    "cam_",
+    "geom_rgba",
+    "site_rgba",
+    "tendon_rgba",
+    "names",
+    "stat.",
+)
+"""Arrays that a step does not read: if a simulator shares them, only its rendering and resets are affected."""
+
+
+def is_stepped(name: str) -> bool:
+    """Return whether a step reads the array."""
+    return not name.startswith(NOT_STEPPED)
+
+
+def check_nothing_is_shared(
+    worlds: Worlds, simulator: Simulator, varied: Collection[str], instead: str
+) -> None:
+    """Compare a simulator's conversions of the nominal model and of one in which every varying number differs.
+
+    Every difference must be among the `varied` arrays. MuJoCo Warp, for instance, leaves springs of tendons out of
+    its steps if the converted model has none, whatever the arrays of the worlds say. Raises LoadError.
+    """
+    before, after = (
+        dict(_leaves(simulator.take(worlds, each))) for each in (worlds.nominal, _otherwise(worlds))
+    )
+    last = {name.rpartition(".")[2] for name in varied}
+    shared = [
+        name for name, value in before.items()
+        if name not in varied and name.rpartition(".")[2] not in last and is_stepped(name.removeprefix("_impl."))
+        and name in after and not _same(value, after[name]) and not (_FLAG in name and _covers(value, after[name]))
+    ]  # fmt: skip
+    if shared:
+        message = f"{simulator.name} has {_listed(shared)} once for all worlds, computed from what differs"
+        raise failure(
+            "not-per-world", message, instead, notes=[f"between these worlds differ {_listed(worlds.arrays)}"]
+        )
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(f"`{name}`" for name in names)
+
+
+def _otherwise(worlds: Worlds) -> Model:
+    """Return a model in which each varying number is the largest of the values that are not nominal."""
+    model = copy.copy(worlds.nominal)
+    for name, varying in worlds.arrays.items():
+        numbers = flat(model, name).copy()
+        other = varying.values != numbers[varying.index]
+        chosen = np.where(other, np.abs(varying.values), -1).argmax(axis=0)
+        numbers[varying.index] = varying.values[chosen, np.arange(varying.index.size)]
+        put(model, name, numbers)
+    return model
+
+
+def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield all values in a structure by their path."""
+    if dataclasses.is_dataclass(value):
+        for each in dataclasses.fields(value):
+            if hasattr(value, each.name):
+                yield from _leaves(getattr(value, each.name), f"{name}.{each.name}" if name else each.name)
+    else:
+        yield name, value
+
+
+def _covers(before: Any, after: Any) -> bool:
+    """Return whether the flags include all that would be set; additional ones only cost time."""
+    return not np.any(np.asarray(after, bool) & ~np.asarray(before, bool))
+
+
+def _same(a: Any, b: Any) -> bool:
+    if hasattr(a, "numpy"):
+        a, b = a.numpy(), b.numpy()
+    if hasattr(a, "shape"):
+        a, b = np.asarray(a), np.asarray(b)
+        return a.shape == b.shape and (
+            a.dtype.kind not in "biufc" or np.array_equal(a, b, equal_nan=a.dtype.kind in "fc")
+        )
+    return not isinstance(a, bool | int | float | str) or a == b

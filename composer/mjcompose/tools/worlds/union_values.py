@@ -1,0 +1,321 @@
+"""The numbers of a union in a world, which silence absent parts.
+
+The numbers of a union in a world: those of the world's model, and values that deactivate absent parts.
+
+A part that a world does not have stays in the tree. Its bodies have no mass and its joints an armature of 1, so
+that it exerts no force on its parent, and its own motion moves nothing else; its actuators give no force. A contact
+margin far below zero keeps its geoms from touching anything, because margins are summed. MuJoCo, MuJoCo Warp and
+MJX have margins for each world, while the latter two share `contype`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from mjcompose.mujoco.arrays import Treatment, rule
+from mjcompose.mujoco.attributes import KINDS, OF_OBJECT_TYPE, Model, NameTable
+from mjcompose.mujoco.varying import Rows, owners, rows_of_size
+from mjcompose.tools.worlds.join import CODE
+from mjcompose.tools.worlds.worlds import failure
+
+Label = Callable[[str, int], str]
+"""Returns an element's name by kind and number."""
+References = Iterator[tuple[str, int]]
+"""The kind and number of each element."""
+
+ACTING = ("actuator", "tendon", "equality", "pair", "exclude", "sensor")
+"""Kinds of elements that act on their references."""
+_JOINT, _JOINT_IN_PARENT, _SLIDERCRANK, _TENDON, _SITE, _BODY = range(6)
+_TRANSMISSIONS = {
+    _JOINT: "joint", _JOINT_IN_PARENT: "joint", _SLIDERCRANK: "site", _TENDON: "tendon", _SITE: "site", _BODY: "body",
+}  # fmt: skip
+_EQUALITIES = {2: "joint", 3: "tendon"}
+_ALONE = "build these cells by themselves with `--pick`"
+_WRAP_JOINT, _PULLEY, _WRAP_SITE = 1, 2, 3
+
+
+def references(model: Model, kind: str, number: int) -> References:
+    """Return the kind and number of each element that one refers to.
+
+    Raises LoadError for an unknown type of reference, when the iterator reaches it.
+    """
+    found = _REFERENCES.get(kind)
+    return iter(()) if found is None else found(model, number)
+
+
+def _of_actuator(model: Model, number: int) -> References:
+    transmission = int(model.actuator_trntype[number])
+    known = _TRANSMISSIONS.get(transmission)
+    if known is None:
+        message = f"an actuator with a transmission of type {transmission} cannot be in a union"
+        raise failure(CODE, message, _ALONE)
+    for part, target in enumerate(model.actuator_trnid[number].ravel()[:2].tolist()):
+        if target >= 0 and (part == 0 or known == "site"):
+            yield known, target
+
+
+def _of_tendon(model: Model, number: int) -> References:
+    first = int(model.tendon_adr[number])
+    for wrap in range(first, first + int(model.tendon_num[number])):
+        shape, target = int(model.wrap_type[wrap]), int(model.wrap_objid[wrap])
+        if shape != _PULLEY:
+            yield {_WRAP_JOINT: "joint", _WRAP_SITE: "site"}.get(shape, "geom"), target
+
+
+def _of_equality(model: Model, number: int) -> References:
+    shape = int(model.eq_type[number])
+    known = _EQUALITIES.get(shape) or OF_OBJECT_TYPE.get(int(model.eq_objtype[number]))
+    if known is None:
+        raise failure(CODE, f"an equality of type {shape} cannot be in a union", _ALONE)
+    for each in (model.eq_obj1id[number], model.eq_obj2id[number]):
+        if each >= 0:
+            yield known, int(each)
+
+
+def _of_pair(model: Model, number: int) -> References:
+    yield from (("geom", int(each)) for each in (model.pair_geom1[number], model.pair_geom2[number]))
+
+
+def _of_exclude(model: Model, number: int) -> References:
+    signature = int(model.exclude_signature[number])
+    yield from (("body", each) for each in (signature >> 16, signature & 0xFFFF))
+
+
+def _of_sensor(model: Model, number: int) -> References:
+    for types, targets in (("sensor_objtype", "sensor_objid"), ("sensor_reftype", "sensor_refid")):
+        known = OF_OBJECT_TYPE.get(int(getattr(model, types)[number]))
+        if known is not None:
+            yield known, int(getattr(model, targets)[number])
+
+
+_REFERENCES: Mapping[str, Callable[[Model, int], References]] = {
+    "actuator": _of_actuator,
+    "tendon": _of_tendon,
+    "equality": _of_equality,
+    "pair": _of_pair,
+    "exclude": _of_exclude,
+    "sensor": _of_sensor,
+}
+
+
+def words(model: Model, kind: str, number: int, label: Label) -> str:
+    """Return an element's type and references: `equality 1 body a body b`."""
+    of_type = {"actuator": "actuator_trntype", "equality": "eq_type", "sensor": "sensor_type"}.get(kind)
+    head = f"{kind} {int(getattr(model, of_type)[number])}" if of_type else kind
+    return " ".join([head, *(f"{of} {label(of, each)}" for of, each in references(model, kind, number))])
+
+
+def referring_bodies(model: Model, kind: str, number: int) -> Iterator[int]:
+    """Yield the bodies of the elements that one refers to."""
+    for of, each in references(model, kind, number):
+        if of == "body":
+            yield each
+        elif of in ("joint", "site", "geom", "camera"):
+            yield int(getattr(model, {"joint": "jnt", "camera": "cam"}.get(of, of) + "_bodyid")[each])
+        elif of == "tendon":
+            yield from referring_bodies(model, "tendon", each)
+
+
+_KEYS = {
+    "key_qpos": ("joint", "nq"), "key_qvel": ("joint", "nv"), "key_ctrl": ("actuator", "nu"),
+    "key_act": ("actuator", "na"),
+    "key_mpos": ("body", "nmocap"), "key_mquat": ("body", "nmocap"),
+}  # fmt: skip
+_APART = -1e4
+_TREE = ("body", "joint", "geom", "site", "camera", "light")
+_NEEDED = (*_TREE, *ACTING, "numeric", "tuple", "material", "key")
+_NOT_NUMBERS = {Treatment.SKIPPED, Treatment.PRESENT, Treatment.LINKED, Treatment.SUBTREE, Treatment.DERIVED}
+
+
+class Mapped:
+    """Maps the numbers of a model to a union; `prefix_of` has the prefix of each body of its parts."""
+
+    def __init__(self, union: Model, model: Model, name: str, prefix_of: Mapping[str, str]) -> None:
+        self.union, self.model = union, model
+        self.name, self.prefix_of = name, prefix_of
+        self.theirs, self.ours = NameTable(model), NameTable(union)
+        self._pairs: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+        self.places: dict[str, list[list[int]]] = {}
+        for kind in KINDS:  # elements on bodies first, and tendons before elements that refer to them
+            ids = {self._here(kind, n): n for n in range(self.ours.count(kind))}
+            found = []
+            for number in range(self.theirs.count(kind)):
+                at = [ids[label] for label in self._labels(kind, number) if label in ids]
+                if not at and kind in _NEEDED:
+                    self._fail(kind, number)
+                found.append(at)
+            self.places[kind] = found
+
+    def _fail(self, kind: str, number: int) -> None:
+        shown = self.theirs.describe(kind, number)
+        help = "refer in it to bodies of one part alone, or to what all models have"
+        raise failure(
+            CODE, f"`{self.name}` has the {kind} `{shown}`, which belongs to no part of a union", help
+        )
+
+    def check_no_more_acts(self, unused: Collection[str]) -> None:
+        """Check that nothing acts in the union that the model lacks, except on absent parts. Raises LoadError."""
+        for kind in ACTING:
+            known = {at for places in self.places[kind] for at in places}
+            for number in range(self.ours.count(kind)):
+                on = {self.ours.names["body"][body] for body in referring_bodies(self.union, kind, number)}
+                if kind != "sensor" and number not in known and not on & set(unused):
+                    shown = self.ours.describe(kind, number)
+                    message = f"`{self.name}` lacks the {kind} `{shown}`, which would act in its world"
+                    raise failure(CODE, message, "let it act on one part alone, or have it in all models")
+
+    def _here(self, kind: str, number: int) -> str:
+        """Return the name of an element of the union; an unnamed one is identified by its references."""
+        name = self.ours.names[kind][number]
+        if name or kind not in ACTING:
+            return self.ours.describe(kind, number)
+        return words(self.union, kind, number, label=self.ours.describe)
+
+    def _labels(self, kind: str, number: int) -> list[str]:
+        """Return the possible names in the union of an element of the model."""
+        if kind in _TREE:
+            return [self._label(self.theirs, kind, number, prefix_of=self.prefix_of)]
+        if name := self.theirs.names[kind][number]:
+            return [prefix + name for prefix in dict.fromkeys(["", *self.prefix_of.values()])
+                    if kind not in ACTING or self._acts_alike(kind, number, prefix + name)]  # fmt: skip
+        if kind in ACTING:
+            return [words(self.model, kind, number, label=self._there)]
+        return [self.theirs.describe(kind, number)]
+
+    def _acts_alike(self, kind: str, number: int, name: str) -> bool:
+        """Return whether the element of the union with this name has the same references as that of the model."""
+        at = self.ours.ids[kind].get(name)
+        return at is not None and words(self.union, kind, at, label=self.ours.describe) == words(
+            self.model, kind, number, label=self._there
+        )
+
+    def _there(self, kind: str, number: int) -> str:
+        """Return the name in the union of an element that the model refers to."""
+        if kind in _TREE:
+            return self._label(self.theirs, kind, number, prefix_of=self.prefix_of)
+        at = self.places[kind][number]
+        return self.ours.describe(kind, at[0]) if at else ""
+
+    def _label(self, table: NameTable, kind: str, number: int, prefix_of: Mapping[str, str]) -> str:
+        model = table.model
+        body = number if kind == "body" else int(getattr(model, f"{KINDS[kind].arrays}_bodyid")[number])
+        prefix = prefix_of.get(table.names["body"][body], "")
+        if name := table.names[kind][number]:
+            return prefix + name
+        return table.describe(kind, number).replace("of body `", f"of body `{prefix}")
+
+    def pairs(self, array: str) -> tuple[np.ndarray, np.ndarray]:
+        """Return the flat indices of an array's numbers in the union, and in the model."""
+        if array not in self._pairs:
+            (kind, rows), (_, others) = owners(self.union, array), owners(self.model, array)
+            to, of = self._matched(kind, rows, others)
+            width, other = (
+                int(np.prod(np.shape(getattr(each, array))[1:], dtype=int))
+                for each in (self.union, self.model)
+            )
+            columns = np.arange(min(width, other))
+            self._pairs[array] = (
+                (to[:, None] * width + columns).ravel(), (of[:, None] * other + columns).ravel()
+            )  # fmt: skip
+        return self._pairs[array]
+
+    def put_keys(self, made: Model, model: Model) -> None:
+        """Write the keys of a model into those of the same name in the union. Raises LoadError for others."""
+        for number, places in enumerate(self.places["key"]):
+            for array, (kind, size) in _KEYS.items():
+                mine, other = getattr(self.union, size), getattr(self.model, size)
+                if not other:
+                    continue
+                to, of = self._matched(
+                    kind, rows_of_size(self.union, kind, mine), rows_of_size(self.model, kind, other)
+                )
+                for key in places:
+                    rows = getattr(made, array)[key].reshape(mine, -1)
+                    rows[to] = getattr(model, array)[number].reshape(other, -1)[of]
+
+    def _matched(self, kind: str, rows: Rows, others: Rows) -> tuple[np.ndarray, np.ndarray]:
+        """Return the rows of the union's elements, and those of the model's."""
+        row_at = {(element, place): row for row, (element, place, _) in rows.items()}
+        found = [
+            (row_at[element_there, place], row)
+            for row, (element, place, _) in others.items()
+            for element_there in self.places[kind][element]
+            if (element_there, place) in row_at
+        ]
+        pairs = np.array(found, np.int64).reshape(-1, 2)
+        return pairs[:, 0], pairs[:, 1]
+
+
+def numbers(model: Model) -> Iterator[str]:
+    """Yield the arrays with properties of elements, as opposed to addresses and references."""
+    for name in dir(model):
+        array = getattr(model, name) if not name.startswith("_") else None
+        if (
+            not isinstance(array, np.ndarray)
+            or not array.ndim
+            or name.startswith(("name", "key_", "tex_", "mesh_"))
+        ):
+            continue
+        how = rule(name)
+        if how is None or how.treatment not in _NOT_NUMBERS:
+            yield name
+
+
+def derived(model: Model) -> Iterator[str]:
+    """Yield the arrays that mj_setConst computes, except `dof_length`, which for sleep depends on all children."""
+    for name in dir(model):
+        how = rule(name)
+        if (
+            how is not None
+            and how.treatment in (Treatment.SUBTREE, Treatment.DERIVED)
+            and name != "dof_length"
+        ):
+            yield name
+
+
+def silenced(union: Model, bodies: Iterable[str]) -> list[tuple[str, np.ndarray, Any]]:
+    """Return the values that deactivate these bodies in a union: array, flat indices, value."""
+    table = NameTable(union)
+    at = np.array(sorted(table.ids["body"][name] for name in bodies), np.int64)
+    if not at.size:
+        return []
+    joints = np.flatnonzero(np.isin(union.jnt_bodyid, at))
+    dofs = np.flatnonzero(np.isin(union.dof_bodyid, at))
+    geoms = np.flatnonzero(np.isin(union.geom_bodyid, at))
+    tendons = np.array(
+        [n for n in range(union.ntendon) if np.isin(list(referring_bodies(union, "tendon", n)), at).any()],
+        int,
+    )
+    found: list[tuple[str, np.ndarray, Any]] = [
+        ("body_mass", at, 0.0), ("body_inertia", _all(union.body_inertia, at), 0.0),
+        ("dof_armature", dofs, 1.0), ("dof_damping", dofs, 0.0), ("dof_frictionloss", dofs, 0.0),
+        ("jnt_stiffness", joints, 0.0), ("geom_margin", geoms, _APART), ("geom_gap", geoms, 0.0),
+        ("tendon_stiffness", tendons, 0.0), ("tendon_damping", tendons, 0.0), ("tendon_frictionloss", tendons, 0.0),
+        ("tendon_armature", tendons, 0.0),
+    ]  # fmt: skip
+    for name, rows in (("dof_dampingpoly", dofs), ("jnt_stiffnesspoly", joints), ("tendon_dampingpoly", tendons),
+                       ("tendon_stiffnesspoly", tendons)):  # fmt: skip
+        if hasattr(union, name):
+            found.append((name, _all(getattr(union, name), rows), 0.0))
+    pairs = np.flatnonzero(np.isin(union.pair_geom1, geoms) | np.isin(union.pair_geom2, geoms))
+    found += [("pair_margin", pairs, _APART), ("pair_gap", pairs, 0.0)]
+    acting = np.array(
+        [
+            n
+            for n in range(len(union.actuator_trntype))
+            if np.isin(list(referring_bodies(union, "actuator", n)), at).any()
+        ],
+        int,
+    )
+    found += [
+        (name, _all(getattr(union, name), acting), 0.0) for name in ("actuator_gainprm", "actuator_biasprm")
+    ]
+    return [each for each in found if each[1].size]
+
+
+def _all(array: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    width = int(np.prod(array.shape[1:], dtype=int))
+    return (rows[:, None] * width + np.arange(width)).ravel()

@@ -1,0 +1,354 @@
+"""The worlds of a bundle: the numbers that differ, and their tables."""
+
+from __future__ import annotations
+
+import copy
+import hashlib
+import json
+import os
+import zipfile
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import field, replace
+from io import BytesIO
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Diagnostic, Note
+from mjcompose.base.files import read_regular
+from mjcompose.base.report import MjcomposeError
+from mjcompose.build.bundle.bundle import DRAWS, WORLDS, OutputError
+from mjcompose.build.bundle.manifest import Manifest
+from mjcompose.build.bundle.read import ReadError
+from mjcompose.build.bundle.read import read as read_bundle
+from mjcompose.build.bundle.staging import staged_file
+from mjcompose.mujoco.attributes import Model
+from mjcompose.mujoco.varying import Whose, flat, put, stored, value_of, whose
+from mjcompose.text.expression_values import Value
+from mjcompose.tools.worlds.load import Model as LoadModel
+from mjcompose.tools.worlds.load import load as load_bundle
+from mjcompose.tools.worlds.names import Index, LoadError
+
+
+def failure(code: str, message: str, help: str | None = None, notes: Sequence[str] = ()) -> LoadError:
+    """Return an exception with one diagnostic."""
+    return LoadError([Diagnostic(code, message, notes=tuple(map(Note, notes)), help=help)])
+
+
+_TABLES = frozenset({DRAWS, WORLDS, "samples.csv"})
+
+
+def model_sha256(manifest: Manifest) -> str:
+    """Return the identity of a model: a hash of all files in its manifest, except tables of draws and worlds.
+
+    That way a table can be in the bundle of its own model.
+    """
+    whole = hashlib.sha256()
+    for file in sorted(manifest.files, key=lambda each: each.path):
+        if file.path not in _TABLES:
+            whole.update(f"{file.path}\0{file.sha256}\n".encode())
+    return whole.hexdigest()
+
+
+FORMAT = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Varying:
+    """The numbers of one array that vary.
+
+    `index` are their places in the flattened array, `(numbers,)`. `values` are absolute and in the array's units,
+    `(worlds, numbers)`.
+    """
+
+    index: NDArray[np.int64]
+    values: NDArray[Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """The numbers that differ, by array, in `count` worlds; and the cell and sample of the recipe for each world.
+
+    `cells` are the cells of its matrix, each with its `name` and its values, `cell` the number of each world's
+    cell, `(worlds,)`, and `sample` the number of its sample. For a union, `parts` are the bodies that not all
+    worlds have, and `has` says which each has, `(worlds, parts)`. `model` is the identity of the model, None in a
+    bundle that contains it.
+    """
+
+    arrays: Mapping[str, Varying]
+    count: int
+    seed: int | None = None
+    cells: tuple[Mapping[str, Value | None], ...] = ()
+    cell: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    sample: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    model: str | None = None
+    mujoco: str | None = None
+    parts: tuple[str, ...] = ()
+    has: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), np.bool_))
+
+    def about(self) -> dict[str, Any]:
+        """Return everything except the arrays, for JSON."""
+        return {
+            "worlds": FORMAT, "samples": self.count, "seed": self.seed, "mujoco": self.mujoco,
+            "model_sha256": self.model, "cells": list(map(dict, self.cells)),
+            "parts": list(self.parts), "has": self.has.astype(int).tolist() if self.parts else [],
+        }  # fmt: skip
+
+
+def of_about(about: Mapping[str, Any], arrays: Mapping[str, Varying], **given: Any) -> Table:
+    """Return the table for the data in a file. Raises KeyError, TypeError, ValueError."""
+    if about["worlds"] != FORMAT:
+        raise ValueError(f"its format is {about['worlds']}, this mjcompose knows {FORMAT}")
+    count = int(about["samples"])
+    given = {"cell": np.zeros(count, np.int64), "sample": np.arange(1, count + 1), **given}
+    parts = tuple(about.get("parts", ()))
+    return Table(arrays, count, about["seed"], cells=tuple(about.get("cells", ())), **given,
+                 model=about.get("model_sha256"), mujoco=about.get("mujoco"), parts=parts,
+                 has=np.array(about.get("has", ()), np.bool_).reshape(count if parts else 0, len(parts)))  # fmt: skip
+
+
+_PARQUET_ABOUT, _ARRAY, _INDEX = b"mjcompose", b"array", b"index"
+
+
+def check_installed() -> Any:
+    """Return `pyarrow`. Raises OutputError without it."""
+    try:
+        import pyarrow.parquet
+    except ImportError:
+        help = "`pip install pyarrow`, or end its name in `.npz`"
+        raise OutputError("output-kind", "a Parquet table needs the package `pyarrow`", help) from None
+    return pyarrow
+
+
+def write_parquet(path: Path, model: Model, table: Table) -> None:
+    """Write a table with columns such as `geom_friction pads/left friction[0]`.
+
+    The schema has the array and index of each column.
+    """
+    arrow = check_installed()
+    fields, columns = [], []
+    for name in ("cell", "sample"):
+        fields.append(arrow.field(name, arrow.int64()))
+        columns.append(getattr(table, name))
+    for name, varying in sorted(table.arrays.items()):
+        for column, (at, of) in enumerate(zip(varying.index, whose(model, name, varying.index), strict=True)):
+            called = " ".join(word for word in (name, of.element, of.attribute) if word)
+            place = {_ARRAY: name.encode(), _INDEX: str(at).encode()}
+            kind = arrow.from_numpy_dtype(varying.values.dtype)
+            fields.append(arrow.field(called, kind, metadata=place))
+            columns.append(np.ascontiguousarray(varying.values[:, column]))
+    schema = arrow.schema(fields, metadata={_PARQUET_ABOUT: json.dumps(table.about()).encode()})
+    arrow.parquet.write_table(arrow.table(columns, schema=schema), path)
+
+
+def read_parquet(content: bytes) -> Table:
+    """Parse a table. Raises ValueError, KeyError, TypeError or OSError for anything else."""
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise ValueError("a Parquet table needs the package `pyarrow`: `pip install pyarrow`") from None
+    found = pyarrow.parquet.read_table(pyarrow.BufferReader(content))
+    about = json.loads((found.schema.metadata or {})[_PARQUET_ABOUT])
+    numbers: dict[str, tuple[list[int], list[Any]]] = {}
+    given: dict[str, Any] = {}
+    for each, column in zip(found.schema, found.columns, strict=True):
+        place = each.metadata or {}
+        if _ARRAY not in place:
+            given[each.name] = column.to_numpy()
+            continue
+        index, values = numbers.setdefault(place[_ARRAY].decode(), ([], []))
+        index.append(int(place[_INDEX]))
+        values.append(column.to_numpy())
+    arrays = {
+        name: Varying(np.array(index, np.int64), np.stack(values, axis=1)) for name, (index, values) in numbers.items()
+    }  # fmt: skip
+    return of_about(about, arrays, cell=given["cell"], sample=given["sample"])
+
+
+_TABLE_FILE_ABOUT = "about.json"
+
+
+def write(path: str | PathLike[str], model: Model, table: Table, option: str | None = None) -> None:
+    """Write a table completely or not at all: as Parquet if the name says so, else as `.npz`. Raises OutputError."""
+    path = Path(path)
+    check_name(path)
+    with staged_file(path, option) as stage:
+        if path.suffix.lower() == ".parquet":
+            write_parquet(stage, model, table)
+            return
+        found = ((name, varying.index, varying.values) for name, varying in sorted(table.arrays.items()))
+        about = np.frombuffer(json.dumps(table.about()).encode(), np.uint8)
+        arrays: dict[str, Any] = {
+            _TABLE_FILE_ABOUT: about,
+            "cell": table.cell,
+            "sample": table.sample,
+            **stored(model, found),
+        }
+        with stage.open("wb") as file:
+            np.savez(file, allow_pickle=False, **arrays)
+
+
+def check_name(path: Path) -> None:
+    """Raise OutputError for a name that is not that of a table of worlds."""
+    if path.suffix.lower() not in (".npz", ".parquet"):
+        help = f"end it in `.npz`, or in `.parquet` with `pyarrow` installed: `{path.with_suffix('.npz')}`"
+        raise OutputError("output-kind", f"no table of worlds is called `*{path.suffix}`: `{path}`", help)
+    if path.suffix.lower() == ".parquet":
+        check_installed()
+
+
+def read(content: bytes) -> Table:
+    """Parse a table. Raises ValueError, KeyError, TypeError or OSError for anything else."""
+    if content.startswith(b"PAR1"):
+        return read_parquet(content)
+    try:
+        with np.load(BytesIO(content), allow_pickle=False) as file:
+            about = json.loads(
+                bytes(file[_TABLE_FILE_ABOUT])
+            )  # text beside the arrays, or an array of its bytes
+            names = sorted({each.rpartition("/")[0] for each in file.files if "/" in each})
+            arrays = {name: Varying(file[f"{name}/index"], file[f"{name}/values"]) for name in names}
+            given = {each: file[each] for each in ("cell", "sample") if each in file.files}
+    except zipfile.BadZipFile as error:
+        raise ValueError(str(error)) from error
+    return of_about(about, arrays, **given)
+
+
+@dataclass(frozen=True, slots=True)
+class Worlds:
+    """The `nominal` model, and by array of mjModel the numbers that differ between worlds.
+
+    `table` says which cell of the recipe's matrix and which sample a world is; without a matrix world `n` is sample
+    `n + 1`. What follows from what is drawn is among the arrays: `body_subtreemass`,
+    `dof_invweight0`, `qpos0` and others, so that nothing is to be computed again. `stat.meaninertia` is a
+    number of `model.stat`.
+    """
+
+    nominal: LoadModel
+    manifest: Manifest
+    index: Index
+    table: Table
+
+    @property
+    def arrays(self) -> Mapping[str, Varying]:
+        """The numbers that differ, by array."""
+        return self.table.arrays
+
+    @property
+    def count(self) -> int:
+        """The number of worlds."""
+        return self.table.count
+
+    def __len__(self) -> int:
+        return self.count
+
+    def model(self, world: int) -> LoadModel:
+        """Return one world as a `mujoco.MjModel` of its own. Raises IndexError."""
+        if not -self.count <= world < self.count:
+            raise IndexError(f"world {world} does not exist: there are {self.count}")
+        model = copy.copy(self.nominal)
+        for name, varying in self.arrays.items():
+            numbers = flat(model, name).copy()
+            numbers[varying.index] = varying.values[world]
+            put(model, name, numbers)
+        return model
+
+    def models(self, worlds: Iterable[int] | None = None) -> Iterator[LoadModel]:
+        """Yield the models of these worlds, or of all, one after another."""
+        for world in range(self.count) if worlds is None else worlds:
+            yield self.model(world)
+
+    def take(self, worlds: Iterable[int]) -> Worlds:
+        """Return some of the worlds, in this order: `study.take(range(2000))`. Raises IndexError."""
+        chosen = np.fromiter(worlds, np.int64)
+        if chosen.size and not -self.count <= chosen.min() <= chosen.max() < self.count:
+            raise IndexError(f"world {chosen.max()} does not exist: there are {self.count}")
+        arrays = {name: Varying(each.index, each.values[chosen]) for name, each in self.arrays.items()}
+        table = replace(self.table, arrays=arrays, count=chosen.size, cell=self.table.cell[chosen],
+                        sample=self.table.sample[chosen],
+                        has=self.table.has[chosen] if self.table.parts else self.table.has)  # fmt: skip
+        return replace(self, table=table)
+
+    def values(self, name: str) -> NDArray[Any]:
+        """Return an array in all worlds, `(worlds, *shape)`, including equal numbers.
+
+        Raises AttributeError if there is none. This is the form for batched simulators: `values("geom_friction")`
+        has the shape `(worlds, ngeom, 3)`.
+        """
+        shape = np.shape(value_of(self.nominal, name))
+        whole = np.repeat(flat(self.nominal, name)[None], self.count, axis=0)
+        if name in self.arrays:
+            whole[:, self.arrays[name].index] = self.arrays[name].values
+        return whole.reshape(self.count, *shape)
+
+    def whose(self, name: str) -> list[Whose]:
+        """Return kind, name and attribute for each differing number of an array.
+
+            study.whose("geom_friction")[0]   # Whose(kind="geom", element="pads/left", attribute="friction[0]")
+
+        Raises KeyError.
+        """
+        return whose(self.nominal, name, self.arrays[name].index)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the numbers to an `.npz` or a `.parquet` for `load(bundle, path)`, completely or not at all.
+
+        Raises MjcomposeError.
+        """
+        try:
+            write(path, self.nominal, self.table)
+        except OutputError as error:
+            raise MjcomposeError([error.diagnostic]) from error
+
+
+def load(bundle: str | PathLike[str], file: str | PathLike[str] | None = None) -> Worlds:
+    """Load the worlds of a bundle, a folder or an archive, that was built from a recipe with `emit: worlds`.
+
+    With a `file`, the worlds are those that `mjcompose build --worlds` or `Worlds.save` wrote there. Files are
+    checked against the manifest and arrays against the model, as in `mjcompose.load`. Raises LoadError; warns with
+    BundleWarning.
+    """
+    shown = os.fspath(bundle)
+    loaded = load_bundle(bundle)
+    try:
+        content = read_bundle(Path(bundle)).files.get(WORLDS) if file is None else read_regular(file)
+    except ReadError as error:
+        raise failure(error.code, error.message) from error
+    except OSError as error:
+        raise failure("file-unreadable", f"`{file}` cannot be read: {error.strerror or error}") from error
+    if content is None:
+        help = "write `randomize: {emit: worlds}` in its recipe, and build it"
+        raise failure("file-not-found", f"`{shown}` has no worlds: the file `{WORLDS}` does not exist", help)
+    called = file or WORLDS
+    try:
+        table = read(content)
+    except (ValueError, KeyError, TypeError, OSError) as error:
+        raise failure("file-unreadable", f"`{called}` of `{shown}` cannot be read: {error}") from error
+    if table.model not in (None, model_sha256(loaded.manifest)):
+        raise failure(
+            "bundle-changed",
+            f"the worlds in `{called}` are of another model than `{shown}`",
+            "load them with the bundle that was built beside them, or build both again",
+            notes=[f"expected the model {table.model}", f"found the model {model_sha256(loaded.manifest)}"],
+        )
+    for name, varying in table.arrays.items():
+        _check(loaded.model, name, varying, count=table.count, shown=shown)
+    return Worlds(loaded.model, loaded.manifest, loaded.index, table=table)
+
+
+def _check(model: LoadModel, name: str, varying: Varying, count: int, shown: str) -> None:
+    """Check that the numbers fit the model."""
+    try:
+        size = flat(model, name).size
+    except AttributeError:
+        size = -1
+    index, shape = varying.index, varying.values.shape
+    fits = index.dtype.kind == "i" and index.ndim == 1 and shape == (count, index.size)
+    if size < 0 or not fits or (index.size and not 0 <= int(index.min()) <= int(index.max()) < size):
+        message = f"the worlds of `{shown}` are not of its model: `{name}` has no such numbers in this MuJoCo"
+        raise failure("bundle-changed", message, "build it again with the MuJoCo that runs here")

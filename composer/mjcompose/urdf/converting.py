@@ -1,0 +1,293 @@
+"""Runs in the child process: meshes that MuJoCo does not read become OBJ, one for each material, with their textures.
+
+Also what a mesh measures, for the formats that MuJoCo reads by itself.
+"""
+
+from __future__ import annotations
+
+import base64
+import io
+import os
+import warnings
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
+
+from mjcompose.base.access import Door
+from mjcompose.base.files import Refused
+from mjcompose.mujoco.shapes import measures
+
+_Y_UP = ((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, 1))
+"""In glTF 2.0 +Y is up, in every file (section 3.4). Drake 1.51 turns it like this, and RViz 2 since 2025."""
+_FEWEST = 4
+"""The vertices that MuJoCo wants of a mesh."""
+
+
+def convert(mujoco: Any, argument: dict[str, Any]) -> list[dict[str, Any]]:
+    """For each file its parts, or why there are none: `missing` (a package), `error`, `refused`."""
+    door = Door(tuple(argument["roots"]), sees_all=argument["sees_all"])
+    return [_one(path, door) for path in argument["files"]]
+
+
+def _one(path: str, door: Door) -> dict[str, Any]:
+    suffix = path.rpartition(".")[2].lower()
+    if suffix == "stl":
+        return _own(path, door)
+    try:
+        import trimesh
+    except ImportError:
+        return {"missing": "trimesh"}
+    resolver = _resolver(os.path.dirname(path), door)
+    try:
+        data = door.read(path)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            kind: dict[str, Any] = {"split_objects": False, "group_material": True} if suffix == "obj" else {}
+            kind |= {"file_type": suffix, "resolver": resolver, "process": False, "maintain_order": True}
+            load: Any = trimesh.load_scene
+            scene = load(io.BytesIO(data), **kind)
+            if suffix == "dae" and not scene.geometry and (plain := _without_textures(data)) is not None:
+                scene = load(io.BytesIO(plain), **kind)
+                resolver.lost.append("a texture")
+    except Refused as refused:
+        return {"refused": refused.path}
+    except ImportError as error:
+        return {"missing": error.name or "pycollada"}
+    except OSError as error:
+        return {"unreadable": (error.strerror or str(error)).lower()}
+    except Exception as error:  # whatever a library finds wrong with a file
+        return {"error": _first_line(error)}
+    scale = _metres(scene)
+    parts = [part for part in (_part(mesh, scale) for mesh in _meshes(scene, suffix)) if part is not None]
+    read = [each for each in resolver.read if os.path.isfile(each)]
+    if resolver.refused:
+        return {"refused": resolver.refused[0]}
+    return {"parts": parts, "files": read, "lost": resolver.lost}
+
+
+def _without_textures(data: bytes) -> bytes | None:
+    """Collada whose effects are plain: a picture that is not declared makes pycollada lose the mesh with it."""
+    from lxml import etree
+
+    root = etree.fromstring(data, etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=True))
+    textures = list(root.iter("{*}texture"))
+    for element in [*textures, *root.iter("{*}newparam")]:
+        holder = element.getparent()
+        if holder is None:
+            continue
+        if element in textures:
+            colour = etree.SubElement(holder, f"{{{etree.QName(element).namespace}}}color")
+            colour.text = "0.7 0.7 0.7 1"
+        holder.remove(element)
+    return etree.tostring(root) if textures else None
+
+
+def _first_line(error: Exception) -> str:
+    """What a library says, without the name of its exception in it."""
+    said = str(error).strip().partition("\n")[0].removeprefix(f"{type(error).__name__}: ")
+    return (said or type(error).__name__)[:160]
+
+
+def _own(path: str, door: Door) -> dict[str, Any]:
+    """An STL file that MuJoCo does not read: as text, or with too many faces."""
+    import numpy
+
+    try:
+        vertices, faces = _stl(door.read(path))
+    except Refused as refused:
+        return {"refused": refused.path}
+    except OSError as error:
+        return {"unreadable": (error.strerror or str(error)).lower()}
+    except (ValueError, IndexError) as error:
+        return {"error": str(error)[:200]}
+    if not len(faces) or not numpy.isfinite(vertices).all():
+        return {"parts": [], "files": [], "lost": []}
+    part = {
+        "obj": _obj(vertices, faces, None),
+        "rgba": None,
+        "texture": None,
+        "measures": measures(vertices, faces),
+    }
+    return {"parts": [part], "files": [], "lost": []}
+
+
+def _resolver(folder: str, door: Door) -> Any:
+    """What trimesh asks for the files that a mesh names."""
+    from trimesh.resolvers import Resolver
+
+    class Through(Resolver):
+        def __init__(self) -> None:
+            self.read: list[str] = []
+            self.refused: list[str] = []
+            self.lost: list[str] = []
+
+        def get(self, name: str) -> bytes:
+            path = os.path.normpath(os.path.join(folder, name.removeprefix("file://").replace("\\", "/")))
+            try:
+                data = door.read(path)
+            except Refused:
+                self.refused.append(path)
+                raise
+            except OSError:
+                self.lost.append(name)
+                raise
+            self.read.append(path)
+            return data
+
+        def __getitem__(self, name: str) -> bytes:
+            return self.get(name)
+
+        def write(self, name: str, data: Any) -> None:
+            raise NotImplementedError
+
+        def namespaced(self, namespace: str) -> Any:
+            return self
+
+        def keys(self) -> list[str]:
+            return []
+
+    return Through()
+
+
+def _metres(scene: Any) -> float:
+    """How long one unit of the file is: Collada says it, the other formats are in metres by definition or by custom."""
+    for mesh in scene.geometry.values():
+        text = str(mesh.metadata.get("units") or "")
+        if text.endswith("* meters"):
+            try:
+                return float(text.removesuffix("* meters"))
+            except ValueError:
+                return 1.0
+    return 1.0
+
+
+def _meshes(scene: Any, suffix: str) -> Iterator[Any]:
+    """The meshes in the frame of their link, in the scene's order; lines and points are none."""
+    import numpy
+
+    upright = numpy.array(_Y_UP) if suffix in ("glb", "gltf") else numpy.eye(4)
+    for name in scene.graph.nodes_geometry:
+        matrix, geometry = scene.graph[name]
+        mesh = scene.geometry[geometry]
+        if not hasattr(mesh, "faces") or not len(mesh.faces):
+            continue
+        mesh = mesh.copy()
+        mesh.apply_transform(upright @ matrix)
+        yield mesh
+
+
+def _part(mesh: Any, scale: float) -> dict[str, Any] | None:
+    import numpy
+
+    vertices = numpy.asarray(mesh.vertices, float) * scale
+    if not numpy.isfinite(vertices).all() or not len(vertices):
+        return None
+    faces = numpy.asarray(mesh.faces)
+    visual = mesh.visual
+    uv: Any = getattr(visual, "uv", None) if getattr(visual, "kind", None) == "texture" else None
+    if uv is not None and len(uv) != len(vertices):
+        uv = None
+    rgba, texture = _look(visual)
+    return {
+        "obj": _obj(vertices, faces, uv if texture is not None else None),
+        "rgba": rgba,
+        "texture": None if texture is None else base64.b64encode(texture).decode("ascii"),
+        "measures": measures(vertices, faces),
+    }
+
+
+def _look(visual: Any) -> tuple[list[float] | None, bytes | None]:
+    """The colour and the picture (PNG) of a mesh, each None where it has none."""
+    import numpy
+
+    material = getattr(visual, "material", None)
+    if material is None:
+        if not getattr(visual, "defined", False):
+            return None, None
+        main = numpy.asarray(visual.main_color, float) / 255
+        return [round(float(each), 4) for each in main], None
+    picture = getattr(material, "image", None) or getattr(material, "baseColorTexture", None)
+    colour: Any = getattr(material, "baseColorFactor", None)
+    if colour is None:
+        colour = getattr(material, "diffuse", None)
+    rgba = None
+    if colour is not None:
+        numbers = numpy.asarray(colour, float).ravel()
+        numbers = (
+            numbers / 255
+            if numpy.asarray(colour).dtype.kind in "iu" or numbers.max(initial=0) > 1
+            else numbers
+        )
+        rgba = [round(float(each), 4) for each in (*numbers[:3], numbers[3] if len(numbers) > 3 else 1.0)]
+    if picture is None:
+        return rgba, None
+    content = io.BytesIO()
+    picture.convert("RGB").save(content, "PNG", optimize=False)
+    return rgba, content.getvalue()
+
+
+def _obj(vertices: Any, faces: Any, uv: Any) -> str:
+    """The text of a mesh, whose corners of one place and one point of the picture are one."""
+    import numpy
+
+    columns = vertices if uv is None else numpy.hstack([vertices, uv[:, :2]])
+    rows = columns.astype(numpy.float32)  # what MuJoCo keeps
+    _, first, same = numpy.unique(rows, axis=0, return_index=True, return_inverse=True)
+    order = numpy.argsort(numpy.argsort(first))
+    rows, faces = rows[numpy.sort(first)], order[same.ravel()][faces] + 1
+    if len(rows) < _FEWEST:
+        rows = numpy.concatenate([rows, numpy.repeat(rows[-1:], _FEWEST - len(rows), axis=0)])
+    lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in rows[:, :3].tolist()]
+    if uv is None:
+        lines += [f"f {a} {b} {c}" for a, b, c in faces.tolist()]
+    else:
+        lines += [f"vt {u:.9g} {v:.9g}" for u, v in rows[:, 3:].tolist()]
+        lines += [f"f {a}/{a} {b}/{b} {c}/{c}" for a, b, c in faces.tolist()]
+    return "\n".join(lines) + "\n"
+
+
+def measure(mujoco: Any, argument: dict[str, Any]) -> list[dict[str, Any] | None]:
+    """What each STL or OBJ file measures; None for one that cannot be read here, which MuJoCo says something about."""
+    door = Door(tuple(argument["roots"]), sees_all=argument["sees_all"])
+    found: list[dict[str, Any] | None] = []
+    for path in argument["files"]:
+        try:
+            read = _READ.get(path.rpartition(".")[2].lower())
+            found.append(None if read is None else measures(*read(door.read(path))))
+        except (OSError, ValueError, IndexError, MemoryError):
+            found.append(None)
+    return found
+
+
+def _stl(data: bytes) -> tuple[Any, Any]:
+    import numpy
+
+    count = int.from_bytes(data[80:84], "little") if len(data) >= 84 else 0
+    if len(data) == 84 + 50 * count and count:
+        rows = numpy.frombuffer(data, numpy.uint8, offset=84).reshape(count, 50)[:, 12:48]
+        vertices = numpy.ascontiguousarray(rows).view("<f4").reshape(-1, 3).astype(float)
+    else:
+        words = [
+            line.split()[1:4]
+            for line in data.decode("ascii").splitlines()
+            if line.strip().startswith("vertex")
+        ]
+        vertices = numpy.array(words, float)
+    return vertices, numpy.arange(len(vertices)).reshape(-1, 3)
+
+
+def _wavefront(data: bytes) -> tuple[Any, Any]:
+    import numpy
+
+    vertices, faces = [], []
+    for line in data.decode("utf-8", "replace").splitlines():
+        if line.startswith("v "):
+            vertices.append(line.split()[1:4])
+        elif line.startswith("f "):
+            corners = [int(each.partition("/")[0]) for each in line.split()[1:]]
+            corners = [each - 1 if each > 0 else len(vertices) + each for each in corners]
+            faces += [(corners[0], a, b) for a, b in pairwise(corners[1:])]
+    return numpy.array(vertices, float), numpy.array(faces, int)
+
+
+_READ = {"stl": _stl, "obj": _wavefront}

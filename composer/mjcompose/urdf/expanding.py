@@ -1,0 +1,461 @@
+"""Runs in a confined process of its own: xacro makes the text of a URDF, reads through the door, and evaluates nothing.
+
+xacro evaluates what stands in `${…}` as Python without builtins, which is no sandbox: attributes lead from any value to
+all that Python has. So its evaluation is replaced by our own (`evaluating.py`), in each expansion anew, and each other
+way of it to evaluate something is closed. Nothing of the environment is read.
+"""
+
+from __future__ import annotations
+
+import io
+import keyword
+import os
+import re
+import sys
+import traceback
+import unicodedata
+from collections.abc import Callable, Iterator, Mapping
+from types import SimpleNamespace, TracebackType
+from typing import Any
+from xml.dom import expatbuilder, minidom
+
+from mjcompose.base.access import Door
+from mjcompose.base.files import Refused
+from mjcompose.urdf.evaluating import Evaluator, Function, Space, Stopped, offered
+
+BEFORE = ("xacro", "xacro.substitution_args", "yaml")
+"""What the process imports before it is confined: libraries of the system may belong to it."""
+_PLACE = "mjcompose"
+_RECURSION = 3000
+_LONGEST = 200_000
+"""The characters of a text with values in it: xacro's way through it takes the square of them."""
+
+
+def expand(argument: dict[str, Any]) -> dict[str, Any]:
+    """The text that a template stands for with the place of each element, or what is wrong with it and where."""
+    _forget()
+    try:
+        import xacro
+        from xacro import substitution_args
+    except ImportError:
+        return {"missing": True}
+    work = _Work(xacro, Door(tuple(argument["roots"]), sees_all=argument["sees_all"]), argument)
+    before = sys.getrecursionlimit()
+    sys.setrecursionlimit(_RECURSION)
+    try:
+        if lacks := work.take_over(substitution_args):
+            return {"other": lacks}
+        return work.expanded()
+    finally:
+        sys.setrecursionlimit(before)
+        _forget()
+
+
+def _forget() -> None:
+    """Let the next import of xacro be a new one: an expansion finds nothing of another one."""
+    for name in [each for each in sys.modules if each.partition(".")[0] == "xacro"]:
+        del sys.modules[name]
+
+
+_HOOKS = tuple(
+    "safe_eval eval_text eval_all eval_extension is_valid_name parse warning get_include_files load_yaml"
+    " abs_filename_spec parse_macro_arg re_macro_arg YamlDictWrapper YamlListWrapper NameSpace".split()
+)
+_SUBSTITUTIONS = ("_eval", "_eval_find", "_eval_env", "_eval_optenv", "convert_value")
+"""What is used of xacro and replaced in it: a version without one of them may evaluate in another way."""
+
+
+class _Work:
+    def __init__(self, xacro: Any, door: Door, argument: dict[str, Any]) -> None:
+        self.xacro, self.door = xacro, door
+        self.path: str = argument["path"]
+        self.packages: dict[str, str] = argument["packages"]
+        self.arguments: dict[str, str] = argument["arguments"]
+        self.most: int = argument["elements"]
+        self.files: list[str] = []
+        self.asked: set[str] = set()
+        self.warnings: list[tuple[str, str]] = []
+        self.count = 0
+
+    def take_over(self, substitution: Any) -> str | None:
+        """Put this work's functions in the place of xacro's that evaluate or reach outside; the one that it lacks."""
+        xacro = self.xacro
+        for module, names in ((xacro, _HOOKS), (substitution, _SUBSTITUTIONS)):
+            for name in names:
+                if not hasattr(module, name):
+                    return name
+        if (parsed := _with_ends(xacro.parse_macro_arg, xacro.re_macro_arg.pattern)) is None:
+            return "re_macro_arg"
+        xacro.parse_macro_arg = parsed
+        for module in (xacro, substitution):
+            for name in ("eval", "exec", "compile", "open"):
+                setattr(module, name, _no_way)
+        self.evaluator = Evaluator(
+            (xacro.YamlDictWrapper,),
+            (xacro.YamlListWrapper,),
+            lambda value: type(value) is xacro.NameSpace,
+        )
+        self.substitution = substitution
+        xacro._global_symbols = self.symbols(xacro._global_symbols)
+        xacro.open = self.opened
+        xacro.glob = SimpleNamespace(glob=self.globbed)
+        xacro.parse = self.parse
+        xacro.warning = self.warned
+        xacro.safe_eval = self.evaluated
+        xacro.eval_text = self.bounded(xacro.eval_text)
+        xacro.eval_all = self.counted(xacro.eval_all)
+        xacro.eval_extension = self.extension(xacro.eval_extension)
+        xacro.is_valid_name = _is_name
+        substitution._eval = self.substituted
+        substitution._eval_find = self.found
+        substitution._eval_env = self.environment
+        substitution._eval_optenv = lambda name, default="": default
+        return None
+
+    def symbols(self, own: Mapping[str, Any]) -> dict[str, Any]:
+        """What names stand for in expressions: all of xacro's names, each with what is offered for it."""
+        xacro, tools = self.xacro, self.evaluator
+        functions = tools.functions() | {"True": True, "False": False}
+        mathematics = tools.mathematics()
+        special: dict[str, Callable[..., Any]] = {
+            "load_yaml": lambda filename: xacro.load_yaml(filename),
+            "abs_filename": xacro.abs_filename_spec,
+            "dotify": xacro.YamlDictWrapper,
+            "arg": self.argument,
+            "tokenize": tools.tokenized,
+            "message": lambda *words, **_: "",
+            "print_location": lambda *words, **_: "",
+            "warning": self.told,
+            "error": self.told,
+            "fatal": self.fatal,
+        }
+        ours = {name: Function(name, apply) for name, apply in special.items()}
+        spaces = {"python": functions, "math": mathematics, "xacro": ours}
+        found = offered(own, functions | mathematics | ours)
+        for name, entries in spaces.items():
+            if name in own:
+                found[name] = Space(name, offered(dict.keys(own[name]), entries))
+        return found
+
+    def evaluated(self, expression: str, names: Any, _: Any = None) -> Any:
+        """In the place of `safe_eval`."""
+        return self.evaluator.value(expression, names.__getitem__)
+
+    def substituted(self, expression: str, context: Mapping[str, Any]) -> str:
+        """In the place of what evaluates `$(eval …)`, whose names are functions, and then the arguments."""
+        known = {
+            **self.evaluator.functions(),
+            **self.evaluator.mathematics(),
+            "true": True,
+            "false": False,
+            "find": Function("find", self.found),
+            "env": Function("env", self.environment),
+            "optenv": Function("optenv", lambda name, default="": default),
+            "arg": Function("arg", lambda name: self.substitution.convert_value(self.argument(name), "auto")),
+            "dirname": Function("dirname", lambda: self.folder()),
+        }
+        arguments = context.get("arg", {})
+
+        def named(name: str) -> Any:
+            if name in known:
+                return known[name]
+            value = arguments[name]
+            self.asked.add(name)
+            return self.substitution.convert_value(value, "auto")
+
+        return str(self.evaluator.value(expression, named))
+
+    def argument(self, name: str) -> Any:
+        self.asked.add(name)
+        known = self.xacro.substitution_args_context["arg"]
+        if name not in known:
+            raise Stopped("argument", f"the argument `{name}` of the template has no value", name)
+        return known[name]
+
+    def folder(self) -> str:
+        return os.path.dirname(os.path.abspath(str(self.xacro.filestack[-1])))
+
+    def told(self, *words: Any, **_: Any) -> str:
+        self.warned(*words)
+        return ""
+
+    def fatal(self, *words: Any) -> None:
+        raise self.xacro.XacroException(" ".join(map(str, words)))
+
+    def bounded(self, evaluate: Callable[..., Any]) -> Callable[..., Any]:
+        def text_of(text: str, symbols: Any) -> Any:
+            if len(text) > _LONGEST and "$" in text:
+                raise Stopped("costly", f"a text with values in it has at most {_LONGEST} characters")
+            value = evaluate(text, symbols)
+            if isinstance(value, str) and len(value) > max(_LONGEST, len(text)):
+                raise Stopped("costly", f"a text that values make has at most {_LONGEST} characters")
+            return value
+
+        return text_of
+
+    def expanded(self) -> dict[str, Any]:
+        xacro = self.xacro
+        mappings = dict(self.arguments)
+        names = set(mappings)
+        try:
+            xacro.init_stacks(self.path)
+            document = self.parse(None, self.path)
+            xacro.process_doc(document, mappings=mappings)
+        except Exception as error:
+            return self.failed(error)
+        unused = sorted(names - self.declared())
+        root = document.documentElement
+        places = [each.getUserData(_PLACE) for each in _elements(root)]
+        return {
+            "text": root.toxml(),
+            "places": [self.placed(place) for place in places],
+            "files": self.files,
+            "warnings": self.warnings,
+            "unused": unused,
+            "arguments": sorted(self.declared()),
+        }
+
+    def declared(self) -> set[str]:
+        return self.asked
+
+    def placed(self, place: tuple[str, int, int, str] | None) -> list[Any]:
+        file, line, column, tag = place or (self.path, 1, 0, "")
+        if file not in self.files:
+            self.files.append(file)
+        return [self.files.index(file), line, column, tag]
+
+    def failed(self, error: Exception) -> dict[str, Any]:
+        """What went wrong, at the innermost element that was worked on, and the calls of macros that led there."""
+        inner: BaseException = error
+        while (cause := getattr(inner, "exc", None)) is not None and isinstance(cause, BaseException):
+            inner = cause
+        trail: list[tuple[str, int, int, str]] = []
+        for frame in _frames(error.__traceback__):
+            for name in ("node", "elt", "tag"):
+                place = _place_of(frame.f_locals.get(name))
+                if place is not None and (not trail or trail[-1] != place):
+                    trail.append(place)
+        at = getattr(error, "at", None) or (trail[-1] if trail else None)
+        calls = [
+            place
+            for frame in _frames(error.__traceback__)
+            if frame.f_code.co_name == "handle_macro_call"
+            and (place := _place_of(frame.f_locals.get("node"))) is not None
+            and place != at
+        ]
+        code, subject, known = "xacro", "", None
+        message = " ".join(str(error).split()) or type(error).__name__
+        if isinstance(inner, Stopped):
+            code, subject, message = inner.code, inner.subject, str(inner)
+        elif isinstance(inner, OSError) and inner.filename:
+            code, subject, message = "file", str(inner.filename), (inner.strerror or "unreadable").lower()
+        elif (found := _unknown(inner)) is not None:
+            code, subject, known = found
+        elif isinstance(inner, RecursionError):
+            message = "macros or properties lead to one another without an end"
+        elif not isinstance(error, (self.xacro.XacroException, RuntimeError, Stopped)):
+            traceback.print_exception(error)
+            message = f"{type(error).__name__}: {message}"
+        return {
+            "error": {
+                "code": code,
+                "message": message,
+                "subject": subject,
+                "known": known,
+                "at": None if at is None else self.placed(at),
+                "calls": [self.placed(each) for each in reversed(calls)][:5],
+            },
+            "files": self.files,
+        }
+
+    # What stands in for xacro's own functions.
+
+    def opened(self, name: str, *_: Any, **__: Any) -> io.StringIO:
+        """A file as text, as the door lets it through."""
+        path = os.path.abspath(os.path.join(os.path.dirname(self.path), name))
+        return io.StringIO(self.read(path).decode("utf-8-sig"))
+
+    def read(self, path: str) -> bytes:
+        try:
+            data = self.door.read(path)
+        except (
+            Refused
+        ) as refused:  # no OSError for xacro, which passes over an optional file that cannot be read
+            raise Stopped("refused", refused.message(), path) from refused
+        if path not in self.files:
+            self.files.append(path)
+        return data
+
+    def parse(self, given: Any, filename: str | None = None) -> Any:
+        if given is not None or filename is None:
+            return given
+        path = os.path.abspath(os.path.join(os.path.dirname(self.path), filename))
+        try:
+            data = self.read(path)
+        except OSError as error:
+            if self.xacro.filestack and len(self.xacro.filestack) > 1:
+                self.xacro.filestack.pop()  # so that an include that is optional goes on
+            raise self.xacro.XacroException(str(error.strerror), exc=error) from error
+        return _parsed(data, path)
+
+    def globbed(self, pattern: str) -> list[str]:
+        """The files of a pattern. What the door does not show is an error before anything is searched."""
+        try:
+            return self.door.search(os.path.abspath(pattern))
+        except Refused as refused:
+            raise Stopped("refused", refused.message(), refused.path) from refused
+
+    def warned(self, *words: Any, **_: Any) -> None:
+        text = " ".join(str(each) for each in words)
+        if "deprecated" not in text:
+            stack = self.xacro.filestack
+            self.warnings.append((text, (stack and stack[-1]) or self.path))
+
+    def counted(self, evaluate: Callable[..., Any]) -> Callable[..., Any]:
+        def counting(node: Any, macros: Any, symbols: Any) -> Any:
+            self.count += 1
+            if self.count > self.most:
+                raise Stopped("limit", f"the template makes more than {self.most} elements")
+            for each in node.childNodes:
+                if getattr(each, "tagName", "") == "xacro:arg":
+                    self.asked.add(each.getAttribute("name"))
+            return evaluate(node, macros, symbols)
+
+        return counting
+
+    def extension(self, evaluate: Callable[..., Any]) -> Callable[..., Any]:
+        def extended(text: str) -> Any:
+            words = text[2:-1].split()
+            if words[:1] == ["cwd"]:
+                raise Stopped(
+                    "environment", "`$(cwd)` is the folder in which a command happens to run", "cwd"
+                )
+            if words[:1] == ["dirname"]:
+                return self.folder()
+            if words[:1] == ["arg"] and len(words) == 2:
+                self.argument(words[1])
+            return evaluate(text)
+
+        return extended
+
+    def found(self, name: str) -> str:
+        folder = self.packages.get(name)
+        if folder is None:
+            raise Stopped("package", f"the package `{name}` is not known", name)
+        return folder
+
+    def environment(self, name: str) -> str:
+        raise Stopped("environment", f"`$(env {name})` reads the environment variable `{name}`", name)
+
+
+def _unknown(error: BaseException) -> tuple[str, str, list[str]] | None:
+    """The kind of a name that does not exist, the name, and those that do; None for another error."""
+    frames = list(_frames(error.__traceback__))
+    if isinstance(error, NameError) and error.name:
+        tables = [frame.f_locals["symbols"] for frame in frames if "symbols" in frame.f_locals]
+        return None if not tables else ("property", error.name, _names(tables[-1]))
+    last = frames[-1] if frames else None
+    if last is None or last.f_code.co_name != "handle_macro_call" or "m" in last.f_locals:
+        return None  # with `m` it has found the macro, and stumbles over a parameter
+    name = str(last.f_locals.get("name") or "")
+    return None if not name else ("macro", name, _names(last.f_locals["macros"]))
+
+
+def _names(table: Any) -> list[str]:
+    """The names of a table of xacro and of those around it, without those that are everywhere, such as `pi`."""
+    found: set[str] = set()
+    while hasattr(table, "parent"):
+        found |= {str(name) for name in table if not str(name).startswith("__")}
+        table = table.parent
+    return sorted(found)
+
+
+def _no_way(*_: Any, **__: Any) -> Any:
+    raise Stopped("unsafe", "xacro does something here that is not known")
+
+
+def _with_ends(parse: Callable[[str], Any], pattern: str) -> Callable[[str], Any] | None:
+    """Parse `params` as xacro does, which takes for ever where quotes have no ends: it tries all ways to pair them."""
+    steady = (
+        pattern.replace("'.*?'", "'[^']*'").replace('\\".*?\\"', '\\"[^\\"]*\\"').replace("]+)+", "]++)++")
+    )
+    if ".*?'" in steady or "]++)++" not in steady:
+        return None  # another version of xacro
+
+    def parsed(text: str) -> Any:
+        if (
+            re.match(r"\s*[^\s:=]+\s*:?=", text)
+            and re.match(steady, text) is None
+            and re.search("['\"]", text)
+        ):
+            raise Stopped("unsafe", "a quote in `params` has no end")
+        return parse(text)
+
+    return parsed
+
+
+def _is_name(name: str) -> bool:
+    """In the place of a function that parses the name as a program."""
+    return name.isidentifier() and not keyword.iskeyword(name) and unicodedata.normalize("NFKC", name) == name
+
+
+class _Builder(expatbuilder.ExpatBuilderNS):
+    """Builds a document whose elements know their places."""
+
+    def __init__(self, path: str) -> None:
+        super().__init__()
+        self._path = path
+
+    def start_element_handler(self, name: str, attributes: Any) -> None:
+        super().start_element_handler(name, attributes)
+        parser: Any = self.getParser()
+        element: Any = self.curNode
+        place = (self._path, parser.CurrentLineNumber, parser.CurrentColumnNumber, element.tagName)
+        element.setUserData(_PLACE, place, _Carrier)
+
+    def start_doctype_decl_handler(self, *_: Any) -> None:
+        raise Stopped("unsafe", "a document type is not allowed")
+
+
+class _Carrier:
+    """Gives a copy of an element the place of the original."""
+
+    @staticmethod
+    def handle(operation: int, key: str, data: Any, source: Any, copy: Any) -> None:
+        if copy is not None:
+            copy.setUserData(key, data, _Carrier)
+
+
+def _parsed(data: bytes, path: str) -> Any:
+    from xml.parsers.expat import ErrorString, ExpatError
+
+    builder = _Builder(path)
+    try:
+        return builder.parseString(data)
+    except ExpatError as error:
+        fault = Stopped("syntax", f"the file is not well-formed XML: {ErrorString(error.code)}")
+        fault.at = (path, error.lineno, error.offset, "")  # type: ignore[attr-defined]
+        raise fault from error
+
+
+def _elements(node: Any) -> Iterator[Any]:
+    yield node
+    for child in node.childNodes:
+        if child.nodeType == minidom.Node.ELEMENT_NODE:
+            yield from _elements(child)
+
+
+def _place_of(node: Any) -> tuple[str, int, int, str] | None:
+    while node is not None:
+        if getattr(node, "nodeType", None) == minidom.Node.ELEMENT_NODE:
+            place: tuple[str, int, int, str] | None = node.getUserData(_PLACE)
+            if place is not None:
+                return place
+        node = getattr(node, "parentNode", None)
+    return None
+
+
+def _frames(trace: TracebackType | None) -> Iterator[Any]:
+    while trace is not None:
+        yield trace.tb_frame
+        trace = trace.tb_next

@@ -1,0 +1,353 @@
+"""A URDF file or a xacro template becomes a unit; whatever is wrong is reported at its place in the file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from contextlib import ExitStack
+from dataclasses import field, replace
+from pathlib import Path
+
+from lxml.etree import _Element as Node
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Note, Severity, Span
+from mjcompose.base.files import SDF, Refused
+from mjcompose.base.scratch import scratch
+from mjcompose.base.sink import Sink
+from mjcompose.base.suggest import did_you_mean, exists_note, unknown_attribute
+from mjcompose.model.files import written_path
+from mjcompose.model.grammar import GRAMMAR
+from mjcompose.model.parse import includes_admitted, parse_text, parse_xml, read_file
+from mjcompose.model.unit import FileText, Unit
+from mjcompose.mujoco.convert import PACKAGE, Converted, convert_urdf
+from mjcompose.mujoco.engine import Session
+from mjcompose.mujoco.messages import CRASHES, Topic, parse, read_sentence
+from mjcompose.sources import ros
+from mjcompose.sources.reference import Source
+from mjcompose.urdf import inertia
+from mjcompose.urdf.actuators import Extras, Reading, add_actuators
+from mjcompose.urdf.meshes import Meshes, add_looks
+from mjcompose.urdf.robot import (
+    Robot,
+    explain,
+    known_packages,
+    locate_in_urdf,
+    mesh_of,
+    name_fused_links,
+    named_in,
+)
+from mjcompose.urdf.xacro import Template, is_template, owned, parsed
+
+_READ = ("compiler", "option", "size")
+"""The sections of `<mujoco>` that MuJoCo reads in URDF."""
+Shown = Callable[[Path], str]
+
+
+@dataclass(slots=True)
+class UrdfReader:
+    """Reads URDF for one caller: faults go to the sink, with a note of where it was `asked` for.
+
+    `missing` reports meshes that do not exist; it gets the robot and what MuJoCo said. `folder_of_package` says how the
+    caller writes a folder beside `model`.
+    """
+
+    source: Source
+    sink: Sink
+    session: Session | None = None
+    shown: Shown = str
+    asked: Span | None = None
+    stands: bool = True
+    missing: Callable[[Robot, Converted], None] | None = None
+    relative: Shown = str
+    reading: Reading = field(default_factory=Reading)
+    robot: Robot | None = None
+
+    def unit(self) -> Unit | None:
+        """The unit of the file; None where it has faults."""
+        with ExitStack() as stack:
+            if self.session is None:
+                self.session = stack.enter_context(Session())
+            return self._unit(stack)
+
+    def _unit(self, stack: ExitStack) -> Unit | None:
+        robot = self._robot()
+        if robot is None or not self._is_urdf(robot):
+            return None
+        self.robot = robot
+        written, before = robot.unit, self.sink.error_count
+        if not includes_admitted(written, self.sink, self.shown):
+            return None
+        self._report_unread(robot)
+        choices = self.source.urdf
+        if choices.visuals is not None:
+            robot.set("discardvisual", "false" if choices.visuals == "keep" else "true")
+        if choices.fixed is not None:
+            robot.set("fusestatic", "false" if choices.fixed == "keep" else "true")
+        robot.simplified()
+        assert self.session is not None
+        meshes = Meshes(robot, self.session, self.sink, shown=self.shown)
+        meshes.prepare()
+        if self.sink.error_count > before:
+            return None
+        converted = self._converted(robot, meshes.shells, stack)
+        if (
+            converted is not None
+            and converted.text is None
+            and converted.crash is None
+            and choices.inertia == "mend"
+            and _is_of_inertia(converted)
+        ):
+            # Only now: what MuJoCo accepts is left as it is.
+            converted = self._converted(robot, meshes.shells, stack, massless=inertia.mend(robot, self.sink))
+        if converted is None:
+            return None
+        self._report_warnings(converted, robot)
+        if read_sentence(converted.error or "").topic is not Topic.FLAT:
+            meshes.report_flat()
+        if converted.text is None:
+            self._refused(robot, converted)
+            return None
+        self._report_roots(robot)
+        self._report_joints(robot)
+        for path in meshes.files:
+            robot.unit.origins.texts.setdefault(self.shown(path), FileText(path, b""))
+        return self._completed(robot, converted.text)
+
+    def _robot(self) -> Robot | None:
+        """The tree of the URDF, of a template the one that it stands for."""
+        source, sink = self.source, self.sink
+        shown = self.shown(source.path)
+        data = read_file(source.path, sink, source.door, file=shown, span=self.asked)
+        if data is None:
+            return None
+        given = dict(source.packages)
+        if not is_template(source.path, data):
+            if source.urdf.arguments:
+                name = source.urdf.arguments[0][0]
+                message = f"`with` gives `{name}`, and `{shown}` is no template for xacro"
+                sink.error("unknown-name", message, self.asked, help="take `with` out")
+                return None
+            root = parse_xml(data, shown, sink)
+            if root is None:
+                return None
+            unit = Unit(root, shown, source.path.parent, label=source.path.stem, door=source.door)
+            unit.origins.texts[shown] = FileText(source.path, data)
+            return Robot(
+                unit, source.path, known_packages(data.decode("utf-8", "replace"), source.path, given)
+            )
+        packages = ros.all_folders(source.path, given)
+        arguments = dict(source.urdf.arguments)
+        expanded = Template(
+            source.path, source.door, packages, arguments=arguments, shown=self.shown
+        ).expanded()
+        for each in expanded.found:
+            notes = (*each.notes, *self._asked()) if each.severity is Severity.ERROR else each.notes
+            sink.add(replace(each, notes=notes))
+        if expanded.package is not None:
+            self._unknown_package(expanded.package, expanded.at)
+        if expanded.text is None:
+            return None
+        root = parsed(expanded.text)
+        label = source.path.name.partition(".")[0]
+        unit = Unit(root, shown, source.path.parent, label=label, door=source.door)
+        for path in (source.path, *expanded.files):
+            unit.origins.texts[self.shown(path)] = FileText(path)
+        owned(root, expanded.owners, unit.origins)
+        text = expanded.text.decode("utf-8", "replace")
+        return Robot(unit, source.path, known_packages(text, source.path, given), changed=True)
+
+    def _converted(
+        self, robot: Robot, shells: Collection[str], stack: ExitStack, massless: Sequence[str] = ()
+    ) -> Converted | None:
+        """What MuJoCo makes of it; None for a mesh that it may not read."""
+        text = robot.text()
+        try:
+            return convert_urdf(
+                self.source.path, robot.packages, door=robot.unit.door, stands=self.stands, text=text,
+                made=self._written(robot, stack), massless=massless, shells=shells, session=self.session,
+            )  # fmt: skip
+        except Refused as refused:
+            span = self._span(mesh_of(robot.root, refused.path), "filename")
+            refused.report(self.sink, span, self._asked(), shown=self.shown)
+            return None
+
+    def _written(self, robot: Robot, stack: ExitStack) -> dict[str, Path]:
+        """The meshes that were made, as files."""
+        if not robot.made:
+            return {}
+        folder = stack.enter_context(scratch("meshes"))
+        found = {name: folder / name for name in robot.made}
+        for name, path in found.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(robot.made[name])
+        return found
+
+    def _completed(self, robot: Robot, text: str) -> Unit:
+        """The unit with what MuJoCo does not read of a URDF, and with the places of everything."""
+        written = robot.unit
+        unit = parse_text(
+            text,
+            self.sink,
+            file=written.file,
+            directory=self.source.path.parent,
+            label=written.label,
+            door=written.door,
+        )
+        assert unit is not None, "MuJoCo writes MJCF"
+        unit.origins.texts.clear()
+        name_fused_links(unit.root)
+        pairs = locate_in_urdf(unit, robot.root, written.origins)
+        unit.contents = {
+            written_path(unit.settings, mesh, str(mesh.get("file"))): robot.made[str(mesh.get("file"))]
+            for mesh in unit.root.iterfind("asset/mesh")
+            if mesh.get("file") in robot.made
+        }
+        made: dict[Node, list[Node]] = {}
+        for element, source in pairs:
+            made.setdefault(source, []).append(element)
+        if self.source.urdf.visuals == "keep":
+            self._hide_collisions(pairs)
+        known = Extras(written, unit, made).add()
+        known |= add_looks(robot, unit, pairs, sink=self.sink)
+        known |= add_actuators(written, unit, self.source.urdf.actuators, sink=self.sink)
+        self.reading.ordinary(robot.root, robot.keeps_visuals, known)
+        self.reading.note(written, self.sink)
+        unit.table = self.reading.table(written)
+        return unit
+
+    def _hide_collisions(self, pairs: list[tuple[Node, Node]]) -> None:
+        """Let viewers show the looks of a link, and not the shapes that stand in for it."""
+        for element, source in pairs:
+            link = source.getparent()
+            if (
+                element.tag == "geom"
+                and source.tag == "collision"
+                and link is not None
+                and link.find("visual") is not None
+            ):
+                element.set("group", "3")
+
+    def _error(self, code: str, message: str, element: Node | None = None, attribute: str | None = None,
+               *, notes: tuple[Note, ...] = (), help: str | None = None) -> None:  # fmt: skip
+        assert self.robot is not None
+        span = self._span(self.robot.root if element is None else element, attribute)
+        self.sink.error(code, message, span, notes=(*notes, *self._asked()), help=help)
+
+    def _span(self, element: Node, attribute: str | None = None, *, key: bool = False) -> Span:
+        assert self.robot is not None
+        return self.robot.unit.origins.span(element, self.robot.unit.file, attribute, key=key)
+
+    def _asked(self) -> tuple[Note, ...]:
+        return () if self.asked is None else (Note("the recipe takes it from here", self.asked),)
+
+    def _is_urdf(self, robot: Robot) -> bool:
+        root, shown = robot.root, robot.unit.file
+        self.robot = robot
+        if root.tag != "robot":
+            help = "end its name in `.xml`" if root.tag == "mujoco" else "a URDF file begins with `<robot>`"
+            help = SDF.help(shown) if root.tag == "sdf" else help
+            self._error(
+                "not-urdf", f"`{shown}` is not a URDF: its root is `<{root.tag}>`, not `<robot>`", help=help
+            )
+        return root.tag == "robot"
+
+    def _report_warnings(self, converted: Converted, robot: Robot) -> None:
+        """Report what MuJoCo warns of, and each `<mimic>` of no joint, for which it gives a wrong reason."""
+        joints = [str(each.get("name")) for each in robot.root.iterchildren("joint")]
+        lost = [each for each in robot.root.iterfind("joint/mimic") if each.get("joint") not in joints]
+        for warning in converted.warnings:
+            element = named_in(warning, robot.root)
+            if element.find("mimic") not in lost:
+                self.sink.warning("mujoco-warning", f"MuJoCo warns: {warning}", self._span(element))
+        for mimic in lost:
+            name, joint = str(mimic.get("joint")), mimic.getparent()
+            own = "" if joint is None else joint.get("name")
+            message = f"the joint `{name}`, which `{own}` mimics, does not exist: `{own}` moves by itself"
+            help = did_you_mean(name, joints) or "name a joint of this file"
+            note = exists_note("joint", joints, name)
+            self.sink.warning("mujoco-warning", message, self._span(mimic, "joint"), notes=(note,), help=help)
+
+    def _report_joints(self, robot: Robot) -> None:
+        """Warn of joints with the name of another one, whose names MuJoCo drops."""
+        seen: dict[str, Node] = {}
+        for joint in robot.root.iterchildren("joint"):
+            name = joint.get("name")
+            if name is None or joint.get("type") == "fixed" or seen.setdefault(name, joint) is joint:
+                continue
+            message = f"two joints are called `{name}`: this one has no name in the model"
+            note = Note(f"the other `{name}` is written here", self._span(seen[name], "name"))
+            help = "give one of them another name"
+            self.sink.warning("name-clash", message, self._span(joint, "name"), notes=(note,), help=help)
+
+    def _report_roots(self, robot: Robot) -> None:
+        """Warn of links that were probably to hang on another one: for MuJoCo each stands in the world."""
+        children = {str(each.get("link")) for each in robot.root.iterfind("joint/child")}
+        roots = [link for link in robot.root.iterchildren("link") if str(link.get("name")) not in children]
+        if len(roots) > 1:
+            names = ", ".join(f"`{link.get('name')}`" for link in roots[:8])
+            self.sink.warning(
+                "urdf-roots",
+                f"{len(roots)} links have no parent, and a URDF has one such link: {names}",
+                self._span(roots[1], "name"),
+                help="write a `<joint>` to each but one; in MuJoCo all stand in the world",
+            )
+
+    def _report_unread(self, robot: Robot) -> None:
+        """Warn of what MuJoCo passes over in `<mujoco>`, typing errors included."""
+        for section in robot.root.iterfind("mujoco/*"):
+            tag = str(section.tag)
+            if tag not in _READ:
+                message = f"MuJoCo does not read `<{tag}>` in the `<mujoco>` of URDF"
+                note = exists_note("section", _READ, tag)
+                span = self._span(section)
+                self.sink.warning(
+                    "unknown-element", message, span, notes=(note,), help="write it into the recipe"
+                )
+                continue
+            known = list(GRAMMAR.section(tag).attributes)
+            for name in map(str, section.keys()):
+                if name not in known:
+                    span, otherwise = self._span(section, name, key=True), f"take `{name}` out"
+                    found = unknown_attribute(name, f"`<{tag}>`", known, span=span, otherwise=otherwise)
+                    self.sink.add(replace(found, severity=Severity.WARNING))
+
+    def _refused(self, robot: Robot, converted: Converted) -> None:
+        """One fault for each mesh that is not to be had; if all are, what MuJoCo says."""
+        if converted.crash is not None:
+            code = CRASHES.get(converted.crash, "mujoco-crash")
+            message = f"`{robot.unit.file}` by itself: {converted.error or converted.crash}"
+            self.sink.error(code, message, self.asked)
+            return
+        before = self.sink.error_count
+        unknown: dict[str, Node] = {}
+        for file in converted.meshes:
+            if file.startswith(PACKAGE):
+                unknown.setdefault(file.removeprefix(PACKAGE).partition("/")[0], mesh_of(robot.root, file))
+        for name, mesh in unknown.items():
+            self._unknown_package(name, self._span(mesh, "filename"))
+        if self.missing is not None:
+            self.missing(robot, converted)
+        if self.sink.error_count == before and _is_of_inertia(converted):
+            inertia.report(robot, self.sink, self._asked())
+        if self.sink.error_count == before:
+            found = explain(parse(converted.error or ""), robot.root, self._span)
+            self.sink.add(replace(found, notes=(*found.notes, *self._asked())))
+
+    def _unknown_package(self, name: str, at: Span | None) -> None:
+        near = ros.beside(name, self.source.path)
+        folder = "PATH" if near is None else self.relative(near)
+        known = [each for each, _ in self.source.packages]
+        note = Note(f"no folder above `{self.shown(self.source.path)}` is called `{name}`")
+        notes = (note, exists_note("package", known, name)) if known else (note,)
+        self.sink.error(
+            "asset-missing",
+            f"the package `{name}` is not known",
+            at,
+            notes=(*notes, *self._asked()),
+            help=f"say beside `model` where it is: `packages: {{{name}: {folder}}}`",
+        )
+
+
+def _is_of_inertia(converted: Converted) -> bool:
+    """Whether MuJoCo refuses what it refuses for its masses or inertias: a size of zero is no reason to mend these."""
+    return read_sentence(parse(converted.error or "").message).topic in (Topic.INERTIA, Topic.MASS)

@@ -1,0 +1,475 @@
+"""A URDF on its way to MuJoCo and back: places of its elements, and faults reported there."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import field
+from functools import partial
+from pathlib import Path
+
+from lxml import etree
+from lxml.etree import _Element as Node
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Diagnostic, Note, Span
+from mjcompose.base.suggest import did_you_mean, exists_note
+from mjcompose.model.files import join, stem
+from mjcompose.model.unit import Origins, Unit, line_of
+from mjcompose.mujoco.messages import Fault, Sentence, Topic, read_sentence, translate
+from mjcompose.sources import ros
+
+_VALUES = {
+    "inertial": {"mass": ("mass", "value"), "pos": ("origin", "xyz"), "quat": ("origin", "rpy")},
+    "joint": {
+        "axis": ("axis", "xyz"),
+        "range": ("limit", "upper"),
+        "actfrcrange": ("limit", "effort"),
+        "damping": ("dynamics", "damping"),
+        "frictionloss": ("dynamics", "friction"),
+    },
+    "geom": {
+        "pos": ("origin", "xyz"),
+        "quat": ("origin", "rpy"),
+        "mesh": ("geometry/mesh", "filename"),
+        "rgba": ("material/color", "rgba"),
+    },
+    "mesh": {"file": (".", "filename"), "scale": (".", "scale")},
+}
+"""For attributes of MJCF, the element below the URDF's, and the attribute there."""
+_PLANAR = ("_TX", "_TY", "_RZ")
+
+
+def name_fused_links(root: Node) -> None:
+    """Remove the empty frames that mark links; a link that is no longer a body passes its name to its replacement."""
+    bodies = {body.get("name") for body in root.iter("body")}
+    for body in root.iter("body"):
+        body.attrib.pop("fuse", "")  # MuJoCo has done it already
+    for mark in [frame for frame in root.iter("frame") if frame.get("name")]:
+        holder, name = mark.getparent(), mark.get("name")
+        assert holder is not None and name is not None
+        if name not in bodies and not (holder.tag == "frame" and not holder.get("name")):
+            continue
+        if name not in bodies:
+            holder.set("name", name)
+        holder.remove(mark)
+
+
+def locate_in_urdf(unit: Unit, robot: Node, written: Origins) -> list[tuple[Node, Node]]:
+    """Give every element of `unit`, converted from `robot`, its place in the URDF, where `written` finds it.
+
+    The pairs are those elements with the ones that they come from.
+    """
+    unit.origins.texts.update(written.texts)
+    pairs = list(_Sources(robot).of(unit.root))
+    for element, source in pairs:
+        locate_as(unit, element, source, written=written)
+    return pairs
+
+
+def locate_as(unit: Unit, element: Node, source: Node, written: Origins) -> None:
+    """Give an element of `unit` the place of the one in the URDF that it comes from."""
+    values = _VALUES.get(str(element.tag), {})
+    unit.origins.own(element, partial(_place, written, unit.file, source, values))
+
+
+def _place(
+    written: Origins, file: str, source: Node, values: dict[str, tuple[str, str]], attribute: str | None
+) -> Span:
+    path, name = values.get(attribute or "", (".", attribute))
+    holder = source.find(path)
+    return written.span(*((source, file, None) if holder is None else (holder, file, name)))
+
+
+def mesh_of(robot: Node, file: str) -> Node:
+    """Return the `<mesh>` of a URDF that names a file, whose path may have been shortened or resolved."""
+    best, alike = robot, 0
+    for each in robot.iterfind("link/*/geometry/mesh"):
+        same = _steps_in_common(str(each.get("filename")), file)
+        if same > alike:
+            best, alike = each, same
+    return best
+
+
+def _steps_in_common(one: str, other: str) -> int:
+    """Return how many steps at the end of two paths are equal."""
+    count = 0
+    for mine, theirs in zip(
+        *(reversed(each.replace("\\", "/").split("/")) for each in (one, other)), strict=False
+    ):
+        if mine != theirs:
+            break
+        count += 1
+    return count
+
+
+@dataclass
+class _Sources:
+    """Maps elements of MJCF to their elements in the URDF."""
+
+    robot: Node
+    links: dict[str, Node] = field(init=False)
+    joints: dict[str, Node] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.links = {str(each.get("name")): each for each in self.robot.iterchildren("link")}
+        self.joints = {str(each.get("name")): each for each in self.robot.iterchildren("joint")}
+
+    def of(self, root: Node) -> Iterator[tuple[Node, Node]]:
+        yield root, self.robot
+        own = self.robot.find("mujoco")
+        for section in root.iterchildren("*"):
+            if section.tag == "worldbody":
+                yield from self._held(section, self.robot)
+            elif section.tag == "asset":
+                yield from (
+                    (mesh, mesh_of(self.robot, str(mesh.get("file"))))
+                    for mesh in section.iterchildren("mesh")
+                )
+            elif section.tag == "equality":
+                yield from ((each, self._mimic(each)) for each in section.iterchildren("*"))
+            elif own is not None and (found := own.find(str(section.tag))) is not None:
+                yield section, found
+
+    def _held(self, holder: Node, link: Node) -> Iterator[tuple[Node, Node]]:
+        """Yield the contents of a body, a frame or the world that was `link`."""
+        geoms = list(holder.iterchildren("geom"))
+        yield from zip(geoms, _shapes(link, len(geoms)), strict=True)
+        for child in holder.iterchildren("body", "frame", "inertial", "joint"):
+            name = str(child.get("name"))
+            if child.tag == "inertial":
+                found = link.find("inertial")
+                yield child, link if found is None else found
+            elif child.tag == "joint":
+                yield child, self._joint(name, link)
+            else:
+                inner = self.links.get(name, link)
+                yield child, inner
+                yield from self._held(child, inner)
+
+    def _joint(self, name: str, link: Node) -> Node:
+        stem = name[:-3] if name.endswith(_PLANAR) else name
+        return self.joints.get(name, self.joints.get(stem, link))
+
+    def _mimic(self, equality: Node) -> Node:
+        joint = self.joints.get(str(equality.get("joint1")))
+        found = None if joint is None else joint.find("mimic")
+        return self.robot if found is None else found
+
+
+def _shapes(link: Node, number: int) -> list[Node]:
+    """Return the shapes of a link that became that many geoms.
+
+    These are the collision shapes, all shapes, or the visual shapes, whichever have that number; otherwise the link
+    itself for each geom.
+    """
+    for tags in (("collision",), ("visual", "collision"), ("visual",)):
+        shapes = list(link.iterchildren(*tags))
+        if len(shapes) == number:
+            return shapes
+    return [link] * number
+
+
+PACKAGE = "package://"
+SCHEMES = (PACKAGE, "model://")
+_FILE = "file://"
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """What a mesh or a material of URDF looks like: a colour, and a picture as PNG, each None where it has none."""
+
+    rgba: tuple[float, ...] | None
+    texture: bytes | Path | None = None
+
+
+@dataclass(slots=True)
+class Robot:
+    """`unit` has the tree of the URDF, `packages` where the packages are that it names.
+
+    As long as nothing `changed`, MuJoCo reads the file itself. `made` has the meshes that were made for it, by the name
+    that the tree has for each, and `looks` what these look like.
+    """
+
+    unit: Unit
+    path: Path
+    packages: Mapping[str, Path]
+    changed: bool = False
+    made: dict[str, bytes] = field(default_factory=dict)
+    looks: dict[str, Look] = field(default_factory=dict)
+
+    @property
+    def root(self) -> Node:
+        return self.unit.root
+
+    def setting(self, name: str) -> str | None:
+        """An attribute of `<mujoco><compiler>`: the last one counts, as for MuJoCo."""
+        found = [
+            each.get(name) for each in self.root.iterfind("mujoco/compiler") if each.get(name) is not None
+        ]
+        return None if not found else str(found[-1])
+
+    def set(self, name: str, value: str) -> None:
+        """Set an attribute of `<mujoco><compiler>`."""
+        if self.setting(name) == value:
+            return
+        self.changed = True
+        holders = self.root.findall("mujoco/compiler")
+        if not holders:
+            holder = self.root.find("mujoco")
+            if holder is None:
+                holder = etree.SubElement(self.root, "mujoco")
+            holders = [etree.SubElement(holder, "compiler")]
+        for each in holders:
+            each.set(name, value)
+
+    @property
+    def keeps_visuals(self) -> bool:
+        return self.setting("discardvisual") == "false"
+
+    def file_of(self, written: str) -> Path | None:
+        """The file that a `filename` stands for; None for one in a package that is not known."""
+        for scheme in SCHEMES:
+            if written.startswith(scheme):
+                name, _, inside = written.removeprefix(scheme).lstrip("/").partition("/")
+                return self.packages[name] / inside if name in self.packages else None
+        if written.startswith(_FILE):
+            written = written.removeprefix(_FILE)
+        elif self.setting("strippath") == "true":
+            written = written.replace("\\", "/").rpartition("/")[2]
+        folder = join(str(self.path.parent.absolute()), self.setting("meshdir") or "")
+        return Path(join(folder, written))
+
+    def simplified(self) -> None:
+        """Let the tree name files as MuJoCo does, which knows `package://` alone."""
+        for mesh in self.root.iterfind("link/*/geometry/mesh"):
+            written = str(mesh.get("filename") or "")
+            if written.startswith(f"{PACKAGE}/"):
+                mesh.set("filename", PACKAGE + written.removeprefix(PACKAGE).lstrip("/"))
+            elif written.startswith(_FILE):
+                mesh.set("filename", written.removeprefix(_FILE))
+            elif written.startswith("model://"):
+                mesh.set("filename", "package://" + written.removeprefix("model://"))
+            else:
+                continue
+            self.changed = True
+
+    def text(self) -> str | None:
+        """What MuJoCo is to read, None for the file itself; the tree is then that of the text, line by line."""
+        if not self.changed:
+            return None
+        etree.cleanup_namespaces(self.root)
+        # A line for each element: MuJoCo says where it stumbles by the line alone.
+        text = etree.tostring(self.root, encoding="unicode", pretty_print=True)
+        parser = etree.XMLParser(
+            huge_tree=True, resolve_entities=False, no_network=True, remove_blank_text=True
+        )
+        new = etree.fromstring(text, parser)
+        origins = Origins(texts=self.unit.origins.texts)
+        for old, element in zip(self.root.iter("*"), new.iter("*"), strict=True):
+            origins.own(element, partial(_written, self.unit.origins, old, self.unit.file))
+        self.unit.root, self.unit.origins = new, origins
+        return text
+
+    def copied(self, element: Node) -> Node:
+        """A copy that stands right before an element, and at its place."""
+        new = copy.deepcopy(element)
+        for old, each in zip(element.iter("*"), new.iter("*"), strict=True):
+            owner = self.unit.origins.owner(old, self.unit.file)
+            if owner is not self.unit.file:
+                self.unit.origins.own(each, owner)
+        element.addprevious(new)
+        return new
+
+
+def _written(origins: Origins, element: Node, file: str, attribute: str | None) -> Span:
+    return origins.span(element, file, attribute)
+
+
+def known_packages(text: str, path: Path, given: Mapping[str, Path]) -> dict[str, Path]:
+    """The folders of the packages that a text names."""
+    return ros.folders(ros.packages_in(text), path, given)
+
+
+JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical")
+_SHAPES = ("box", "cylinder", "sphere", "capsule")
+_SIZES = "sizes are greater than zero"
+FLAT_HELP = "use a box, or a mesh with a thickness"
+_ADVICE = {
+    Topic.INERTIA: "correct it, or write beside `model`: `urdf: {inertia: mend}`",
+    Topic.MASS: "give the link an `<inertial>`, or write beside `model`: `urdf: {inertia: mend}`",
+    Topic.MESH_FORMAT: "convert it to STL, OBJ, MSH, Collada, glTF, PLY, OFF or 3MF, which are read",
+    Topic.FLAT: FLAT_HELP,
+    Topic.GEOM_SIZE: _SIZES,
+    Topic.SIZE: _SIZES,
+    Topic.URDF_GEOMETRY: "write a `<box>`, `<cylinder>`, `<sphere>`, `<capsule>` or `<mesh>` in `<geometry>`",
+}
+_ELSE = "MuJoCo must be able to load the file by itself: fix it there"
+
+
+_OF_MESHES = (Topic.MESH_FORMAT, Topic.MESH_FILE, Topic.VERTICES, Topic.FLAT)
+Place = Callable[[Node, str | None], Span]
+"""The place of an element, or of one of its attributes."""
+
+
+def explain(fault: Fault, robot: Node, place: Place) -> Diagnostic:
+    """The error where MuJoCo refuses the URDF whose root is `robot`, in the words of its author."""
+    said = " ".join(fault.message.split())
+    sentence = read_sentence(said)
+    element = _element(fault, sentence, robot)
+    known = None if sentence.topic is None else _KNOWN.get(sentence.topic)
+    if known is not None and (found := known(element, robot, place)) is not None:
+        return found
+    advice = None if sentence.topic is None else _ADVICE.get(sentence.topic)
+    if sentence.missing_attribute is not None:
+        advice = f'write `{sentence.missing_attribute}="…"`'
+    elif sentence.missing_element is not None:
+        advice = f"write `<{sentence.missing_element}>` in it"
+    help = advice or translate(said, None).diagnostic.help or _ELSE
+    attribute = sentence.attribute
+    if element.tag == "mesh" and element.get("filename"):
+        attribute = attribute or "filename"
+    return _error(f"MuJoCo rejects the URDF: {said}", place(element, attribute), help)
+
+
+def _error(message: str, span: Span, help: str, *notes: Note) -> Diagnostic:
+    return Diagnostic("mujoco-rejects", message, span, notes=notes, help=help)
+
+
+def named_in(said: str, robot: Node) -> Node:
+    """The link or joint that a message names; the robot where it names none."""
+    for name in read_sentence(said).names:
+        for each in robot.iterchildren("joint", "link"):
+            if each.get("name") == name:
+                return each
+    return robot
+
+
+def _element(fault: Fault, sentence: Sentence, robot: Node) -> Node:
+    """The element that MuJoCo speaks of, by its line or by its name."""
+    for mesh in robot.iter("mesh") if sentence.topic in _OF_MESHES else ():
+        file = str(mesh.get("filename") or "").replace("\\", "/").rpartition("/")[2]
+        if file and {file, stem(file)} & {*sentence.names, fault.name}:
+            return mesh
+    if fault.line is not None:
+        tags = (fault.element,) if fault.element else ("*",)
+        after = (each for each in robot.iter(*tags) if (line_of(each) or 0) >= fault.line)
+        return next(after, robot)
+    for each in robot.iter("link", "joint", "mesh", "visual", "collision") if fault.name else ():
+        name = stem(str(each.get("filename"))) if each.tag == "mesh" else each.get("name")
+        if name == fault.name:
+            return each
+    return robot
+
+
+def _repeated(element: Node, robot: Node, place: Place) -> Diagnostic | None:
+    for tag in ("link", "joint"):
+        seen: dict[str | None, Node] = {}
+        for each in robot.iterchildren(tag):
+            name = each.get("name")
+            if name is not None and seen.setdefault(name, each) is not each:
+                note = Note(f"the other `{name}` is written here", place(seen[name], "name"))
+                message = f"two {tag}s are called `{name}`"
+                return _error(message, place(each, "name"), "give one of them another name", note)
+    return None
+
+
+def _ring(element: Node, robot: Node, place: Place) -> Diagnostic | None:
+    """MuJoCo starts from the links that have no parent, and names one of those that it has reached."""
+    joints = {
+        child: joint for joint in robot.iterchildren("joint") if (child := _end(joint, "child")) is not None
+    }
+    for start in joints:
+        way, above = [start], _end(joints[start], "parent")
+        while above is not None and above in joints and above not in way:
+            way.append(above)
+            above = _end(joints[above], "parent")
+        if above in way:
+            ring = way[way.index(above) :]
+            links = ", whose parent is ".join(f"`{name}`" for name in [*ring, ring[0]])
+            closing = ", ".join(f"`{joints[name].get('name')}`" for name in ring)
+            one = f"one of the joints {closing}" if len(ring) > 1 else f"the joint {closing}"
+            help = f"one of them must have no parent: remove {one}"
+            link = next((each for each in robot.iterchildren("link") if each.get("name") == ring[0]), element)
+            return _error(f"links are in a ring: {links}", place(link, "name"), help)
+    return None
+
+
+def _two_parents(element: Node, robot: Node, place: Place) -> Diagnostic | None:
+    name = _end(element, "child")
+    joints = [joint for joint in robot.iterchildren("joint") if _end(joint, "child") == name]
+    named = [f"`{joint.get('name')}`" for joint in joints]
+    message = f"the link `{name}` is the child of several joints: {' and '.join(named)}"
+    last = joints[-1]
+    if _end(last, "parent") == name:
+        message = f"the joint {named[-1]} connects the link `{name}` with itself"
+    note = Note(f"{named[0]} is written here", place(joints[0], "name"))
+    child = next(last.iterchildren("child"))
+    help = f"a link is the child of one joint at most: remove {named[-1]}, or give it another child"
+    return _error(message, place(child, "link"), help, note)
+
+
+def _mass(element: Node, robot: Node, place: Place) -> Diagnostic | None:
+    """A mass that is written, and that nothing can have."""
+    mass = element.find("inertial/mass") if element.tag == "link" else None
+    if mass is None or not _is_none(str(mass.get("value"))):
+        return None
+    message = f"the link `{element.get('name')}` weighs {mass.get('value')} kg, and moves"
+    return _error(message, place(mass, "value"), "write what it weighs")
+
+
+def _no_link(element: Node, robot: Node, place: Place) -> Diagnostic | None:
+    links = [str(link.get("name")) for link in robot.iterchildren("link")]
+    for end in element.iterchildren("parent", "child"):
+        name = str(end.get("link"))
+        if name not in links:
+            help = did_you_mean(name, links) or "write the link, or take the joint out"
+            note = exists_note("link", links, name)
+            return _error(f"the link `{name}` does not exist", place(end, "link"), help, note)
+    return None
+
+
+def _joint_type(element: Node, robot: Node, place: Place) -> Diagnostic | None:
+    word = str(element.get("type"))
+    help = did_you_mean(word, JOINT_TYPES) or "write one of these types"
+    note = exists_note("type", JOINT_TYPES, word)
+    return _error(f"URDF has no joint of type `{word}`", place(element, "type"), help, note)
+
+
+def _no_size(element: Node, robot: Node, place: Place) -> Diagnostic | None:
+    """MuJoCo does not say which: geoms have no names there. It reads visuals where the file says so."""
+    kept = [each.get("discardvisual") for each in robot.iterfind("mujoco/compiler")]
+    keeps_visuals = [each for each in kept if each is not None][-1:] == ["false"]
+    for each in robot.iterfind("link/*/geometry/*"):
+        shape = each.iterancestors("collision", "visual")
+        if each.tag not in _SHAPES or (next(shape).tag == "visual" and not keeps_visuals):
+            continue
+        for name in ("size", "radius", "length"):
+            if any(map(_is_none, str(each.get(name) or "").split())):
+                return _error(f"`{name}` of `<{each.tag}>` must be positive", place(each, name), _SIZES)
+    return None
+
+
+def _is_none(number: str) -> bool:
+    try:
+        return float(number) <= 0
+    except ValueError:
+        return False
+
+
+def _end(joint: Node, tag: str) -> str | None:
+    end = joint.find(tag)
+    return None if end is None else end.get("link")
+
+
+_KNOWN: Mapping[Topic, Callable[[Node, Node, Place], Diagnostic | None]] = {
+    Topic.URDF_REPEATED: _repeated,
+    Topic.URDF_RING: _ring,
+    Topic.URDF_PARENTS: _two_parents,
+    Topic.URDF_LINK: _no_link,
+    Topic.URDF_JOINT_TYPE: _joint_type,
+    Topic.MASS: _mass,
+    Topic.GEOM_SIZE: _no_size,
+    Topic.SIZE: _no_size,
+}
+"""What finds the element that a sentence is about, and says it in the words of URDF."""

@@ -1,1 +1,0 @@
-"""Exact numbers: rotations, and random draws with the same bits on every machine."""

@@ -1,1 +1,0 @@
-"""A model at a glance: its parts, bodies and joints, and the places for attaching parts."""

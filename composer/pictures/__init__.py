@@ -1,1 +1,0 @@
-"""Pictures of compiled models, with MuJoCo's own renderer. Runs in the engine's child process."""

@@ -1,1 +1,0 @@
-"""What a build will do, as data."""

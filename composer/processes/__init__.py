@@ -1,1 +1,0 @@
-"""Child processes that end with this process, however it ends."""

@@ -1,1 +1,0 @@
-"""The kinds of checks. Each has one file with its meaning, its form and its JSON Schema."""

@@ -1,1 +1,0 @@
-"""The verbs of `edit`: how each is written. Each has one file; `table` has them all."""

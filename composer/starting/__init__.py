@@ -1,1 +1,0 @@
-"""Starting points for newcomers: a recipe, or a complete repository."""

@@ -1,1 +1,0 @@
-"""Targets: models as other programs read them, for `build --target NAME`."""

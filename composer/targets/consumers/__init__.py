@@ -1,1 +1,0 @@
-"""The targets. Each has one file."""

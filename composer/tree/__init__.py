@@ -1,1 +1,0 @@
-"""MJCF as bare lxml trees: units and operations on them."""

@@ -1,0 +1,82 @@
+// The model as the server or the file has it: `composer/mjcompose/mujoco/scene.py` says what is in it.
+
+export interface Columns {
+  name: string[];
+  /** Flat lists, with a few numbers for each element. */
+  [column: string]: any[];
+}
+
+export type Place = [file: number, line: number, column: number];
+export type Change = [what: string, before: string | null, after: string | null, words: string, place: Place | null];
+export type Origin = [place: Place | null, part: number, words: string, changes: Change[]] | null;
+
+/** Where a pair of bodies is excluded from contact, and why, if `exclude: auto` found it. */
+export type Excluded = [place: Place | null, words: string, why: string | null];
+
+export interface Texture { blob: string; kind: "2d" | "cube" | "skybox"; width: number; height: number }
+export interface HeightField { blob: string; rows: number; columns: number; size: number[] }
+export interface Skin {
+  blob: string; count: number; triangles: number; mapped: boolean; material: number; rgba: number[]; group: number;
+  inflate: number; bones: number[]; moved: number[]; pos: number[]; quat: number[];
+}
+export interface Flex {
+  blob: string; count: number; dimensions: number; triangles: number; edges: number; radius: number;
+  material: number; rgba: number[]; group: number;
+}
+export interface PoseFacts { contacts: number[][]; tendons: number[][] }
+export interface Look {
+  center: number[]; extent: number; azimuth: number; elevation: number; fovy: number; jointwidth: number;
+  framewidth: number; meansize: number; haze: number[];
+  headlight: { active: boolean; ambient: number[]; diffuse: number[]; specular: number[] };
+}
+export interface Difference { text: string; before: Record<string, string[]>; after: Record<string, string[]>; label: string }
+export interface Choice { name: string; label: string; values: string[]; value: string | null }
+
+export interface Scene {
+  format: number; title: string; made: string;
+  body: Columns; joint: Columns; geom: Columns; site: Columns; camera: Columns; light: Columns; material: Columns;
+  tendon: Columns; actuator: Columns; key: Columns; exclude: { body1: number[]; body2: number[] };
+  mesh: string[]; hfield: HeightField[]; texture: Texture[]; skin: Skin[]; flex: Flex[];
+  wrap: { type: number[]; object: number[]; parameter: number[] };
+  poses: PoseFacts[]; qpos0: number[]; timestep: number; look: Look;
+  origins: { files: string[]; parts: [string, Place | null][]; of: Record<string, Origin[]>; exclude: Excluded[] };
+  editor?: { template: string; files: Record<string, string> };
+  key_named?: string | null;
+  choices?: Choice[];
+  difference?: Difference;
+}
+
+export interface Model { scene: Scene; blobs: Map<string, ArrayBuffer> }
+
+/** One element of a model: its kind, and its row among those of the kind. */
+export interface Element { kind: string; index: number }
+
+export async function unpacked(element: globalThis.Element): Promise<Model> {
+  const text = atob((element.textContent ?? "").replace(/\s/g, ""));
+  const bytes = Uint8Array.from(text, (each) => each.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  const whole = await new Response(stream).arrayBuffer();
+  const all = new Uint8Array(whole);
+  const end = all.indexOf(10);
+  const read = new TextDecoder();
+  const [size, sizes] = JSON.parse(read.decode(all.subarray(0, end))) as [number, [string, number][]];
+  let at = end + 1;
+  const scene = JSON.parse(read.decode(all.subarray(at, at + size))) as Scene;
+  at += size;
+  const blobs = new Map<string, ArrayBuffer>();
+  for (const [name, length] of sizes) {
+    blobs.set(name, whole.slice(at, at + length));
+    at += length;
+  }
+  return { scene, blobs };
+}
+
+/** The models that stand in the page itself. */
+export async function embedded(): Promise<Model[]> {
+  const models = await Promise.all([...document.querySelectorAll("script.model")].map(unpacked));
+  // What the second has in common with the first stands there once.
+  const blobs = new Map(models.flatMap((each) => [...each.blobs]));
+  return models.map(({ scene }) => ({ scene, blobs }));
+}
+
+export const row = (list: any[], index: number, width: number): number[] => list.slice(index * width, (index + 1) * width);

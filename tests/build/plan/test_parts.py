@@ -1,0 +1,75 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+from mjcompose.build.plan.describe import as_data, describe
+from mjcompose.build.plan.plan import part_name
+from mjcompose.build.plan.planner import make_plan
+from mjcompose.sources.context import Context
+
+ROBOT = '<mujoco model="robot"><worldbody><body name="base"/></worldbody></mujoco>'
+
+
+def test_paths(tmp_path: Path) -> None:
+    (tmp_path / "robot.xml").write_text(ROBOT)
+    (tmp_path / "arm.yaml").write_text(
+        "recipe: 1\nbase: ./robot.xml\nattach: {gripper: {model: ./robot.xml}}\n"
+    )
+    (tmp_path / "cell.yaml").write_text(
+        "recipe: 1\nattach:\n  left: {model: ./arm.yaml}\n  bare: {model: ./robot.xml, prefix: ''}\n"
+        "  r: {model: ./robot.xml, prefix: right}\n  cube: {model: ./robot.xml, replicate: [{count: 2}]}\n"
+    )
+    plan = make_plan(Path("cell.yaml"), Context(environment={}, folder=tmp_path))
+    assert plan is not None
+    assert [part_name(part, "/") for part in plan.parts] == ["left", "bare", "right", "cube0", "cube1"]
+    assert list(plan.part_names) == [
+        "left", "left/base", "left/gripper", "bare", "right", "cube0", "cube1",
+    ]  # fmt: skip
+
+
+def test_places_of_a_walk(tmp_path: Path) -> None:
+    (tmp_path / "robot.xml").write_text(ROBOT)
+    (tmp_path / "arm.yaml").write_text(
+        "recipe: 1\nbase: ./robot.xml\nattach: {gripper: {model: ./robot.xml, keyframes: prefix}}\n"
+    )
+    (tmp_path / "cell.yaml").write_text(
+        "recipe: 1\nbase: ./arm.yaml\nattach:\n"
+        "  left: {model: ./arm.yaml, keyframes: prefix, body: base}\n"
+        "  bare: {model: ./arm.yaml, prefix: '', keyframes: none}\n"
+    )
+    plan = make_plan(Path("cell.yaml"), Context(environment={}, folder=tmp_path))
+    assert plan is not None
+    places = {place.part: place for place in plan.walk()}
+    assert {part: (each.prefix, each.keys, each.stands) for part, each in places.items()} == {
+        "": ("", "", True),
+        "base": ("", "", True),
+        "base/base": ("", "", True),
+        "base/gripper": ("gripper/", "gripper/", True),
+        "left": ("left/", "left/", False),
+        "left/base": ("left/", "left/", False),
+        "left/gripper": ("left/gripper/", "left/gripper/", False),
+        "bare": ("", None, True),
+        "bare/base": ("", None, True),
+        "bare/gripper": ("gripper/", None, True),
+    }
+    assert places["base"].others == ("left/",)
+    assert places["base/base"].others == ("left/", "gripper/")
+    assert places["left/base"].others == ("left/gripper/",)
+    assert places["left/gripper"].span == plan.parts[0].span
+    assert [each.name for each in plan.plans()] == ["cell", "arm", "arm", "arm"]
+    assert len(list(plan.sources())) == 6
+
+
+def test_copies_are_described_once(tmp_path: Path) -> None:
+    (tmp_path / "robot.xml").write_text(ROBOT)
+    (tmp_path / "r.yaml").write_text(
+        "recipe: 1\nattach: {peg: {model: ./robot.xml, replicate: [{count: 12}, {count: 2}]}}\n"
+        "keyframe: {home: {}}\n"
+    )
+    plan = make_plan(Path("r.yaml"), Context(environment={}, folder=tmp_path))
+    assert plan is not None and len(plan.parts) == 24
+    assert describe(plan).splitlines()[2:] == [
+        "  attach peg00_0/ … peg11_1/ (12 × 2): ./robot.xml, in the world",
+        "  write the keyframe home",
+    ]
+    assert len(as_data(plan)["parts"]) == 24

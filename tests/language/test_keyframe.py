@@ -1,0 +1,29 @@
+from __future__ import annotations
+
+from mjcompose.language.recipe import Recipe
+from mjcompose.text.expression_values import Angle
+
+
+def test_read() -> None:
+    recipe = Recipe.model_validate(
+        {
+            "recipe": 1,
+            "keyframe": {
+                "a": {
+                    "from": {"base": "home", "left/gripper": "open"},
+                    "time": 2,
+                    "qpos": {"hinge": "90deg", "ball": [1, 0, 0, 0]},
+                    "mquat": {"goal": [1, 0, 0, 0]},
+                },
+                "b": {},
+            },
+        }
+    )
+    first, second = recipe.keyframe
+    assert (first.name, first.time) == ("a", 2.0)
+    assert first.sources == {"base": "home", "left/gripper": "open"}
+    assert first.values == {
+        "qpos": {"hinge": (Angle(90.0, "deg"),), "ball": (1, 0, 0, 0)},
+        "mquat": {"goal": (1, 0, 0, 0)},
+    }
+    assert (second.name, second.time, second.sources, second.values) == ("b", None, {}, {})

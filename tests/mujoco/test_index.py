@@ -1,0 +1,84 @@
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import mujoco
+import numpy as np
+from mjcompose.mujoco.index import Actuator, Camera, Index, Joint, Keyframe, Sensor, _actuators, index
+
+
+def model(text: str) -> Any:
+    return mujoco.MjModel.from_xml_string(text)
+
+
+def test_it_is_made_from_what_the_child_sends() -> None:
+    data = {
+        "joints": [
+            {
+                "name": "j",
+                "type": "ball",
+                "qpos": [7, 4],
+                "dof": [6, 3],
+                "limited": True,
+                "range": [0, 1],
+                "body": "b",
+            }
+        ],
+        "actuators": [
+            {
+                "name": "a",
+                "ctrl": [2, 3],
+                "act": [4, 5],
+                "unit": "rad",
+                "ctrl_ranges": [None, [0, 1], None],
+                "act_range": None,
+                "force_range": [-1, 1],
+                "stiffness": 8.0,
+            }
+        ],
+        "sensors": [{"name": "s", "type": "gyro", "data": [8, 3], "unit": "rad/s", "cutoff": None}],
+        "keyframes": [{"name": "k", "time": 0.5}],
+        "cameras": [{"name": "c", "body": "b", "fovy": 45, "unit": "deg", "resolution": [4, 3]}],
+        "bodies": ["world", "b"],
+    }
+    assert Index.from_data(data) == Index(
+        joints=(Joint("j", "ball", 7, 4, 6, 3, True, (0, 1), "b"),),
+        actuators=(Actuator("a", 2, 3, 4, 5, "rad", (None, (0, 1), None), None, (-1, 1), 8.0),),
+        sensors=(Sensor("s", "gyro", 8, 3, "rad/s"),),
+        keyframes=(Keyframe("k", 0.5),),
+        cameras=(Camera("c", "b", 45, "deg", (4, 3)),),
+        bodies=("world", "b"),
+    )
+
+
+def test_a_version_in_which_an_actuator_has_one_control() -> None:
+    old = SimpleNamespace(nq=0, nu=2, names=b"a\0b\0", name_actuatoradr=[0, 2], actuator_actadr=[-1, 0])
+    old.actuator_actnum = [0, 1]
+    old.actuator_dyntype = [int(mujoco.mjtDyn.mjDYN_MUSCLE)] * 2
+    old.actuator_ctrllimited, old.actuator_ctrlrange = [1, 0], [[0, 2], [0, 0]]
+    old.actuator_trntype, old.actuator_trnid = [3, 3], np.array([[0, -1], [0, -1]])
+    old.actuator_actlimited = old.actuator_forcelimited = [0, 0]
+    free = {"unit": "1", "act_range": None, "force_range": None, "stiffness": 0.0}
+    assert _actuators(old, mujoco) == [
+        {"name": "a", "ctrl": [0, 1], "act": [-1, 0], "ctrl_ranges": [[0, 2]], **free},
+        {"name": "b", "ctrl": [1, 1], "act": [0, 1], "ctrl_ranges": [None], **free},
+    ]
+
+
+def test_types_of_sensors_are_the_tags_of_mjcf() -> None:
+    text = """<mujoco><worldbody><body name="b"><joint name="j" range="0 1"/><geom name="g" size="1"/>
+      <site name="s"/></body><geom name="h" size="1"/><camera name="c" resolution="9 9"/></worldbody>
+      <tendon><fixed name="t" range="0 1" limited="true"><joint joint="j" coef="1"/></fixed></tendon>
+      <sensor>{}</sensor></mujoco>"""
+    lines = {
+        "camprojection": 'site="s" camera="c"', "jointactuatorfrc": 'joint="j"',
+        "tendonactuatorfrc": 'tendon="t"', "jointlimitpos": 'joint="j"',
+        "tendonlimitfrc": 'tendon="t"', "distance": 'geom1="g" geom2="h"',
+        "normal": 'geom1="g" geom2="h"', "fromto": 'geom1="g" geom2="h"', "e_potential": "", "clock": "",
+        "insidesite": 'site="s" objtype="body" objname="b"', "user": 'dim="2"', "subtreecom": 'body="b"',
+        "framexaxis": 'objtype="geom" objname="g"', "velocimeter": 'site="s"', "contact": 'geom1="g"',
+    }  # fmt: skip
+    sensors = "".join(f"<{tag} {attributes}/>" for tag, attributes in lines.items())
+    found = index(model(text.format(sensors)), mujoco)
+    assert [sensor["type"] for sensor in found["sensors"]] == list(lines)

@@ -1,0 +1,86 @@
+"""Makes `composer/mjcompose/model/history.json`: which elements and attributes each MuJoCo since 3.0 has that not all have.
+
+`python tests/tools/migrate/survey.py FOLDER`, where FOLDER has one environment for each version: `FOLDER/3.0.0/bin/python`, or
+a folder of packages (`pip install --target FOLDER/3.0.0 mujoco==3.0.0`). Each is asked for the schema that it prints.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(ROOT))
+
+from mjcompose.tools.migrate.editing import RELEASED  # noqa: E402
+
+OUT = ROOT / "composer" / "mjcompose" / "model" / "history.json"
+ASK = "import mujoco; print(mujoco.mj_printSchema(False, True))"
+_LINE = re.compile(r"^( *)(\S+) \((.)\)\s*(.*)$")
+_LEVEL, _COLUMN = 3, 20
+# The schema does not print what stands for its own content; these are the words of MuJoCo's changelog.
+META = {"frame": ["3.1.0", None], "replicate": ["3.1.5", None]}
+
+Schema = dict[str, set[str]]
+
+
+def schema(text: str) -> Schema:
+    """The attributes of each element by its path: without the root, and with one `body` for all bodies."""
+    found: Schema = {}
+    above: list[str] = []
+    here: set[str] = set()
+    for line in text.splitlines():
+        match = _LINE.match(line)
+        attributes = line
+        if match and not (found and len(match[1]) >= _COLUMN):
+            above = [*above[: len(match[1]) // _LEVEL], match[2]]
+            path = "/".join(above).removeprefix("mujoco/").replace("(world)body", "body")
+            here, attributes = found.setdefault(path, set()), match[4]
+        here.update(attributes.split())
+    return found
+
+
+def history(schemas: dict[str, Schema]) -> dict[str, dict[str, list[str | None]]]:
+    """First and last version of what is not in all versions, as `element` or `element@attribute`."""
+    versions = list(schemas)
+    spans: dict[str, list[str]] = {}
+    for version, each in schemas.items():
+        for path, attributes in each.items():
+            for name in (path, *(f"{path}@{attribute}" for attribute in attributes)):
+                spans.setdefault(name, []).append(version)
+    found: dict[str, list[str | None]] = {
+        name: [None if had[0] == versions[0] else had[0], None if had[-1] == versions[-1] else had[-1]]
+        for name, had in spans.items()
+        if len(had) < len(versions)
+    }
+    for name, had in spans.items():
+        assert versions.index(had[-1]) - versions.index(had[0]) + 1 == len(had), f"{name} came back"
+    found = {
+        name: span
+        for name, span in found.items()
+        if found.get(name.partition("@")[0]) != span or "@" not in name
+    }
+    return {"spans": dict(sorted({**found, **META}.items()))}
+
+
+def ask(folder: Path, version: str) -> str:
+    python = folder / version / "bin" / "python"
+    environment = dict(os.environ)
+    if not python.exists():
+        python = Path(sys.executable)
+        environment["PYTHONPATH"] = os.pathsep.join(map(str, (folder / version, folder / "np1")))
+    asked = subprocess.run([python, "-c", ASK], env=environment, capture_output=True, text=True, check=True)
+    return asked.stdout
+
+
+if __name__ == "__main__":
+    folder = Path(sys.argv[1])
+    found = history(
+        {version: schema(ask(folder, version)) for version in RELEASED if (folder / version).exists()}
+    )
+    text = json.dumps(found, indent=1)
+    OUT.write_text(re.sub(r"\[\s*(\S+)\s+(\S+)\s*\]", r"[\1 \2]", text) + "\n", encoding="utf-8")

@@ -1,0 +1,223 @@
+"""The server, with a browser that looks on."""
+
+from __future__ import annotations
+
+import json
+import stat
+import time
+import webbrowser
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from threading import Event, Thread
+from typing import Any
+from urllib.parse import unquote, urlsplit
+
+import pytest
+from mjcompose.cli.reporting import words_of
+from mjcompose.mujoco.engine import Session
+from mjcompose.sources.context import Context
+from mjcompose.tools.view import live
+from mjcompose.tools.view.builder import Workshop
+from mjcompose.tools.view.live import Service, serve, started
+from mjcompose.tools.view.page import Asked
+from mjcompose.tools.view.server import Server
+
+MODEL = '<mujoco><worldbody><body name="arm"><joint name="elbow"/><geom name="{}" size="0.1"/></body></worldbody></mujoco>'
+TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+MESHED = """<mujoco><asset><mesh name="m" file="m.obj"/></asset>
+<worldbody><geom type="mesh" mesh="m" rgba="{}"/></worldbody></mujoco>"""
+FALL = "<mujoco><worldbody><body><joint type='slide'/><geom size='0.1'/></body></worldbody></mujoco>"
+UNSTABLE = """<mujoco><option timestep="0.02"/><worldbody><body><joint type="slide"/><geom size="0.1"/><body>
+<joint name="spring" type="slide" axis="0 0 1" stiffness="1e6" springref="0.5"/><geom size="0.05" mass="0.1"/></body></body></worldbody></mujoco>"""
+RECIPE = """recipe: 1
+base: ./arm.xml
+variants: {size: {small: {}, large: {edit: [{select: {body: arm}, scale: {mass: 2}}]}}}
+"""
+
+
+@pytest.fixture
+def server(tmp_path: Path) -> Iterator[Server]:
+    (tmp_path / "arm.xml").write_text(MODEL.format("ball"))
+    (tmp_path / "arm.yaml").write_text(RECIPE)
+    with running("arm.yaml", tmp_path) as found:
+        yield found
+
+
+@contextmanager
+def running(target: str, folder: Path, key: str | None = None, opens: bool = False) -> Iterator[Server]:
+    """A server of a target, which watches."""
+    with Session() as session:
+        workshop = Workshop(target, Asked(), session, lambda: Context(folder=folder), words_of, key)
+        found = started(workshop, Service(), Context())
+        assert found is not None
+        stop = Event()
+        thread = Thread(target=serve, args=(found, opens, lambda line: None, stop, lambda shown: None))
+        thread.start()
+        try:
+            yield found
+        finally:
+            stop.set()
+            thread.join()
+
+
+def test_a_port_that_is_taken_is_a_line(server: Server) -> None:
+    context = Context()
+    port = int(server.address.split(":")[2].split("/")[0])
+    assert started(server.workshop, Service(port=port), context) is None
+    (fault,) = context.sink.errors
+    assert fault.code == "no-server" and "already in use" in fault.message and "--port" in str(fault.help)
+
+
+@pytest.mark.slow
+def test_what_is_saved_is_shown_and_what_is_common_stays(
+    server: Server, tmp_path: Path, open_page: Callable[..., Any]
+) -> None:
+    page = open_page(server.address)
+    other = open_page(server.address)
+    page.evaluate("mjcompose.setQpos([0.7])")
+    page.evaluate("mjcompose.select({kind: 'body', index: 1}, true)")
+    page.evaluate("mjcompose.stage.camera.position.set(3, 2, 1)")
+    (tmp_path / "arm.xml").write_text(MODEL.format("sphere"))
+    for each in (page, other):
+        each.wait_for_selector("html[data-shown='2']", state="attached", timeout=20_000)
+        assert each.evaluate("mjcompose.world.model.scene.geom.name") == ["sphere"]
+    assert page.evaluate(
+        "[mjcompose.world.pose.qpos[0], mjcompose.selection.index, mjcompose.stage.camera.position.x]"
+    ) == [0.7, 1, 3]
+
+
+@pytest.mark.slow
+def test_a_new_model_is_drawn_once_and_its_meshes_are_not_made_again(
+    tmp_path: Path, open_page: Callable[..., Any]
+) -> None:
+    (tmp_path / "m.obj").write_text(TETRAHEDRON)
+    (tmp_path / "meshed.xml").write_text(MESHED.format("1 0 0 1"))
+    with running("meshed.xml", tmp_path) as server:
+        page = open_page(server.address)
+        page.wait_for_timeout(300)
+        page.evaluate("window.before = mjcompose.world; before.surface = before.batches[0].mesh.geometry")
+        frames = page.evaluate("mjcompose.stage.frames")
+        (tmp_path / "meshed.xml").write_text(MESHED.format("0 1 0 1"))
+        page.wait_for_selector("html[data-shown='2']", state="attached", timeout=20_000)
+        page.wait_for_timeout(300)
+        assert page.evaluate("mjcompose.world !== before")
+        assert page.evaluate("mjcompose.world.batches[0].mesh.geometry === before.surface")
+        assert page.evaluate("mjcompose.stage.frames") == frames + 1
+
+
+@pytest.mark.slow
+def test_a_fault_is_shown_above_the_last_good_model(
+    server: Server, tmp_path: Path, open_page: Callable[..., Any]
+) -> None:
+    page = open_page(server.address)
+    (tmp_path / "arm.yaml").write_text("recipe: 1\nbase: ./arn.xml\n")
+    page.wait_for_selector(".fault:not([hidden])", timeout=20_000)
+    words = page.locator(".fault pre").inner_text()
+    assert "arm.yaml:2:7: error[source-not-found]" in words and "^^^^" in words
+    assert page.evaluate("mjcompose.world.model.scene.geom.name") == ["ball"]
+    (tmp_path / "arm.yaml").write_text(RECIPE)
+    page.wait_for_selector(".fault", state="hidden", timeout=20_000)
+    (tmp_path / "arm.xml").unlink()
+    page.wait_for_selector(".fault:not([hidden])", timeout=20_000)
+
+
+@pytest.mark.slow
+def test_the_first_build_may_fail_until_the_missing_file_is_there(
+    tmp_path: Path, open_page: Callable[..., Any]
+) -> None:
+    (tmp_path / "models").mkdir()
+    (tmp_path / "arm.yaml").write_text("recipe: 1\nbase: ./models/arm.xml\n")
+    with running("arm.yaml", tmp_path) as server:
+        page = open_page(server.address, models=None)
+        page.wait_for_selector(".fault:not([hidden])", timeout=20_000)
+        assert "arm.yaml:2:7: error[source-not-found]" in page.locator(".fault pre").inner_text()
+        (tmp_path / "models" / "arm.xml").write_text(MODEL.format("ball"))
+        page.wait_for_selector("html[data-shown='1']", state="attached", timeout=20_000)
+        page.wait_for_selector(".fault", state="hidden")
+
+
+@pytest.mark.slow
+def test_a_page_that_lost_the_server_for_a_while_goes_on(
+    server: Server, tmp_path: Path, open_page: Callable[..., Any]
+) -> None:
+    page = open_page(server.address)
+    server.hub.close()  # as after a sleep: no stream is left
+    (tmp_path / "arm.xml").write_text(MODEL.format("sphere"))
+    page.wait_for_selector("html[data-shown='2']", state="attached", timeout=20_000)
+
+
+def test_a_keyframe_that_does_not_exist_is_a_fault(tmp_path: Path) -> None:
+    (tmp_path / "arm.xml").write_text(MODEL.format("ball"))
+    with running("arm.xml", tmp_path, key="home") as server:
+        assert server.workshop.build().fault is not None
+        assert "keyframe `home`" in str(server.workshop.shown.fault) and server.workshop.shown.version == -1
+
+
+@pytest.mark.slow
+def test_a_menu_chooses_another_variant(server: Server, open_page: Callable[..., Any]) -> None:
+    page = open_page(server.address)
+    mass = "mjcompose.world.model.scene.body.mass[1]"
+    before = page.evaluate(mass)
+    page.get_by_label("variant size").select_option("large")
+    page.wait_for_selector("html[data-shown='2']", state="attached", timeout=20_000)
+    assert abs(page.evaluate(mass) / before - 2) < 1e-6
+    assert json.loads(server.workshop.shown.text)["choices"][0]["value"] == "large"
+
+
+@pytest.mark.slow
+def test_physics_run_on_the_server(tmp_path: Path, open_page: Callable[..., Any]) -> None:
+    (tmp_path / "fall.xml").write_text(FALL)
+    with running("fall.xml", tmp_path) as server:
+        page = open_page(server.address)
+        page.get_by_title("physics (space)").click()
+        for _ in range(200):
+            if page.evaluate("mjcompose.world.pose.qpos[0]") < -0.05:
+                break
+            page.wait_for_timeout(50)
+        page.get_by_title("physics (space)").click()
+        page.wait_for_selector(".tool.on", state="detached", timeout=20_000)
+        fallen = page.evaluate("mjcompose.world.pose.qpos[0]")
+        page.wait_for_timeout(200)
+        assert page.evaluate("mjcompose.world.pose.qpos[0]") == fallen < -0.05
+
+
+@pytest.mark.slow
+def test_a_model_that_diverges_stops_with_a_sentence_and_can_be_mended(
+    tmp_path: Path, open_page: Callable[..., Any]
+) -> None:
+    (tmp_path / "model.xml").write_text(UNSTABLE)
+    with running("model.xml", tmp_path) as server:
+        page = open_page(server.address)
+        for _ in range(2):  # it may be tried again
+            page.get_by_title("physics (space)").click()
+            page.wait_for_selector(".fault:not([hidden])", timeout=20_000)
+            words = page.locator(".fault").inner_text()
+            assert (
+                "The simulation has stopped" in words
+                and "unstable: NaN or a huge acceleration in joint `spring`" in words
+            )
+            page.wait_for_selector(".tool.on", state="detached")
+        (tmp_path / "model.xml").write_text(FALL)
+        page.wait_for_selector("html[data-shown='2']", state="attached", timeout=20_000)
+        page.wait_for_selector(".fault", state="hidden", timeout=20_000)
+
+
+def test_the_browser_gets_the_token_through_a_file_of_this_user(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Everybody on a machine can read command lines."""
+    (tmp_path / "arm.xml").write_text(MODEL.format("ball"))
+    opened: list[str] = []
+    monkeypatch.setattr(live, "_no_browser", lambda: None)
+    monkeypatch.setattr(webbrowser, "open", opened.append)
+    with running("arm.xml", tmp_path, opens=True) as server:
+        for _ in range(200):
+            if opened:
+                break
+            time.sleep(0.05)
+        file = Path(unquote(urlsplit(opened[0]).path))
+        assert server.guard.token not in opened[0] and opened[0].startswith("file:///")
+        assert stat.S_IMODE(file.stat().st_mode) == 0o600
+        assert f'content="0; url={server.address}"' in file.read_text()
+    assert not file.exists() and len(opened) == 1

@@ -1,0 +1,70 @@
+"""Worlds in mjlab, which pins an older MuJoCo, on the CPU: alone, and as an entity of a scene with others."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import mjcompose
+import mujoco
+import numpy as np
+import pytest
+from mjcompose import worlds
+from tools.worlds.studies import ARM, arm, stepped
+
+pytest.importorskip("mjlab", reason="mjlab is not installed")
+
+
+def simulation(study: worlds.Worlds, entity: str | None, term: Any, **cfg: Any) -> Any:
+    from mjlab.entity import EntityCfg
+    from mjlab.scene import Scene, SceneCfg
+    from mjlab.sim.sim import Simulation, SimulationCfg
+
+    model = study.nominal
+    if entity is not None:
+        robot = EntityCfg(spec_fn=lambda: mujoco.MjSpec.from_file(str(ARM / "bundle" / "model.xml")))
+        scene = SceneCfg(num_envs=study.count, entities={"first": robot, "second": robot}, spec_fn=apart)
+        model = Scene(scene, "cpu").compile()
+    sim = Simulation(cfg.get("envs", study.count), SimulationCfg(), model=model, device="cpu")
+    sim.expand_model_fields(term.func.model_fields)
+    term.func(SimpleNamespace(sim=sim), None)
+    if term.func.recompute:
+        sim.recompute_constants(term.func.recompute)
+    return sim
+
+
+def apart(spec: mujoco.MjSpec) -> None:
+    """Both arms stand at the same place: they do not collide."""
+    for geom in spec.geoms:
+        geom.contype = geom.conaffinity = 0
+
+
+@pytest.mark.parametrize("entity", [None, "second"])
+def test_worlds_step_as_in_mujoco(entity: str | None) -> None:
+    study = arm()
+    term = worlds.mjlab(study, entity)["worlds"]
+    assert term.mode == "startup"
+    assert {"body_mass", "body_inertia", "dof_invweight0", "body_subtreemass"} <= set(term.func.model_fields)
+    sim = simulation(study, entity, term)
+    for _ in range(100):
+        sim.step()
+    for name in ("timestep", "integrator", "iterations", "ls_iterations", "tolerance", "cone", "impratio"):
+        setattr(
+            study.nominal.opt, name, getattr(sim.mj_model.opt, name)
+        )  # mjlab writes its own into the model
+    found = sim.data.qpos.cpu().numpy()
+    assert np.allclose(found[:, -2:], stepped(study), atol=1e-5)
+    if entity is not None:
+        nominal = mujoco.MjData(study.nominal)
+        mujoco.mj_step(study.nominal, nominal, 100)
+        assert np.allclose(found[:, :2], nominal.qpos, atol=1e-5)
+
+
+def test_what_does_not_fit() -> None:
+    study = arm()
+    with pytest.raises(mjcompose.LoadError, match="there are 4 environments and 8 worlds"):
+        simulation(study, None, worlds.mjlab(study)["worlds"], envs=4)
+    few = study.take(range(4))
+    simulation(few, None, worlds.mjlab(few)["worlds"])
+    with pytest.raises(mjcompose.LoadError, match="the scene has no body `third/"):
+        simulation(study, "third", worlds.mjlab(study, "third")["worlds"])

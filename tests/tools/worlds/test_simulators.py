@@ -1,0 +1,73 @@
+"""A simulator that does not take a model: the error names what it refuses, and what it says itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import mjcompose
+import mujoco
+import pytest
+from mjcompose.build.bundle.manifest import Sensor
+from mjcompose.tools.worlds.simulators import Simulator
+from mjcompose.tools.worlds.worlds import Worlds
+from tools.worlds.studies import TENDON, arm, made, refused
+
+CYLINDERS = """\
+<mujoco>
+  <worldbody>
+    <geom name="table" type="box" size="1 1 0.1"/>
+    <body name="can" pos="0 0 1"><freejoint/><geom type="cylinder" size="0.1 0.1"/></body>
+    <body name="jar" pos="1 0 1"><freejoint/><geom name="jar" type="cylinder" size="0.1 0.1"/></body>
+  </worldbody>
+</mujoco>
+"""
+
+
+def put_model(_model: mujoco.MjModel) -> Any:
+    raise NotImplementedError("(mjGEOM_CYLINDER, mjGEOM_BOX) collisions not implemented.")
+
+
+def taken(study: Worlds) -> Any:
+    return Simulator("mjx", put_model).take(study, study.nominal)
+
+
+def test_the_elements_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("mjcompose.tools.worlds.simulators.version", lambda _: "9.0")
+    with pytest.raises(mjcompose.LoadError) as caught:
+        taken(made(mujoco.MjModel.from_xml_string(CYLINDERS), body_mass=(1, [1.0, 2.0])))
+    help = (
+        "in the recipe edit one of the two: `set: {type: capsule}`, or `set: {contype: 0, conaffinity: 0}`,"
+        " and build it again; or use `worlds.mujoco`, which takes all that MuJoCo compiles"
+    )
+    assert str(caught.value).splitlines() == [
+        "error[target-cannot]: geom #0 of body `can`: MJX cannot compute contacts of a cylinder with a box",
+        "  = note: mujoco-mjx 9.0 says: (mjGEOM_CYLINDER, mjGEOM_BOX) collisions not implemented.",
+        "  = note: 1 more like this:",
+        "          geom `jar`",
+        f"  = help: {help}",
+    ]
+
+
+def test_where_a_sensor_is_written() -> None:
+    text = TENDON.replace("</mujoco>", '<sensor><e_kinetic name="heat"/></sensor></mujoco>')
+    study = made(mujoco.MjModel.from_xml_string(text), body_mass=(1, [1.0, 2.0]))
+    assert study.manifest.index is not None
+    sensor = Sensor(name="heat", type="e_kinetic", address=0, size=1, origin="rope.xml:7")
+    index = study.manifest.index.model_copy(update={"sensors": (sensor,)})
+    with pytest.raises(mjcompose.LoadError) as caught:
+        taken(replace(study, manifest=study.manifest.model_copy(update={"index": index})))
+    (found,) = caught.value.diagnostics
+    assert found.message == "sensor `heat`: MJX has no such sensor"
+    assert found.notes[0].message == "it is written in rope.xml:7"
+
+
+def test_what_is_not_known_has_the_words_of_the_simulator() -> None:
+    found = refused(taken, {})
+    assert found.message == "MJX does not take the model of the worlds"
+    assert "collisions not implemented" in found.notes[0].message
+
+
+def test_a_model_that_it_takes() -> None:
+    study = arm()
+    assert Simulator("warp", lambda model: model.nq).take(study, study.nominal) == study.nominal.nq
