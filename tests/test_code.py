@@ -18,7 +18,7 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 FUNCTIONS_LEFT = Counter(
     """
-    Comparison Composer Correspondence Workshop _Check _Recovery _Run _assembled _bundle _changed _check _flag
+    Comparison Composer Correspondence Workshop _Check _Recovery _Run _assembled _bundle _check _flag
     _give _given _look_up _of_use _one _page _recipe _rename_special _sheet _take _write _wrong add_file
     add_named_file between build_cells build_worlds check_fragment compare compile convert_urdf diff element
     error load load_cell loose_end make parse_text plan render render_sheet select_counted unknown
@@ -38,11 +38,11 @@ CALLS_LEFT = Counter(
     _complete=1, _composed=1, _count=2, _cut=2, _element=2, _error=4, _find=1, _flag=6, _flat=3, _flexible=1,
     _free=1, _free_inside=1, _free_joint=1, _give_paths=1, _in_recipe=2, _in_world=1, _inner=2, _insert=4,
     _is_angle=1, _is_sound=2, _join=2, _joint=1, _linked=2, _measure=1, _mocap=1, _mount=2, _moved=2,
-    _multiplies=1, _name=2, _name_asset=1, _nested=3, _no_range=1, _not_apart=1, _note=2, _note_copies=2,
+    _multiplies=1, _name=2, _name_asset=1, _no_range=1, _not_apart=1, _note=2, _note_copies=2,
     _note_mocaps=1, _note_references=1, _noted=2, _of_use=1, _orientations=1, _own_files=1, _own_keys=1,
     _pattern=1, _place=1, _read=2, _refer_to_keys=1, _refuse=2, _rejected=1, _rename_parameter=1,
     _rename_part=1, _rename_special=1, _replicate=1, _report=6, _selected=1, _sensing_body=1, _size_of=1,
-    _skin=1, _skins=1, _slices=9, _snapshot=2, _span=1, _stands_alone=2, _text=3, _tree=6, _unknown=1,
+    _skin=1, _skins=1, _snapshot=2, _span=1, _stands_alone=2, _text=3, _tree=6, _unknown=1,
     _unknown_element=2, _up_to_the_next=1, _value=2, _waits_for_itself=1, _walk=6, _warn=3, _weightless=1,
     _where=1, _wishes=1, _write=3, _writer=2, add=8, add_file=1, advise=6, attribute_of=2, cannot_be_kept=6,
     carried=1, check=1, check_one=2, copied=1, commit=1, create=2, cut_row=2, drop=4, element=11, failed=13, fault=8,

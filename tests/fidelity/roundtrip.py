@@ -14,8 +14,8 @@ import numpy as np
 from fidelity import dmcontrol
 from fidelity.building import reread
 from lxml import etree
-from mjcompose.mujoco.compare import compare
 from mjcompose.mujoco.keyframes import Keys
+from mjcompose.mujoco.unchanged import compare
 
 SIX_DIGITS = 1e-5
 """Relative: what is left of a number when MuJoCo saves it."""

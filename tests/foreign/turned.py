@@ -11,9 +11,9 @@ import mujoco
 import yaml
 from fidelity.building import build
 from foreign.strings import Source, Verdict
-from mjcompose.mujoco.compare import compare
 from mjcompose.mujoco.keyframes import Keys
 from mjcompose.mujoco.match import Mount
+from mjcompose.mujoco.unchanged import compare
 
 # Angles and places of no symmetry, and both with all digits.
 PLACES = {

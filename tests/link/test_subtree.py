@@ -15,8 +15,8 @@ from mjcompose.link.subtree import Subtree, take_subtree
 from mjcompose.model.parse import parse_file
 from mjcompose.model.unit import Unit
 from mjcompose.model.xml_text import write
-from mjcompose.mujoco.compare import compare
 from mjcompose.mujoco.match import Mount
+from mjcompose.mujoco.unchanged import compare
 from mjcompose.sources.context import Context
 from sampling import rest_slow
 

@@ -9,8 +9,8 @@ from link.workshop import BASE, Piece, Workshop, hinge, placed
 from mjcompose.base.rotation import Pose, normalise, rotate
 from mjcompose.link import world
 from mjcompose.link.linking import Joint, Place
-from mjcompose.mujoco.compare import compare
 from mjcompose.mujoco.match import Mount
+from mjcompose.mujoco.unchanged import compare
 
 ARM = """<mujoco model="arm"><worldbody><body name="still"><geom size=".1"/>
   <body name="link"><joint name="j"/><geom size=".1"/><site name="flange"/></body><site name="foot"/></body>

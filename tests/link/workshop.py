@@ -19,9 +19,9 @@ from mjcompose.link.measure import measure_with
 from mjcompose.model.parse import parse_file
 from mjcompose.model.unit import Unit
 from mjcompose.model.xml_text import write
-from mjcompose.mujoco.compare import compare
 from mjcompose.mujoco.keyframes import Keys
 from mjcompose.mujoco.match import Difference, Mount
+from mjcompose.mujoco.unchanged import compare
 from mjcompose.sources.context import Context
 
 BASE = '<mujoco model="base"><worldbody><site name="mark" pos="1 2 3"/></worldbody></mujoco>'

@@ -8,8 +8,8 @@ import mujoco
 import pytest
 from mjcompose import mjcf
 from mjcompose.mujoco.arrays import ROUNDING
-from mjcompose.mujoco.compare import compare
 from mjcompose.mujoco.keyframes import Keys
+from mjcompose.mujoco.unchanged import compare
 
 _MOVED = ("key_qpos", "key_qvel", "key_mpos", "key_mquat")
 

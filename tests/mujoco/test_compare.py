@@ -9,11 +9,11 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.base.rotation import Pose
-from mjcompose.mujoco.arrays import NOT_OF_AN_ELEMENT, RULES
+from mjcompose.mujoco.arrays import Treatment, about
 from mjcompose.mujoco.attributes import KINDS
-from mjcompose.mujoco.compare import compare, same_dampratio
 from mjcompose.mujoco.keyframes import Keys, Roots
 from mjcompose.mujoco.match import Difference, Mount
+from mjcompose.mujoco.unchanged import compare, same_dampratio
 
 MODEL = """
 <mujoco>
@@ -568,23 +568,6 @@ def test_a_named_body_is_no_stand_in_for_one_without_a_name() -> None:
     assert told(compare(alone, both)) == {("body", "#2", "body_pos")}
 
 
-def test_every_array_of_the_model_has_its_place_in_the_tables() -> None:
-    """An array that a new MuJoCo brings must be plain, or be given a rule."""
-    model = mujoco.MjModel.from_xml_string(HAND)
-    elsewhere = {name for names in NOT_OF_AN_ELEMENT for name in names.split()}
-    words = {kind.arrays for kind in KINDS.values()} | {"dof"}
-    unplaced = [
-        name
-        for name in dir(model)
-        if isinstance(getattr(model, name), np.ndarray)
-        and not name.startswith(("name_", "_"))
-        and name not in RULES
-        and name not in elsewhere
-        and name.split("_", 1)[0] not in words
-    ]
-    assert unplaced == []
-
-
 def test_plain_arrays_have_one_row_an_element() -> None:
     """With all counts different, an array of another length than its kind's can be no plain one."""
     limb = '<body><joint/><joint axis="1 0 0"/><geom size=".1"/><site/><site/><site/></body>'
@@ -602,7 +585,7 @@ def test_plain_arrays_have_one_row_an_element() -> None:
         for name in dir(crowd)
         if isinstance(array := getattr(crowd, name), np.ndarray)
         and (word := name.split("_", 1)[0]) in rows
-        and name not in RULES
+        and about(name).treatment is Treatment.PLAIN
         and array.shape[:1] != (rows[word],)
     ]
     assert odd == []

@@ -9,11 +9,10 @@ from functools import cache
 import mujoco
 import numpy as np
 import pytest
-from mjcompose.mujoco.addresses import IN_THE_WORLD
-from mjcompose.mujoco.arrays import NOT_OF_AN_ELEMENT, RULES, Treatment
-from mjcompose.mujoco.compare import compare
+from mjcompose.mujoco.arrays import ARRAYS, PLACED, Treatment, about
 from mjcompose.mujoco.keyframes import Keys
 from mjcompose.mujoco.match import Mount
+from mjcompose.mujoco.unchanged import compare
 from mujoco.test_compare import HAND
 
 pytestmark = pytest.mark.mujoco4("its attach does not find the material of a skin")
@@ -55,7 +54,6 @@ PART = (
 BASE = f"""<mujoco><size nuser_geom="2" {_USER}/><worldbody><body name="post" pos="0 0 1">
   <geom size=".1"/><site name="flange" pos=".1 0 0" euler="0 30 0"/><body name="far"><geom size=".2"/></body>
 </body></worldbody><keyframe><key name="k"/></keyframe></mujoco>"""
-ELSEWHERE = {name for names in NOT_OF_AN_ELEMENT for name in names.split()}
 COMPARED_ELSEWHERE = {"qpos0", "qpos_spring", "wrap_prm", "flexedge_length0"}
 """Arrays that belong to no element, and whose numbers are compared by what they belong to."""
 
@@ -96,20 +94,15 @@ def _places(name: str, moved: bool) -> list[int]:
     """The numbers of an array that belong to the part alone, and not to its place: by their index in the flat array."""
     alone, _ = models()
     array = getattr(alone, name)
-    rule = RULES.get(name)
+    treatment = about(name).treatment
     kind = name.split("_", 1)[0]
     rows = range(len(array))
     if kind == "body":
         rows = range(1, len(array))
     holders = {"body": alone.body_parentid, "geom": alone.geom_bodyid, "site": alone.site_bodyid}
     holders |= {"cam": alone.cam_bodyid, "light": alone.light_bodyid}
-    if (
-        moved
-        and rule is not None
-        and rule.treatment in (Treatment.ROOT_POSE, Treatment.HOST)
-        and kind in holders
-    ):
-        keep = 0 if rule.treatment is Treatment.ROOT_POSE or kind != "body" else -1
+    if moved and treatment in (Treatment.ROOT_POSE, Treatment.HOST) and kind in holders:
+        keep = 0 if treatment is Treatment.ROOT_POSE or kind != "body" else -1
         rows = [row for row in rows if int(holders[kind][row]) > keep]
     if name == "cam_intrinsic":  # of the others MuJoCo says the near plane of the whole model
         rows = [row for row in rows if alone.cam_sensorsize[row].any()]
@@ -130,7 +123,7 @@ def damaged(model: mujoco.MjModel, name: str, at: int, value: float | None = Non
         flat[at] = flat[at] * 1.5 + 0.25 if value is None else value
     elif flat.dtype.kind == "b":
         flat[at] = not flat[at]
-    elif name != "exclude_signature" and name in RULES and RULES[name].treatment is Treatment.LINKED:
+    elif name != "exclude_signature" and about(name).treatment is Treatment.LINKED:
         flat[at] = min(
             {*flat.tolist()} - {int(flat[at])}, default=-1 if flat[at] >= 0 else 0
         )  # an id that there is
@@ -146,13 +139,13 @@ def _is_number(name: str) -> bool:
 
 def _not_compared(name: str, moved: bool) -> bool:
     """Whether the tables say, with a reason, that an array is not compared here."""
-    how = RULES[name].treatment if name in RULES else None
-    if name in ELSEWHERE:
+    how = about(name).treatment
+    if how is Treatment.ELSEWHERE:
         return name not in COMPARED_ELSEWHERE
     if name.endswith("_plugin"):
         return True  # there is none, and no other id
     return how is Treatment.SKIPPED or (
-        moved and (how is Treatment.DERIVED or name in IN_THE_WORLD or name == "flex_size")
+        moved and (how is Treatment.DERIVED or PLACED in about(name).traits or name == "flex_size")
     )
 
 
@@ -188,11 +181,10 @@ def test_one_value_of_every_other_array(part: int) -> None:
 
 
 def test_every_array_is_damaged() -> None:
-    """What the tests above leave out is said with a reason in `fields`, or is empty in this part."""
+    """What the tests above leave out is said with a reason in `arrays`, or is empty in this part."""
     left_out = {name for name in _names() if _not_compared(name, False)}
-    assert left_out <= ELSEWHERE | {name for name in RULES if RULES[name].treatment is Treatment.SKIPPED} | {
-        name for name in _names() if name.endswith("_plugin")
-    }
+    said = {name for name in ARRAYS if about(name).treatment in (Treatment.SKIPPED, Treatment.ELSEWHERE)}
+    assert left_out <= said | {name for name in _names() if name.endswith("_plugin")}
 
 
 @pytest.mark.parametrize("moved", [False, True], ids=["in place", "moved"])

@@ -9,12 +9,14 @@ and `qvel`. `rows_of` takes the name of an array, `span` the name of a vector.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import cache
+from typing import Any
 
 import numpy as np
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.mujoco.arrays import FREE, JOINT_TYPES
-from mjcompose.mujoco.attributes import Model
+from mjcompose.mujoco.arrays import ARRAYS, FREE, JOINT_TYPES, about
+from mjcompose.mujoco.attributes import KIND_OF, Model
 from mjcompose.mujoco.references import WRAPS_A_GEOM, Array, twists
 
 POSITIONS = tuple(each.positions for each in JOINT_TYPES)
@@ -160,8 +162,6 @@ VECTORS: Mapping[str, tuple[str, str]] = {
 }
 """The vectors of `mjData` that users address: the kind of their elements, and their length in `mjModel`."""
 
-_OUTPUTS = frozenset({"actuator_gear", "actuator_lengthrange", "actuator_length0", "actuator_acc0"})
-
 
 def span(model: Model, vector: str, index: int) -> range:
     """Return the addresses of an element in a vector of its kind; empty if it has none."""
@@ -176,18 +176,41 @@ def rows_of(model: Model, kind: str, array: str, index: int) -> range:
     arrays; since MuJoCo 4 actuators may have several in those about controls (`actuator_ctrlrange`) and outputs
     (`actuator_gear`).
     """
-    size = None
-    if kind == "joint":
-        size = "nv" if array.startswith("dof_") else "nq" if array.startswith("qpos") else None
-    elif kind == "actuator":
-        size = "nu" if "ctrl" in array else "nout" if array in _OUTPUTS else None
-    return range(index, index + 1) if size is None else RUNS[kind][size].rows(model, index)
+    size = "nv" if array.startswith("dof_") else about(array).rows
+    run = RUNS.get(kind, {}).get(size)
+    return range(index, index + 1) if run is None else run.rows(model, index)
 
 
 RaggedRun = tuple[str, Array]
 
-_OCTREE = Run("mesh_octadr", counted("mesh_octnum"))
-_VERTEX_PAIRS = Run("flex_evpairadr", counted("flex_evpairnum"))
+_TO_THE_NEXT: Mapping[str, Run] = {
+    own: Run(own, _up_to_the_next(own, size, own))
+    for own, size in (
+        ("flex_stiffnessadr", "nflexstiffness"),
+        ("flex_bendingadr", "nflexbending"),
+        ("flex_texcoordadr", "nflextexcoord"),
+        ("plugin_attradr", "npluginattr"),
+    )
+}
+"""By the array of addresses: data without a count, which an element lacks if its address is negative."""
+
+_COUNTED: Mapping[str, Run] = {
+    "noct": Run("mesh_octadr", counted("mesh_octnum")),
+    "flex_evpairadr": Run("flex_evpairadr", counted("flex_evpairnum")),
+    "text_adr": Run("text_adr", counted("text_size")),
+}
+_KINDS = {**KIND_OF, "flexedge": "flex", "oct": "mesh"}
+
+
+@cache
+def data_of(kind: str) -> tuple[tuple[str, Run, str], ...]:
+    """Return the arrays of data of a kind with their runs, and the prefix of the addresses in these."""
+    found = []
+    for name in ARRAYS:
+        rows, _, nested = about(name).rows.partition(" ")
+        if rows and _KINDS.get(name.split("_", 1)[0]) == kind:
+            found.append((name, {**RUNS.get(kind, {}), **_TO_THE_NEXT, **_COUNTED}[rows], nested))
+    return tuple(found)
 
 
 def runs(model: Model, kind: str, index: int) -> Iterator[RaggedRun]:
@@ -195,157 +218,32 @@ def runs(model: Model, kind: str, index: int) -> Iterator[RaggedRun]:
 
     Arrays that this MuJoCo does not have are left out. ``links`` has the references.
     """
-    reader = _READERS.get(kind)
-    if reader:
-        yield from reader(model, index)
+    if kind == "joint" and int(model.jnt_type[index]) == FREE:
+        return  # its numbers are the pose of its body
+    for name, run, nested in data_of(kind):
+        if not hasattr(model, run.first) or not hasattr(model, name):
+            continue  # in MuJoCo 3 an actuator has one row in the arrays about controls and outputs
+        rows = run.rows(model, index)
+        if not rows and (nested or run.first == "mesh_graphadr" or run.first in _TO_THE_NEXT):
+            continue
+        if nested:  # the rows have addresses and counts in turn
+            start = int(getattr(model, f"{nested}adr")[rows.start])
+            rows = range(start, start + int(getattr(model, f"{nested}num")[rows.start : rows.stop].sum()))
+        array = getattr(model, name)
+        numbers = np.frombuffer(array, np.uint8) if isinstance(array, bytes) else array
+        yield name, _without_references(model, index, name, numbers=numbers[rows.start : rows.stop])
 
 
-def _slices(model: Model, rows: range, *arrays: str) -> Iterator[RaggedRun]:
-    for name in arrays:
-        array = getattr(model, name, None)
-        if array is not None:
-            yield name, array[rows.start : rows.stop]
-
-
-def _joint(model: Model, index: int) -> Iterator[RaggedRun]:
-    if int(model.jnt_type[index]) != FREE:
-        yield from _slices(model, span(model, "qpos", index), "qpos0", "qpos_spring")
-
-
-def _mesh(model: Model, index: int) -> Iterator[RaggedRun]:
-    own = {size: run.rows(model, index) for size, run in RUNS["mesh"].items() if hasattr(model, run.first)}
-    yield from _slices(model, own["nmeshvert"], "mesh_vert", "mesh_polymapnum")
-    yield from _slices(model, own["nmeshnormal"], "mesh_normal")
-    yield from _slices(model, own["nmeshtexcoord"], "mesh_texcoord")
-    yield from _slices(model, own["nmeshface"], "mesh_face", "mesh_facenormal", "mesh_facetexcoord")
-    graph = int(model.mesh_graphadr[index])
-    if graph >= 0:
-        vertices, faces = model.mesh_graph[graph : graph + 2].tolist()
-        yield "mesh_graph", model.mesh_graph[graph : graph + 2 + 3 * vertices + 6 * faces]
-    if (polygons := own.get("nmeshpoly")) is not None:
-        yield from _slices(model, polygons, "mesh_polynormal", "mesh_polyvertnum")
-        yield from _nested(model, polygons, "mesh_polyvertadr", "mesh_polyvertnum", "mesh_polyvert")
-        yield from _nested(model, own["nmeshvert"], "mesh_polymapadr", "mesh_polymapnum", "mesh_polymap")
-    if hasattr(model, "mesh_octadr"):
-        yield from _slices(model, _OCTREE.rows(model, index), "oct_depth", "oct_aabb", "oct_coeff")
-
-
-def _nested(model: Model, rows: range, first: str, number: str, *arrays: str) -> Iterator[RaggedRun]:
-    """Yield the data that consecutive rows of an element point to in turn."""
-    if rows:
-        start = int(getattr(model, first)[rows.start])
-        count = int(getattr(model, number)[rows.start : rows.stop].sum())
-        yield from _slices(model, range(start, start + count), *arrays)
-
-
-def _hfield(model: Model, index: int) -> Iterator[RaggedRun]:
-    yield from _slices(model, RUNS["hfield"]["nhfielddata"].rows(model, index), "hfield_data")
-
-
-def _texture(model: Model, index: int) -> Iterator[RaggedRun]:
-    yield from _slices(model, RUNS["texture"]["ntexdata"].rows(model, index), "tex_data")
-
-
-def _skin(model: Model, index: int) -> Iterator[RaggedRun]:
-    own = {size: run.rows(model, index) for size, run in RUNS["skin"].items()}
-    yield from _slices(model, own["nskinvert"], "skin_vert")
-    yield from _slices(model, own["nskintexvert"], "skin_texcoord")
-    yield from _slices(model, own["nskinface"], "skin_face")
-    bones = own["nskinbone"]
-    yield from _slices(model, bones, "skin_bonebindpos", "skin_bonebindquat", "skin_bonevertnum")
-    yield from _nested(
-        model, bones, "skin_bonevertadr", "skin_bonevertnum", "skin_bonevertid", "skin_bonevertweight"
-    )
-
-
-_FLEX_ARRAYS = (
-    ("nflexvert", ("flex_vert", "flex_vert0", "flex_vertcell", "flex_vertmetric")),
-    ("nflexnode", ("flex_node", "flex_node0")),
-    ("nflexedge", ("flex_edge", "flex_edgeflap", "flexedge_length0", "flexedge_rigid")),
-    ("nflexelem", ("flex_elemlayer",)),
-    ("nflexelemdata", ("flex_elem", "flex_elemtexcoord")),
-    ("nflexelemedge", ("flex_elemedge",)),
-    ("nflexshelldata", ("flex_shell",)),
-)
-_FLEX_RUNS_TO_THE_NEXT = (
-    ("flex_stiffnessadr", "flex_stiffness"),
-    ("flex_bendingadr", "flex_bending"),
-    ("flex_texcoordadr", "flex_texcoord"),
-)
-FROM_THE_WORLD = frozenset("flex_vertmetric flex_node flexedge_length0 flex_stiffness flex_bending".split())
-"""Flex data that MuJoCo computes from world positions, so that a moved part has it up to rounding."""
-
-IN_THE_WORLD = frozenset({"flex_node0", "flex_vert0"})
-"""Flex data that is a position in the world, or in the flex's box along the axes of the world."""
-
-
-def _flex(model: Model, index: int) -> Iterator[RaggedRun]:
-    for size, arrays in _FLEX_ARRAYS:
-        if hasattr(model, RUNS["flex"][size].first):
-            yield from _slices(model, RUNS["flex"][size].rows(model, index), *arrays)
-    if hasattr(model, "flex_evpairadr"):  # until MuJoCo 4
-        yield from _slices(model, _VERTEX_PAIRS.rows(model, index), "flex_evpair")
-    for address, name in _FLEX_RUNS_TO_THE_NEXT:
-        addresses, array = getattr(model, address, None), getattr(model, name, None)
-        if addresses is not None and array is not None and addresses[index] >= 0:
-            later = addresses[addresses > addresses[index]]
-            rows = array[addresses[index] : int(later.min()) if len(later) else len(array)]
-            if name == "flex_bending" and model.flex_dim[index] == 1 and (ids := twists(rows)):
-                rows = rows.ravel().copy()
-                rows[ids] = 0  # references, which `links` has
-            yield name, rows
-
-
-def _tendon(model: Model, index: int) -> Iterator[RaggedRun]:
-    path = RUNS["tendon"]["nwrap"].rows(model, index)
-    kinds = model.wrap_type[path.start : path.stop]
-    yield "wrap_type", kinds
-    yield "wrap_prm", np.where(np.isin(kinds, WRAPS_A_GEOM), 0.0, model.wrap_prm[path.start : path.stop])
-
-
-def _actuator(model: Model, index: int) -> Iterator[RaggedRun]:
-    if not hasattr(model, "actuator_ctrladr"):
-        return  # MuJoCo 3: these arrays have one row for each actuator
-    own = RUNS["actuator"]
-    yield from _slices(model, own["nu"].rows(model, index), "actuator_ctrllimited", "actuator_ctrlrange")
-    outputs = own["nout"].rows(model, index)
-    yield from _slices(
-        model, outputs, "actuator_gear", "actuator_length0", "actuator_lengthrange", "actuator_acc0"
-    )
-
-
-def _numeric(model: Model, index: int) -> Iterator[RaggedRun]:
-    yield from _slices(model, RUNS["numeric"]["nnumericdata"].rows(model, index), "numeric_data")
-
-
-def _text(model: Model, index: int) -> Iterator[RaggedRun]:
-    data = bytes(model.text_data)
-    first = int(model.text_adr[index])
-    yield "text_data", np.frombuffer(data[first : first + int(model.text_size[index])], dtype=np.uint8)
-
-
-def _tuple(model: Model, index: int) -> Iterator[RaggedRun]:
-    yield from _slices(model, RUNS["tuple"]["ntupledata"].rows(model, index), "tuple_objtype", "tuple_objprm")
-
-
-def _plugin(model: Model, index: int) -> Iterator[RaggedRun]:
-    first = int(model.plugin_attradr[index])
-    later = model.plugin_attradr[model.plugin_attradr > first]
-    end = int(later.min()) if len(later) else len(model.plugin_attr)
-    yield "plugin_attr", model.plugin_attr[first:end]
-
-
-_READERS: dict[str, Callable[[Model, int], Iterator[RaggedRun]]] = {
-    "joint": _joint,
-    "mesh": _mesh,
-    "hfield": _hfield,
-    "texture": _texture,
-    "skin": _skin,
-    "flex": _flex,
-    "tendon": _tendon,
-    "actuator": _actuator,
-    "numeric": _numeric,
-    "text": _text,
-    "tuple": _tuple,
-    "plugin": _plugin,
-}
+def _without_references(model: Model, index: int, name: str, numbers: Array) -> Array:
+    """Return the data with 0 for each id, which `links` has."""
+    ids: Any = ()
+    if name == "wrap_prm":
+        first = int(model.tendon_adr[index])
+        ids = np.isin(model.wrap_type[first : first + len(numbers)], WRAPS_A_GEOM)
+    elif name == "flex_bending" and model.flex_dim[index] == 1:
+        ids = twists(numbers)
+    if not len(ids):
+        return numbers
+    numbers = numbers.ravel().copy()
+    numbers[ids] = 0
+    return numbers

@@ -12,7 +12,7 @@ from functools import cache
 from typing import Any, TypeAlias
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.mujoco.arrays import ENUMS, RULES, Treatment
+from mjcompose.mujoco.arrays import ENUMS, with_trait
 
 Model: TypeAlias = Any
 """A compiled ``mujoco.MjModel``; untyped, because only ``mjcompose.mujoco`` may import MuJoCo."""
@@ -66,6 +66,12 @@ KINDS: dict[str, Kind] = {
     )
 }
 """Every kind of element that `mjModel` names, in the order in which models are compared."""
+
+KIND_OF: dict[str, str] = {
+    **{kind.arrays: word for word, kind in KINDS.items()},
+    "dof": "joint", "qpos0": "joint", "qpos": "joint", "wrap": "tendon",
+}  # fmt: skip
+"""The kind of element that an array is about, by the word before the first underscore of its name."""
 
 _XBODY = 2
 OF_OBJECT_TYPE: dict[int, str] = {_XBODY: "body", **{kind.object_type: word for word, kind in KINDS.items()}}
@@ -209,7 +215,7 @@ ENUMERATED: Mapping[str, frozenset[str]] = {
 
 
 DERIVED = {
-    *(array for array, rule in RULES.items() if rule.treatment in (Treatment.DERIVED, Treatment.GAIN)),
+    *with_trait("tree inertia", "gain"),
     *"actuator_acc0 actuator_length0 tendon_length0 tendon_lengthspring".split(),
 }
 """Arrays that follow from nearly everything: they differ if anything else does."""

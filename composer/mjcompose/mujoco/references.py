@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.mujoco.arrays import Rule, Treatment, rule
+from mjcompose.mujoco.arrays import Treatment, about
 from mjcompose.mujoco.attributes import KINDS, OF_OBJECT_TYPE, Model
 
 Array = NDArray[np.generic]
@@ -32,17 +32,19 @@ def _arrays_of(model_type: Hashable) -> dict[str, tuple[str, ...]]:
     return {word: tuple(names) for word, names in found.items()}
 
 
-def arrays(model: Model, kind: str) -> Iterator[tuple[str, Array, Rule | None]]:
-    """Yield the arrays of one kind with one row for each element (or dof), sorted by name.
+def arrays(model: Model, kind: str) -> Iterator[tuple[str, Array, Treatment]]:
+    """Yield the arrays of one kind with one row for each element (or dof), sorted by name, and how they are compared.
 
-    The shapes are (n,) or (n, width). An array that happens to be as long as the number of elements is included:
-    `fields` says how it is compared.
+    The shapes are (n,) or (n, width). An array of data that happens to be as long as the number of elements is
+    included.
     """
+    is_single = not hasattr(model, "actuator_ctrladr")
     count = len(model.dof_bodyid) if kind == DOF else len(getattr(model, KINDS[kind].addresses))
     for name in _arrays_of(cast("Hashable", type(model))).get(kind, ()):
         array = getattr(model, name)
         if isinstance(array, np.ndarray) and array.ndim and array.shape[0] == count:
-            yield name, array, rule(name)
+            known = about(name)
+            yield name, array, known.single if is_single else known.treatment
 
 
 def row_key(model: Model, kind: str, index: int) -> bytes:
@@ -50,7 +52,7 @@ def row_key(model: Model, kind: str, index: int) -> bytes:
     return b"".join(
         array[index].tobytes()
         for _, array, how in arrays(model, kind)
-        if how is None or (kind == "body" and how.treatment is Treatment.HOST)
+        if how is Treatment.PLAIN or (kind == "body" and how is Treatment.HOST)
     )
 
 

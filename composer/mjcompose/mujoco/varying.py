@@ -11,108 +11,16 @@ from __future__ import annotations
 import ctypes
 import operator
 from collections.abc import Iterable, Iterator
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mjcompose.mujoco.addresses import RUNS
-from mjcompose.mujoco.attributes import KINDS, TAGS, Model, NameTable, array_of, attributes
-from mjcompose.mujoco.match import Difference, Value
-from mjcompose.mujoco.references import Array, unequal
-
-_VISUAL = ("global_", "quality", "headlight", "map", "scale", "rgba")
-
-
-def option_differences(alone: Model, composed: Model) -> list[Difference]:
-    """Return the settings of `opt` and `vis` in which a composition differs from a part alone, bit for bit."""
-    found = _differing("option", alone.opt, composed.opt)
-    for group in _VISUAL:
-        found += _differing(
-            f"visual/{group.rstrip('_')}", getattr(alone.vis, group), getattr(composed.vis, group)
-        )
-    return found
-
-
-def statistic_differences(alone: Model, composed: Model) -> list[Difference]:
-    """Return the numbers of `stat` that differ, written or computed."""
-    return _differing("statistic", alone.stat, composed.stat)
-
-
-def _differing(kind: str, mine: object, theirs: object) -> list[Difference]:
-    return [
-        Difference(kind, name, "value", expected=_value(a), actual=_value(b))
-        for name, a in _settings(mine)
-        if unequal(a, b := np.asarray(getattr(theirs, name, np.nan))).any()
-    ]
-
-
-def _settings(group: object) -> Iterator[tuple[str, np.ndarray]]:
-    for name in dir(group):
-        value = None if name.startswith("_") else getattr(group, name)
-        if isinstance(value, (int, float, np.ndarray)):
-            yield name, np.asarray(value)
-
-
-def _value(array: np.ndarray) -> Value:
-    return tuple(_value(item) for item in array) if array.ndim else array.item()
-
-
-_PARTS = ("opt", "vis", "stat")
-_OF_THE_PLACE = frozenset(
-    {"paths", "npaths", "nbuffer", "mesh_pathadr", "hfield_pathadr", "skin_pathadr", "tex_pathadr"}
-)
-"""File paths at compilation, and the memory for them, which are not part of the model itself."""
-
-
-def unequal_arrays(a: Model, b: Model) -> list[str]:
-    """Return the attributes of `mjModel` that differ, including `opt.timestep` and the like; NaN equals NaN.
-
-    Both models must come from the same MuJoCo: an attribute that only the first one has counts as different.
-    """
-    found = [
-        name
-        for name, value in _plain(a)
-        if name not in _OF_THE_PLACE and _differ(value, getattr(b, name, None))
-    ]
-    for part in _PARTS:
-        mine, theirs = getattr(a, part), getattr(b, part)
-        for name, value in _plain(mine):
-            other = getattr(theirs, name, None)
-            if _is_plain(value):
-                found += [f"{part}.{name}"] if _differ(value, other) else []
-            else:  # a group of `vis`
-                found += [f"{part}.{name}.{each}" for each, inner in _plain(value)
-                          if _is_plain(inner) and _differ(inner, getattr(other, each, None))]  # fmt: skip
-    return found
-
-
-def _plain(holder: object) -> Iterator[tuple[str, object]]:
-    for name in dir(holder):
-        if not name.startswith("_"):
-            value = getattr(holder, name)
-            if not callable(value):
-                yield name, value
-
-
-def _is_plain(value: object) -> bool:
-    return isinstance(value, (int, float, str, bytes)) or hasattr(value, "dtype")
-
-
-def _differ(a: object, b: object) -> bool:
-    if not _is_plain(a):
-        return False
-    if hasattr(a, "dtype") and hasattr(b, "dtype"):
-        mine, theirs = cast("Array", a), cast("Array", b)
-        return mine.shape != theirs.shape or bool(unequal(mine, theirs).any())
-    return bool(a != b)
-
+from mjcompose.mujoco.attributes import KIND_OF, KINDS, TAGS, Model, NameTable, array_of, attributes
 
 _ATTRIBUTES = {array_of(tag, attribute): attribute for tag in TAGS for attribute in attributes(tag)}
 _OWNERS = {"opt": "option", "stat": "statistic"}
-_KIND_OF = {kind.arrays: word for word, kind in KINDS.items()} | {
-    "dof": "joint", "qpos0": "joint", "qpos": "joint", "wrap": "tendon",
-}  # fmt: skip
 
 
 Rows = dict[int, tuple[int, int, int]]
@@ -156,7 +64,7 @@ def whose(model: Model, array: str, index: Iterable[int]) -> list[Whose]:
 
 def owners(model: Model, array: str) -> tuple[str, Rows]:
     """Return the kind of element that an array is about, and the owner of each row; none if that is unknown."""
-    kind = _KIND_OF.get(array.split("_", 1)[0], "")
+    kind = KIND_OF.get(array.split("_", 1)[0], "")
     return kind, rows_of_size(model, kind, len(value_of(model, array))) if kind else {}
 
 

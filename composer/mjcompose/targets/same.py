@@ -14,8 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from mjcompose.mujoco.arrays import REWRITTEN, with_trait
 from mjcompose.mujoco.attributes import NameTable
-from mjcompose.mujoco.varying import unequal_arrays
+from mjcompose.mujoco.compare import unequal_attributes
 
 Pose = tuple[Any, Any]
 """Position, shape (3,), and rotation matrix, shape (3, 3)."""
@@ -78,34 +79,20 @@ def quat(turned: Any) -> Any:
 TOLERANCE = 1e-6
 """Relative to 1 or the largest value of an array, and to the size of a surface."""
 
-_OF_MESH_FRAMES = (
-    "mesh_",
-    "nmesh",
-    "npolygonmax",
-    "bvh_",
-    "nbvh",
-    "oct_",
-    "noct",
-    "geom_aabb",
-    "geom_rbound",
-    "body_bvh",
-    "site_size",
-)
+_OF_MESH_FRAMES = ("mesh_", "oct_", "nmesh", "npolygonmax", "nbvh", "noct")
+_REWRITTEN = {*with_trait(REWRITTEN), "signature"}
 _POSES = ("geom_pos", "geom_quat", "geom_sameframe", "geom_size", "site_pos", "site_quat", "site_sameframe")
 _MESHES = (7, 8)  # mjGEOM_MESH, mjGEOM_SDF
 _SURFACE = "surface"
 _LOOKS = ("tendon_rgba", "tendon_width")  # a fixed tendon has no attributes for them, only its class
 _FIXED = 0  # mjTENDON_FIXED
 _NO_BIAS = 0  # mjBIAS_NONE; with it, a motor of MuJoCo 3.12 keeps what its class gives to positions
-_OF_THE_TEXT = ("names_map", "signature", "tex_pathadr")
 
 
 def differences(model: Any, again: Any) -> Iterator[str]:
     """Yield the differences of the model that was read back, in words with the names of the arrays."""
-    for name in unequal_arrays(model, again):
-        holder, _, inner = name.rpartition(".")
-        before, after = (_of(each, holder, inner) for each in (model, again))
-        if name.startswith(_OF_MESH_FRAMES) or name in _OF_THE_TEXT:
+    for name, before, after in unequal_attributes(model, again):
+        if name.startswith(_OF_MESH_FRAMES) or name in _REWRITTEN:
             continue
         rows = _rows(model, name)
         if not _close(before, after, rows):
@@ -113,12 +100,6 @@ def differences(model: Any, again: Any) -> Iterator[str]:
     if model.ngeom == again.ngeom and model.nmesh == again.nmesh:
         for kind in ("geom", "site"):
             yield from _surfaces(kind, model, again)
-
-
-def _of(model: Any, holder: str, name: str) -> Any:
-    for each in holder.split(".") if holder else ():
-        model = getattr(model, each)
-    return getattr(model, name, None)
 
 
 def _close(before: Any, after: Any, rows: Any) -> bool:

@@ -9,8 +9,8 @@ import mujoco
 import numpy
 import pytest
 from mjcompose.build.stages import Request, build
-from mjcompose.mujoco.compare import compare
 from mjcompose.mujoco.match import Mount
+from mjcompose.mujoco.unchanged import compare
 from mjcompose.sources.context import Context
 
 EXACT = hasattr(mujoco.MjSpec, "fuse_static")

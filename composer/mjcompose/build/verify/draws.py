@@ -27,6 +27,7 @@ from mjcompose.mujoco.addresses import rows_of
 from mjcompose.mujoco.attributes import ON_BODIES, TAGS, Model, array_of, attributes
 from mjcompose.mujoco.controls import GAINS
 from mjcompose.mujoco.messages import CRASHES, crash_help
+from mjcompose.mujoco.references import unequal
 from mjcompose.mujoco.varying import Numbers, Recorder, arrays, flat, put, stored
 from mjcompose.sources.context import Context
 from mjcompose.text.expression_values import UNITS, Angle
@@ -242,15 +243,8 @@ def _id(mujoco: Any, model: Model, asked: dict[str, Any]) -> int | str:
 def are_close(a: Any, b: Any) -> bool:
     """Return whether numbers are equal up to the rounding of two ways to compute them."""
     a, b = np.asarray(a), np.asarray(b)
-    if a.shape != b.shape:
-        return False
-    if a.dtype.kind not in "fc":
-        return bool(np.array_equal(a, b))
-    part = _CLOSE if a.dtype.itemsize == 8 else 1e-5
-    scale = np.maximum(1.0, np.abs(b))
-    with np.errstate(invalid="ignore"):  # of two infinite numbers
-        near = (np.abs(a - b) <= part * scale) & np.isfinite(b)  # everything is near an infinite number
-    return bool(np.all(near | (a == b) | (np.isnan(a) & np.isnan(b))))
+    tolerance = _CLOSE if a.dtype.itemsize == 8 else 1e-5
+    return a.shape == b.shape and not unequal(b, a, tolerance).any()
 
 
 Build = Callable[[int], bool]

@@ -22,9 +22,9 @@ from mjcompose.model.xml_text import write
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.arrays import FREE
 from mjcompose.mujoco.attributes import DERIVED, Model, NameTable
-from mjcompose.mujoco.compare import compare
 from mjcompose.mujoco.keyframes import Keys, Roots
 from mjcompose.mujoco.match import EXTRA, MISSING, Difference, Mount, Value
+from mjcompose.mujoco.unchanged import compare
 from mjcompose.sources.context import Context
 
 

@@ -12,7 +12,7 @@ from mjcompose.build.plan.steps import AddElement
 from mjcompose.link.unit_keys import VECTORS
 from mjcompose.model.classes import class_in_force
 from mjcompose.model.select import kind_of
-from mjcompose.mujoco.arrays import quantity
+from mjcompose.mujoco.arrays import about
 from mjcompose.text.node import Mapping as Located
 from mjcompose.text.node import Node as LocatedNode
 from mjcompose.text.node import Sequence, locate, to_python
@@ -269,7 +269,7 @@ class Causes:
     # -- what both have ----------------------------------------------------------------------------------------
 
     def _changed(self, change: Change, before: Node, after: Node) -> Iterator[Cause]:
-        wanted = quantity(change.field).attributes
+        wanted = about(change.field).attributes
         for mine, theirs, attributes in self.pairs.candidates(change, before, after, wanted=wanted):
             yield from self._attribute(mine, theirs, attributes)
 

@@ -13,7 +13,7 @@ from mjcompose.link.inertia import has_mass
 from mjcompose.model.classes import levels, value
 from mjcompose.model.select import kind_of
 from mjcompose.model.select import query as paths_of
-from mjcompose.mujoco.arrays import quantity
+from mjcompose.mujoco.arrays import about
 from mjcompose.mujoco.attributes import KINDS
 from mjcompose.tools.explain import query
 from mjcompose.tools.explain.explain import Traced
@@ -282,7 +282,7 @@ INERTIAL = frozenset({"body_mass", "body_inertia", "body_ipos", "body_iquat", "b
 ASSETS = {"mesh": "mesh", "material": "material", "hfield": "hfield", "texture": "texture"}
 _TARGETS = {"joint": "joint", "jointinparent": "joint", "tendon": "tendon"}
 _PATH = {"site": "site", "geom": "geom", "sidesite": "site", "joint": "joint"}
-_POSE = quantity("body_pos").attributes
+_POSE = about("body_pos").attributes
 _AT_POSE = ("body_ipos", "body_iquat")
 """MuJoCo 3.12 to 4.0 copy the pose of a body that has no mass here."""
 
@@ -306,7 +306,7 @@ class Pairs:
                     yield mine, theirs, None
                     yield from self.referred(mine, theirs, ASSETS)
             if change.field in _AT_POSE and not (self.a.weighs(before) or self.b.weighs(after)):
-                pose = quantity(change.field.replace("body_i", "body_")).attributes
+                pose = about(change.field.replace("body_i", "body_")).attributes
                 yield before, after, pose
                 yield from self.frames(before, after, pose)
             return

@@ -8,14 +8,21 @@ from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
-from mjcompose.mujoco.addresses import VECTORS, runs, span
-from mjcompose.mujoco.arrays import BEFORE_CONTROLS, ENUMS, JOINT_TYPES, SWITCHES, Treatment, follows, words
+from mjcompose.mujoco.addresses import VECTORS, span
+from mjcompose.mujoco.arrays import JOINT_TYPES, SWITCH, Treatment, about, words
 from mjcompose.mujoco.attributes import HOLDERS, KINDS, ON_BODIES, Model, NameTable, holder
+from mjcompose.mujoco.compare import (
+    Rules,
+    Unequal,
+    option_differences,
+    statistic_differences,
+    unequal_attributes,
+    unequal_elements,
+)
 from mjcompose.mujoco.controls import NO_BIAS, servo
 from mjcompose.mujoco.keyframes import Keys, Roots, key_differences
 from mjcompose.mujoco.match import ABSENT, MISSING, Correspondence, Difference, Mount, values
-from mjcompose.mujoco.references import DOF, UNORDERED, Array, arrays, links, same_width
-from mjcompose.mujoco.varying import option_differences, statistic_differences, unequal_arrays
+from mjcompose.mujoco.references import UNORDERED, Array, links
 from mjcompose.tools.diff.changes import Change, Contrast, Count, Move, Value
 
 _TARGETS = 3
@@ -153,88 +160,55 @@ def close(a: float, b: float, tolerance: float) -> bool:
 
 
 class Values:
-    """Compares every array with a row for each element, in the unit and words of MuJoCo's arrays."""
+    """The numbers that differ, in the unit and words of MuJoCo's arrays."""
 
     def __init__(self, mujoco: Any, matching: Correspondence, tolerance: float) -> None:
         self.mujoco, self.matching, self.tolerance = mujoco, matching, tolerance
         self.a, self.b = matching.alone.model, matching.composed.model
-        self._known: dict[tuple[int, str], list[tuple[str, Array, Treatment]]] = {}
 
     def changes(self) -> Iterator[Change]:
         """Yield changes in the order of kinds, and of elements in B."""
-        for kind in KINDS:
-            if kind == "key":
-                continue
-            for index, target in sorted(self.matching.pairs(kind), key=lambda pair: pair[1]):
-                seen: set[str] = set()
-                for field, before, after in self._of(kind, index, target):
-                    if field not in seen:
-                        seen.add(field)
-                        note = str(after) if before is None and isinstance(after, str) else ""
-                        names = (
-                            named(self.matching.alone, kind, index),
-                            named(self.matching.composed, kind, target),
-                        )
-                        yield Change(
-                            "changed",
-                            kind,
-                            names[1],
-                            field=field,
-                            before=before,
-                            after=None if note else after,
-                            form=self._form(kind, target),
-                            entry="",
-                            index=(index, target),
-                            name_before=names[0],
-                            follows=follows(field),
-                            note=note,
-                        )
+        unequal: dict[tuple[str, int, int], list[Unequal]] = defaultdict(list)
+        for each in unequal_elements(self.matching, Rules()):
+            unequal[each.kind, each.target, each.index].append(each)
+        kinds = list(KINDS)
+        for kind, target, index in sorted(unequal, key=lambda of: (kinds.index(of[0]), of[1])):
+            names = named(self.matching.alone, kind, index), named(self.matching.composed, kind, target)
+            for field, before, after in self._of(unequal[kind, target, index]):
+                note = str(after) if before is None and isinstance(after, str) else ""
+                yield Change(
+                    "changed",
+                    kind,
+                    names[1],
+                    field=field,
+                    before=before,
+                    after=None if note else after,
+                    form=JOINT_TYPES[int(self.b.jnt_type[target])].word if kind == "joint" else "",
+                    entry="",
+                    index=(index, target),
+                    name_before=names[0],
+                    follows=about(field).is_computed,
+                    note=note,
+                )
 
-    def _of(self, kind: str, index: int, target: int) -> Iterator[tuple[str, Value, Value]]:
-        gains = self._gains(index, target) if kind == "actuator" else None
+    def _of(self, unequal: list[Unequal]) -> Iterator[tuple[str, Value, Value]]:
+        first = unequal[0]
+        gains = self._gains(first.index, first.target) if first.kind == "actuator" else None
         yield from gains or ()
-        there = {name: array for name, array, _ in self._arrays(self.b, kind)}
-        for name, array, treatment in self._arrays(self.a, kind):
-            other = there.get(name)
-            if other is None or (gains is not None and name in ("actuator_gainprm", "actuator_biasprm")):
-                continue
-            yield from self._row(name, treatment, array, theirs=other, index=index, target=target)
-        if kind == "joint":
-            yield from self._dofs(index, target)
-        theirs = dict(runs(self.b, kind, target))
-        for name, run in runs(self.a, kind, index):
-            if name in theirs:
-                yield from self._run(name, run, theirs[name])
+        for each in sorted(unequal, key=lambda each: each.treatment is Treatment.DATA):
+            if each.treatment is Treatment.DATA:
+                yield from self._run(each.array, each.expected, each.actual)
+            elif gains is None or each.array not in ("actuator_gainprm", "actuator_biasprm"):
+                yield from self._row(each.array, each.expected.tolist(), each.actual.tolist())
 
-    def _arrays(self, model: Model, kind: str) -> list[tuple[str, Array, Treatment]]:
-        """Return the arrays with one row for each element that are compared as numbers."""
-        key = (id(model), kind)
-        if key not in self._known:
-            found: list[tuple[str, Array, Treatment]] = []
-            for name, array, how in arrays(model, kind):
-                treatment: Treatment = how.treatment if how else Treatment.PLAIN
-                if name in BEFORE_CONTROLS and not hasattr(model, "actuator_ctrladr"):
-                    treatment = BEFORE_CONTROLS[name]
-                if treatment not in (Treatment.SKIPPED, Treatment.LINKED, Treatment.DATA):
-                    found.append((name, array, treatment))
-            self._known[key] = found
-        return self._known[key]
-
-    def _row(
-        self, name: str, treatment: Treatment, mine: Array, theirs: Array, index: int, target: int
-    ) -> Iterator[tuple[str, Value, Value]]:
-        if treatment is Treatment.USER:
-            mine, theirs = same_width(mine, theirs)
-        before, after = mine[index].tolist(), theirs[target].tolist()
-        if before == after:
-            return
-        if treatment is Treatment.PRESENT:
-            if (before == -1) != (after == -1):
-                yield name, before != -1, after != -1
-        elif name in ENUMS:
+    def _row(self, name: str, before: Any, after: Any) -> Iterator[tuple[str, Value, Value]]:
+        known = about(name)
+        if known.enumeration:
             yield name, self._word(name, before), self._word(name, after)
-        elif name.partition("_")[2] in SWITCHES:
+        elif SWITCH in known.traits or isinstance(before, bool):
             yield name, bool(before), bool(after)
+        elif name.startswith("dof_"):  # a row for each degree of freedom
+            yield from self._numbers(name, _one(before), _one(after))
         else:
             yield from self._numbers(name, before, after)
 
@@ -251,25 +225,7 @@ class Values:
         for at in different[:_SHOWN]:
             yield f"{name}[{at}]", ours[at], others[at]
 
-    def _dofs(self, index: int, target: int) -> Iterator[tuple[str, Value, Value]]:
-        """Yield changes of arrays with a row for each degree of freedom.
-
-        If all rows of a joint are equal, one number is shown.
-        """
-        if int(self.a.jnt_type[index]) != int(self.b.jnt_type[target]):
-            return
-        mine, theirs = span(self.a, "qvel", index), span(self.b, "qvel", target)
-        there = {name: array for name, array, _ in self._arrays(self.b, DOF)}
-        for name, array, _ in self._arrays(self.a, DOF):
-            if name in there:
-                before = array[mine].tolist()
-                after = there[name][theirs].tolist()
-                if before != after:
-                    yield from self._numbers(name, _one(before), _one(after))
-
     def _run(self, name: str, mine: Array, theirs: Array) -> Iterator[tuple[str, Value, Value]]:
-        if mine.shape == theirs.shape and bool((mine == theirs).all()):
-            return  # the common case, and meshes have millions of numbers
         if name == "text_data":
             before, after = (
                 bytes(run.tolist()).rstrip(b"\0").decode("utf-8", "replace") for run in (mine, theirs)
@@ -303,11 +259,6 @@ class Values:
             for name, value in before.items()
             if not close(value, after[name], self.tolerance)
         ]
-
-    def _form(self, kind: str, target: int) -> str:
-        if kind == "joint":
-            return JOINT_TYPES[int(self.b.jnt_type[target])].word
-        return ""
 
     def _word(self, name: str, value: int) -> str:
         return words(self.mujoco, name).get(int(value), str(value))
@@ -440,7 +391,7 @@ def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[
         *_keys(matching, float(given["tolerance"])),
         *setting_changes(mujoco, a, b, tolerance=float(given["tolerance"])),
     ]
-    arrays = unequal_arrays(a, b)
+    arrays = [name for name, *_ in unequal_attributes(a, b)]
     contrast = Contrast(
         identical=not arrays,
         changes=tuple(changes),
@@ -546,7 +497,7 @@ def _changed(
 ) -> Change:
     return Change(
         "changed", kind, named(matching.composed, kind, target), field=field, before=before, after=after,
-        index=(index, target), name_before=named(matching.alone, kind, index), follows=follows(field),
+        index=(index, target), name_before=named(matching.alone, kind, index), follows=about(field).is_computed,
     )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from itertools import groupby
 from typing import Any, TypeAlias
 
 from mjcompose.base.report import printable
-from mjcompose.mujoco.arrays import is_place, quantity, rank, unit
+from mjcompose.mujoco.arrays import about, is_place, unit
 from mjcompose.tools.diff.changes import SETTINGS, Cause, Change, Count, Diff, End, Group, Move, Value, View
 
 _NAMED = 5
@@ -32,7 +32,7 @@ def sentences(changes: Iterable[Change], between: Between | None = None) -> Iter
 
     `between` puts a value and its new value into words, with their unit; the default is an arrow.
     """
-    changes = sorted(changes, key=lambda each: (_ORDER.index(each.what), rank(each.field)))
+    changes = sorted(changes, key=lambda each: (_ORDER.index(each.what), about(each.field).rank))
     found: dict[tuple[object, ...], list[Change]] = {}
     for change in changes:
         if change.what == "renamed":
@@ -176,7 +176,7 @@ def _sentence(alike: Sequence[Change], between: Between | None) -> str:
         if prefixes is not None and len(alike) > 1:
             return f"part `{prefixes[0]}` is called `{prefixes[1]}`: {len(alike)} names"
         return f"{change.kind} `{change.before}` is called `{change.after}`"
-    known = quantity(change.field)
+    known = about(change.field)
     said = unit(change.field, change.form)
     if between is not None and not change.note:
         values = between(change.before, change.after, said)
@@ -248,7 +248,7 @@ def _change(change: Change) -> dict[str, Any]:
         data["before"] = change.before
     if change.what == "changed":
         data |= {
-            "quantity": quantity(change.field).words,
+            "quantity": about(change.field).words,
             "field": change.field,
             "before": change.before,
             "after": change.after,

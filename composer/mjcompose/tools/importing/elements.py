@@ -24,7 +24,7 @@ from mjcompose.model.grammar import GRAMMAR, Attribute, ElementType, to_text
 from mjcompose.model.select import kind_of
 from mjcompose.model.select import query as paths_of
 from mjcompose.model.unit import Unit
-from mjcompose.mujoco.arrays import follows
+from mjcompose.mujoco.arrays import about
 from mjcompose.mujoco.attributes import KINDS, Model, NameTable
 from mjcompose.mujoco.match import Correspondence, Mount
 from mjcompose.text.faults import word
@@ -335,7 +335,7 @@ def unchanged(mujoco: Any, alone: Model, merged: Model, given: Mapping[str, Any]
     )
     changed: dict[str, set[tuple[int, int]]] = defaultdict(set)
     for each in (*references(matching), *Values(mujoco, matching, 0.0).changes()):
-        if not follows(each.field) and not is_rounding(each):
+        if not about(each.field).is_computed and not is_rounding(each):
             changed[each.kind].add(each.index)
             if each.field in _MASSES:
                 changed["mass"].add(each.index)

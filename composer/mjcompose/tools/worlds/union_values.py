@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from mjcompose.mujoco.arrays import Treatment, rule
+from mjcompose.mujoco.arrays import Treatment, about
 from mjcompose.mujoco.attributes import KINDS, OF_OBJECT_TYPE, Model, NameTable
 from mjcompose.mujoco.varying import Rows, owners, rows_of_size
 from mjcompose.tools.worlds.join import CODE
@@ -259,20 +259,14 @@ def numbers(model: Model) -> Iterator[str]:
             or name.startswith(("name", "key_", "tex_", "mesh_"))
         ):
             continue
-        how = rule(name)
-        if how is None or how.treatment not in _NOT_NUMBERS:
+        if about(name).treatment not in _NOT_NUMBERS:
             yield name
 
 
 def derived(model: Model) -> Iterator[str]:
     """Yield the arrays that mj_setConst computes, except `dof_length`, which for sleep depends on all children."""
     for name in dir(model):
-        how = rule(name)
-        if (
-            how is not None
-            and how.treatment in (Treatment.SUBTREE, Treatment.DERIVED)
-            and name != "dof_length"
-        ):
+        if about(name).treatment in (Treatment.SUBTREE, Treatment.DERIVED) and name != "dof_length":
             yield name
 
 

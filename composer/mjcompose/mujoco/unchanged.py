@@ -1,0 +1,503 @@
+"""Compare a part inside a composed model numerically with the part alone.
+
+The elements at a part's root, which the mount moves all in the same way; rows of arrays, and the data that elements
+point to, by the rules in the table of arrays; stiffness and damping that MuJoCo computes from the inertia of the whole
+model.
+
+A part with a damping ratio gets another damping if something heavy is attached to it; it is unchanged as long as
+the ratio is. The compiled model does not store the ratio, but it follows from the gain and the inertia in the same
+model.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from mjcompose.base.rotation import Pose, multiply, rotate
+from mjcompose.mujoco.addresses import rows_of, span
+from mjcompose.mujoco.arrays import (
+    AUTHORED_SLEEP,
+    DERIVED_ROUNDING,
+    HULL,
+    MEASURED,
+    PLACED,
+    ROUNDING,
+    SLIDE,
+    Treatment,
+    about,
+)
+from mjcompose.mujoco.attributes import HOLDERS, Model, NameTable, holder
+from mjcompose.mujoco.compare import Pairs, Rules, Run, plain_value, unequal_elements
+from mjcompose.mujoco.controls import servo
+from mjcompose.mujoco.keyframes import Keys, Roots, key_differences
+from mjcompose.mujoco.match import (
+    ABSENT,
+    Correspondence,
+    Coupling,
+    Difference,
+    Mount,
+    presence_differences,
+    reference_differences,
+)
+from mjcompose.mujoco.references import (
+    ON_JOINTS,
+    ON_TENDON,
+    WRAP_JOINT,
+    WRAP_SITE,
+    Array,
+    links,
+    twists_a_rod,
+)
+
+_OF_FLEXES = "MuJoCo does not turn the axes of a flex's vertices with a frame"
+_POSED = {"body": "body", "geom": "geom", "site": "site", "camera": "cam"}
+
+
+class Placing:
+    """The rigid transform from the part's world to the frame of the mount's body: metres, and w x y z.
+
+    ``transform`` is the mount's pose or, if that is unknown, the movement of the first root; None for a part with
+    nothing at its root.
+    """
+
+    def __init__(self, matching: Correspondence, mount: Mount) -> None:
+        self.matching = matching
+        self.roots: dict[str, list[int]] = {"body": [], "light": [], **{kind: [] for kind in _POSED}}
+        alone = matching.alone.model
+        for kind, roots in self.roots.items():
+            parents = getattr(alone, HOLDERS[kind])
+            found = matching.ids[kind]
+            roots += [
+                i for i, parent in enumerate(parents.tolist())
+                if parent == 0 and found[i] != ABSENT
+                and not (kind == "body" and (i == 0 or twists_a_rod(alone, i)))
+            ]  # fmt: skip
+        self.transform = mount.pose if mount.pose is not None else self._first()
+
+    def _first(self) -> Pose | None:
+        for kind in _POSED:
+            for index in self.roots[kind]:
+                return self._there(kind, index) @ _pose(self.matching.alone.model, kind, index).inverse()
+        return None
+
+    def _there(self, kind: str, index: int) -> Pose:
+        """Return the pose of a root's counterpart in the frame of the mount, through bodies in between."""
+        model, target = self.matching.composed.model, self.matching.ids[kind][index]
+        pose = _pose(model, kind, target)
+        return self._frame(holder(model, kind, target)) @ pose
+
+    def _frame(self, body: int) -> Pose:
+        model, pose = self.matching.composed.model, Pose()
+        while body != self.matching.mount and body in self.matching.worlds:
+            pose = _pose(model, "body", body) @ pose
+            body = int(model.body_parentid[body])
+        return pose
+
+    def seen_from(self, body: int) -> Pose:
+        """Return the pose of the part's world in a body that holds it; the part's own where nothing says it."""
+        return self._frame(body).inverse() @ (self.transform or Pose())
+
+    def differences(self, tolerance: float = 0.0) -> list[Difference]:
+        """Return the roots that did not move with the others, for a part that is moved."""
+        found: list[Difference] = []
+        if self.transform is None:
+            return found
+        bound = max(ROUNDING, tolerance)
+        vertices = set(self.matching.alone.model.flex_vertbodyid.tolist())
+        for kind, arrays in _POSED.items():
+            for index in self.roots[kind]:
+                expected = self.transform @ _pose(self.matching.alone.model, kind, index)
+                actual = self._there(kind, index)
+                name = self.matching.composed.describe(kind, self.matching.ids[kind][index])
+                if not _near(expected.pos, actual.pos, bound):
+                    found.append(
+                        Difference(kind, name, f"{arrays}_pos", expected=expected.pos, actual=actual.pos)
+                    )
+                turned = tuple(-x for x in actual.quat)
+                if not _near(expected.quat, actual.quat, bound) and not _near(expected.quat, turned, bound):
+                    why = _OF_FLEXES if kind == "body" and index in vertices else ""
+                    found.append(
+                        Difference(
+                            kind, name, f"{arrays}_quat", expected=expected.quat, actual=actual.quat, why=why
+                        )
+                    )
+        found += self._lights(bound)
+        return found
+
+    def _lights(self, bound: float) -> list[Difference]:
+        assert self.transform is not None
+        found: list[Difference] = []
+        alone, composed = self.matching.alone.model, self.matching.composed.model
+        for index in self.roots["light"]:
+            target = self.matching.ids["light"][index]
+            frame = self._frame(int(composed.light_bodyid[target]))
+            name = self.matching.composed.describe("light", target)
+            expected = (self.transform @ Pose(_vec(alone.light_pos[index]))).pos
+            actual = (frame @ Pose(_vec(composed.light_pos[target]))).pos
+            if not _near(expected, actual, bound):
+                found.append(Difference("light", name, "light_pos", expected=expected, actual=actual))
+            expected = rotate(self.transform.quat, _vec(alone.light_dir[index]))
+            actual = rotate(frame.quat, _vec(composed.light_dir[target]))
+            if not _near(expected, actual, bound):
+                found.append(Difference("light", name, "light_dir", expected=expected, actual=actual))
+        return found
+
+
+def _vec(values: Model) -> tuple[float, float, float]:
+    x, y, z = values.tolist()
+    return (x, y, z)
+
+
+def _pose(model: Model, kind: str, index: int) -> Pose:
+    arrays = _POSED[kind]
+    w, x, y, z = getattr(model, f"{arrays}_quat")[index].tolist()
+    return Pose(_vec(getattr(model, f"{arrays}_pos")[index]), (w, x, y, z))
+
+
+def _near(a: tuple[float, ...], b: tuple[float, ...], bound: float) -> bool:
+    return bool(np.allclose(a, b, rtol=bound, atol=bound, equal_nan=True))
+
+
+_WELD = 1  # mjEQ_WELD
+_ONE_POINT = 1e-9
+"""Metres; at this distance the direction between two points is made of rounding errors."""
+_SHOWN = 12
+"""Longer rows are shown by their first differing entry."""
+
+
+class InComposition(Rules):
+    """What may differ between a part alone and in a composition, by the table of arrays."""
+
+    def __init__(
+        self, matching: Correspondence, coupling: Coupling, placing: Placing, tolerance: float
+    ) -> None:
+        self.matching, self.coupling, self.placing, self.tolerance = matching, coupling, placing, tolerance
+        self.alone, self.composed = matching.alone.model, matching.composed.model
+        self.moved = not coupling.in_place
+
+    def ignores(self, kind: str, array: str, index: int) -> bool:
+        # Only for a mesh that something of the part collides with, MuJoCo computes a convex hull for the part.
+        return kind == "mesh" and HULL in about(array).traits and int(self.alone.mesh_graphadr[index]) < 0
+
+    def expected(self, array: str, pairs: Pairs, mine: Array, theirs: Array) -> Array:
+        if array != "eq_data" or not self.moved:
+            return mine
+        return np.array([self._moved(*pair, theirs[pair[1]]) for pair in pairs])
+
+    def _moved(self, index: int, target: int, actual: Array) -> Array:
+        """Return the numbers of an equality, with what they measure in the part's world where the part is."""
+        data = np.array(self.alone.eq_data[index])
+        first, second = links(self.alone, "equality", index)
+        of_world = [link.kind == "body" and link.index == 0 for link in (first, second)]
+        if not any(of_world):
+            return data
+        ids = (self.composed.eq_obj1id[target], self.composed.eq_obj2id[target])
+        pose = self.placing.seen_from(int(ids[of_world.index(True)]))
+        # A `connect` has the point in the first body and then that in the second. A `weld` has them the other way
+        # round, and then the rotation of the second body in the first.
+        is_weld = int(self.alone.eq_type[index]) == _WELD
+        at = 3 if of_world[0] == is_weld else 0
+        x, y, z = data[at : at + 3].tolist()
+        data[at : at + 3] = (pose @ Pose((x, y, z))).pos
+        if is_weld:
+            w, a, b, c = data[6:10].tolist()
+            turn = (
+                multiply(pose.quat, (w, a, b, c))
+                if of_world[0]
+                else multiply((w, a, b, c), pose.inverse().quat)
+            )
+            data[6:10] = np.array(turn) * (1.0 if np.dot(turn, actual[6:10]) >= 0 else -1.0)
+        return data
+
+    def bound(self, treatment: Treatment) -> float:
+        if treatment in (Treatment.ROUNDED, Treatment.GAIN) and self.moved:
+            return max(ROUNDING, self.tolerance)
+        if treatment is Treatment.DERIVED:
+            return max(DERIVED_ROUNDING, self.tolerance)
+        return self.tolerance
+
+    def excuses(self, treatment: Treatment, kind: str, array: str, pair: tuple[int, int]) -> bool:
+        index, target = pair
+        coupling, moved = self.coupling, self.moved
+        match treatment:
+            case Treatment.ROOT_POSE:
+                if kind == "body" and twists_a_rod(self.alone, index):
+                    return True  # it has no place: only its angle counts
+                return moved and self._at_root(kind, index)
+            case Treatment.HOST:
+                on_host = self._body(kind, index) in coupling.hosts
+                return on_host or (moved and kind != "body" and self._at_root(kind, index))
+            case Treatment.SUBTREE:
+                return index in coupling.carriers
+            case Treatment.LENS:
+                return not self.alone.cam_sensorsize[index].any()
+            case Treatment.DERIVED:
+                acted_on = self._acted_on(kind, index) or self._less_simple(kind, index)
+                return acted_on or (moved and kind == "tendon" and self._has_no_direction(index))
+            case Treatment.GAIN if kind == "actuator":
+                return same_dampratio(self.alone, self.composed, index, target=target)
+            case Treatment.GAIN:
+                same = same_stiffness if array == "jnt_stiffness" else same_damping
+                seen_otherwise = self._acted_on(kind, index) or self._less_simple(kind, index)
+                return seen_otherwise and same(self.alone, self.composed, index, target)
+            case Treatment.ROUNDED:
+                return moved and array == "flex_size"
+            case _:
+                return False
+
+    def _at_root(self, kind: str, index: int) -> bool:
+        return kind in HOLDERS and holder(self.alone, kind, index) == 0
+
+    def _body(self, kind: str, index: int) -> int:
+        return index if kind == "body" else holder(self.alone, kind, index)
+
+    def _acted_on(self, kind: str, index: int) -> bool:
+        if kind in ("body", "joint"):
+            return self.coupling.acts_on(self._body(kind, index))
+        return self.coupling.anywhere
+
+    def _less_simple(self, kind: str, index: int) -> bool:
+        """Return whether only one of the models uses MuJoCo's shortcut for bodies that slide in the world.
+
+        The shortcut's inverse weights differ from those of the whole mass matrix.
+        """
+        if kind not in ("body", "joint"):
+            return False
+        body = self._body(kind, index)
+        there = self.matching.ids["body"][body]
+        return there >= 0 and int(self.alone.body_simple[body]) != int(self.composed.body_simple[there])
+
+    def _has_no_direction(self, tendon: int) -> bool:
+        """Return whether two neighbouring sites of a tendon lie in one point in the reference configuration.
+
+        MuJoCo 4.0 then takes the x axis of the world for the direction between them, or that of a rounding error: what
+        follows from it depends on how the part is turned.
+        """
+        model = self.alone
+        first = int(model.tendon_adr[tendon])
+        rows = range(first, first + int(model.tendon_num[tendon]))
+        points = [
+            self._reference(int(model.wrap_objid[row])) if int(model.wrap_type[row]) == WRAP_SITE else None
+            for row in rows
+        ]
+        return any(
+            one is not None and other is not None and np.allclose(one, other, rtol=0, atol=_ONE_POINT)
+            for one, other in pairwise(points)
+        )
+
+    def _reference(self, site: int) -> tuple[float, ...]:
+        """Return where a site of the part alone is in the reference configuration."""
+        model = self.alone
+        x, y, z = model.site_pos[site].tolist()
+        pose, body = Pose((x, y, z)), int(model.site_bodyid[site])
+        while body:
+            (x, y, z), (w, a, b, c) = model.body_pos[body].tolist(), model.body_quat[body].tolist()
+            pose, body = Pose((x, y, z), (w, a, b, c)) @ pose, int(model.body_parentid[body])
+        return pose.pos
+
+    def run(self, kind: str, array: str, index: int, run: Run) -> tuple[*Run, float] | None:
+        mine, other = run
+        traits, bound = about(array).traits, self.tolerance
+        if array == "actuator_acc0":
+            on_tendon = int(self.alone.actuator_trntype[index]) == ON_TENDON
+            tendon = int(self.alone.actuator_trnid[index, 0])
+            if self._acted_on(kind, index) or (self.moved and on_tendon and self._has_no_direction(tendon)):
+                return None
+            bound = self.bound(Treatment.DERIVED)
+        elif self.moved and PLACED in traits:
+            return None
+        elif self.moved and array == "flex_vert":
+            first = int(self.alone.flex_vertadr[index])
+            # -1: nodes carry the vertex. `flex_vert0` says where it is between them, and this where the frame puts it.
+            free = self.alone.flex_vertbodyid[first : first + len(mine)] > 0
+            mine, other = mine[free], other[free]
+        elif self.moved and MEASURED in traits and mine.size:
+            bound = max(bound, DERIVED_ROUNDING * max(1.0, float(np.abs(mine.astype(np.float64)).max())))
+        elif array in ("actuator_length0", "actuator_lengthrange"):
+            bound = self.bound(Treatment.ROUNDED)
+        return mine, other, bound
+
+
+def _sleep(matching: Correspondence) -> list[Difference]:
+    """Compare the sleep policy of a kinematic tree, if the part's author wrote one on its root."""
+    found: list[Difference] = []
+    alone, composed = matching.alone.model, matching.composed.model
+    if not hasattr(alone, "tree_sleep_policy"):
+        return found
+    for index, target in matching.pairs("body"):
+        if alone.body_rootid[index] != index or composed.body_rootid[target] != target:
+            continue
+        mine, theirs = int(alone.body_treeid[index]), int(composed.body_treeid[target])
+        if mine < 0 or theirs < 0:
+            continue
+        expected = int(alone.tree_sleep_policy[mine])
+        actual = int(composed.tree_sleep_policy[theirs])
+        if expected >= AUTHORED_SLEEP and expected != actual:
+            name = matching.composed.describe("body", target)
+            found.append(Difference("body", name, "tree_sleep_policy", expected=expected, actual=actual))
+    return found
+
+
+def number_differences(matching: Correspondence, rules: Rules) -> list[Difference]:
+    """Return where the numbers of a part differ in a composition; a long row is shown by its first such number."""
+    found: list[Difference] = []
+    for each in unequal_elements(matching, rules):
+        name, field = matching.composed.describe(each.kind, each.target), each.array
+        if each.different is None:
+            rows = len(each.expected), len(each.actual)
+            found.append(Difference(each.kind, name, f"{field}, rows", expected=rows[0], actual=rows[1]))
+            continue
+        several = field.startswith("dof_")  # a row for each degree of freedom
+        for row in (
+            np.flatnonzero(each.different.reshape(len(each.different), -1).any(axis=1)) if several else [...]
+        ):
+            expected, actual, different = each.expected[row], each.actual[row], each.different[row]
+            at: Any = ...
+            if different.size > _SHOWN:
+                at = tuple(np.argwhere(different)[0].tolist())
+            shown = field if at is ... else f"{field}{list(at)}"
+            before, after = plain_value(expected[at]), plain_value(actual[at])
+            found.append(Difference(each.kind, name, shown, expected=before, actual=after))
+    return [*dict.fromkeys(found), *_sleep(matching)]
+
+
+_CLOSE = 1e-6
+
+
+def same_stiffness(alone: Model, composed: Model, joint: int, target: int) -> bool:
+    """Return whether stiffness times inverse inertia, in 1/s², is the same; `springdamper` sets the stiffness by it."""
+    mine = float(alone.jnt_stiffness[joint]) * _inverse_inertia(alone, joint)
+    theirs = float(composed.jnt_stiffness[target]) * _inverse_inertia(composed, target)
+    return math.isclose(mine, theirs, rel_tol=_CLOSE)
+
+
+def same_damping(alone: Model, composed: Model, joint: int, target: int) -> bool:
+    """Return whether damping times inverse inertia, in 1/s, is the same; `springdamper` sets the damping by it."""
+    mine = float(alone.dof_damping[alone.jnt_dofadr[joint]]) * _inverse_inertia(alone, joint)
+    theirs = float(composed.dof_damping[composed.jnt_dofadr[target]]) * _inverse_inertia(composed, target)
+    return math.isclose(mine, theirs, rel_tol=_CLOSE)
+
+
+def _inverse_inertia(model: Model, joint: int) -> float:
+    return float(model.dof_invweight0[span(model, "qvel", joint)].mean())
+
+
+def same_dampratio(alone: Model, composed: Model, actuator: int, target: int) -> bool:
+    """Return whether a position servo has the same damping ratio in both models.
+
+    Return False if the ratio is unknown. MuJoCo 4 takes the inertia from the inverse weight at the joint or tendon,
+    MuJoCo 3 from the diagonal of the mass matrix; one match is enough.
+    """
+    if not (_is_damped_servo(alone, actuator) and _is_damped_servo(composed, target)):
+        return False
+    mine, theirs = alone.actuator_biasprm[actuator].tolist(), composed.actuator_biasprm[target].tolist()
+    if mine[:2] != theirs[:2] or mine[3:] != theirs[3:]:
+        return False
+    return any(
+        math.isclose(a, b, rel_tol=_CLOSE)
+        for a, b in zip(_ratios(alone, actuator), _ratios(composed, target), strict=False)
+        if a is not None and b is not None
+    )
+
+
+def _is_damped_servo(model: Model, actuator: int) -> bool:
+    gains = servo(model, actuator) or {}
+    return gains.get("kp", 0) > 0 and gains.get("kv", 0) > 0
+
+
+def _ratios(model: Model, actuator: int) -> tuple[float | None, float | None]:
+    """Return the damping ratio of a servo by the inverse weight and by the mass matrix, each None if unknown."""
+    gains = servo(model, actuator) or {}
+    stiffness, damping = gains["kp"], gains["kv"]
+    output = rows_of(model, "actuator", "actuator_gear", index=actuator).start
+    gear = float(model.actuator_gear[output, 0])
+    kind, target = int(model.actuator_trntype[actuator]), int(model.actuator_trnid[actuator, 0])
+    if gear == 0:
+        return None, None
+    if kind in ON_JOINTS:
+        if int(model.jnt_type[target]) < SLIDE:
+            return None, None
+        dof = int(model.jnt_dofadr[target])
+        light, heavy = float(model.dof_invweight0[dof]), float(model.dof_M0[dof])
+    elif kind == ON_TENDON:
+        light, heavy = float(model.tendon_invweight0[target]), _inertia_along(model, target)
+    else:
+        return None, None
+    by_weight = damping * gear / (2 * math.sqrt(stiffness / light)) if light > 0 else None
+    by_mass = damping * gear / (2 * math.sqrt(stiffness * heavy)) if heavy > 0 else None
+    return by_weight, by_mass
+
+
+def _inertia_along(model: Model, tendon: int) -> float:
+    """Return the inertia that a fixed tendon moves; 0 for a spatial one, whose moments the model does not store."""
+    first = int(model.tendon_adr[tendon])
+    inertia = 0.0
+    for at in range(first, first + int(model.tendon_num[tendon])):
+        joint, coefficient = int(model.wrap_objid[at]), float(model.wrap_prm[at])
+        if int(model.wrap_type[at]) != WRAP_JOINT or coefficient == 0:
+            return 0.0
+        inertia += float(model.dof_M0[model.jnt_dofadr[joint]]) / coefficient**2
+    return inertia
+
+
+__all__ = ["Difference", "Keys", "Mount", "Roots", "compare"]
+
+
+def compare(
+    alone: Model,
+    composed: Model,
+    *,
+    prefix: str = "",
+    hung_on: Mount | None = None,
+    renamed: Mapping[str, Mapping[str, str]] | None = None,
+    keys: Keys = Keys.MERGE,
+    roots_in_keys: Roots = Roots.MOVED,
+    others: Sequence[tuple[str, Model]] | None = None,
+    ignore: Collection[str] = (),
+    replaced_keys: Collection[str] = (),
+    tolerance: float = 0.0,
+    cut: bool = False,
+) -> list[Difference]:
+    """Return the differences between a part compiled alone and the same part in a composition.
+
+    The result is empty if the part is unchanged. ``prefix`` includes its separator; the base's is empty.
+    ``hung_on`` is the place of the part's world: the unmoved world by default. ``renamed`` maps names of the part
+    to names in the composition, by kind, if they are not simply prefixed. ``ignore`` are arrays (`geom_friction`),
+    or attributes of every kind (`friction`), that were changed on purpose; ``replaced_keys`` are keys of the
+    composition that were written in place of the part's own. With ``others``, the prefixes and models of all other
+    parts, elements with this part's prefix that belong to no part count as differences too.
+
+    ``tolerance`` is relative to the larger of 1 and the value. 0 requires equality bit for bit wherever composition
+    can preserve it; the table of arrays says where it cannot, and why. ``cut`` says that ``composed`` is the whole
+    that the part was cut out of.
+
+    Options, statistics and visual settings belong to the whole model and are not compared here. No I/O. Raises
+    KeyError if ``hung_on`` names an unknown body.
+    """
+    mount = hung_on or Mount()
+    matching = Correspondence(
+        NameTable(alone), NameTable(composed), prefix=prefix, mount=mount, renamed=renamed or {}, cut=cut
+    )
+    coupling = Coupling(matching, mount, cut=cut)
+    placing = Placing(matching, mount)
+    found = presence_differences(matching, others)
+    found += reference_differences(matching)
+    found += number_differences(matching, InComposition(matching, coupling, placing, tolerance=tolerance))
+    if not coupling.in_place:
+        found += placing.differences(tolerance)
+    in_world = placing.transform if matching.mount == 0 else None
+    found += key_differences(
+        matching, in_world, keys, roots=roots_in_keys, tolerance=tolerance, replaced=replaced_keys
+    )
+    return [difference for difference in found if not _ignored(difference, ignore)]
+
+
+def _ignored(difference: Difference, ignore: Collection[str]) -> bool:
+    """Return whether ``ignore`` holds the array of the difference, or its name without the first word."""
+    array = difference.array
+    return array in ignore or array.partition("_")[2] in ignore
