@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.mujoco.addresses import runs, span
-from mjcompose.mujoco.arrays import Treatment
+from mjcompose.mujoco.arrays import Treatment, with_trait
 from mjcompose.mujoco.attributes import KINDS, Model
 from mjcompose.mujoco.match import Correspondence, Difference, Value
 from mjcompose.mujoco.references import DOF, Array, arrays, same_width, unequal
@@ -159,9 +159,7 @@ def _unequal_runs(matching: Correspondence, rules: Rules, kind: str) -> Iterator
 
 
 _VISUAL = ("global_", "quality", "headlight", "map", "scale", "rgba")
-_OF_THE_PLACE = frozenset(
-    {"paths", "npaths", "nbuffer", "mesh_pathadr", "hfield_pathadr", "skin_pathadr", "tex_pathadr"}
-)
+_OF_THE_PLACE = with_trait("path") | {"paths", "npaths", "nbuffer"}
 """File paths at compilation, and the memory for them, which are not part of the model itself."""
 
 

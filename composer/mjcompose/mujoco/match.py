@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TypeAlias
 
 from mjcompose.base.dataclass import dataclass
@@ -482,41 +483,38 @@ def _extra(matching: Correspondence, kind: str, others: Iterable[tuple[str, Name
     ]
 
 
+def unequal_references(matching: Correspondence) -> Iterator[tuple[str, int, int, Link | None, Link | None]]:
+    """Yield the changed references of elements that both models have: kind, both ids, and the link in each model."""
+    for kind in KINDS:
+        for index, target in matching.pairs(kind) if kind != "key" else ():
+            mine = links(matching.alone.model, kind, index)
+            theirs = links(matching.composed.model, kind, target)
+            if kind in UNORDERED and theirs[1].index in matching.targets(mine[0]):
+                # The first may now be the second.
+                first, second = theirs
+                theirs = [replace(second, field=first.field), replace(first, field=second.field)]
+            there = {link.field: link for link in theirs}
+            for link in mine:
+                other = there.pop(link.field, None)
+                if other is None or other.kind != link.kind or other.index not in matching.targets(link):
+                    yield kind, index, target, link, other
+            for other in there.values():
+                yield kind, index, target, None, other
+
+
 def reference_differences(matching: Correspondence) -> list[Difference]:
     """Return changed references; one whose target is missing is not reported again."""
-    found: list[Difference] = []
-    for kind in KINDS:
-        if kind != "key":
-            for index, target in matching.pairs(kind):
-                found += _of_one(matching, kind, index, target=target)
-    return found
-
-
-def _of_one(matching: Correspondence, kind: str, index: int, target: int) -> list[Difference]:
-    mine = links(matching.alone.model, kind, index)
-    theirs = links(matching.composed.model, kind, target)
-    if kind in UNORDERED:
-        theirs = _in_order_of(matching, mine, theirs)
-    found: list[Difference] = []
-    for a, b in zip(mine, theirs, strict=False):
-        allowed = matching.targets(a)
-        if a.kind != b.kind or (allowed and b.index not in allowed):
-            name = matching.composed.describe(kind, target)
-            found.append(
-                Difference(
-                    kind,
-                    name,
-                    a.field,
-                    expected=_expected(matching, a),
-                    actual=_shown_references(matching.composed, b),
-                )
-            )
-    return found
-
-
-def _in_order_of(matching: Correspondence, mine: Sequence[Link], theirs: Sequence[Link]) -> list[Link]:
-    first, second = theirs
-    return [second, first] if second.index in matching.targets(mine[0]) else [first, second]
+    return [
+        Difference(
+            kind,
+            matching.composed.describe(kind, target),
+            mine.field,
+            expected=_expected(matching, mine),
+            actual=_shown_references(matching.composed, other),
+        )
+        for kind, _, target, mine, other in unequal_references(matching)
+        if mine is not None and other is not None and (mine.kind != other.kind or matching.targets(mine))
+    ]
 
 
 def _expected(matching: Correspondence, link: Link) -> Value:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from mjcompose.mujoco.addresses import RUNS
 from mjcompose.mujoco.attributes import KIND_OF, KINDS, TAGS, Model, NameTable, array_of, attributes
+from mjcompose.mujoco.references import unequal
 
 _ATTRIBUTES = {array_of(tag, attribute): attribute for tag in TAGS for attribute in attributes(tag)}
 _OWNERS = {"opt": "option", "stat": "statistic"}
@@ -113,7 +114,7 @@ class Differences:
         """Record a model with arrays of the same sizes for `count` worlds from this one."""
         for name, nominal in self.nominal.items():
             now = flat(model, name)
-            other = _different(now, nominal)
+            other = unequal(nominal, now)
             if not other.any():
                 continue
             self._grow(name, np.flatnonzero(other))
@@ -226,7 +227,7 @@ class Recorder:
             if name in MEANS:
                 at = MEANS.index(name)
                 means = np.array([each[at] for each in self._means])[:, None]
-                if _different(means, np.array([self._nominal_means[at]])).any():
+                if unequal(np.array([self._nominal_means[at]]), means).any():
                     yield name, np.zeros(1, np.int64), means
                 continue
             first, end = self._spans[name]
@@ -242,7 +243,7 @@ class Recorder:
                 part = rows[number * _BLOCK : (number + 1) * _BLOCK]
                 part[:] = self._columns(block, order[ours], words[ours])[: len(part)].view(nominal.dtype)
             inside = index < nominal.size
-            inside[inside] = _different(rows[:, inside], nominal[index[inside]]).any(axis=0)
+            inside[inside] = unequal(nominal[index[inside]], rows[:, inside]).any(axis=0)
             if inside.any():
                 yield name, index[inside], np.ascontiguousarray(rows[:, inside])
 
@@ -269,14 +270,6 @@ class Recorder:
 
 def _means(model: Model) -> tuple[float, float]:
     return model.stat.meaninertia, model.stat.meanmass
-
-
-def _different(now: Numbers, nominal: Numbers) -> Numbers:
-    """Return which numbers differ; NaN is equal to NaN."""
-    other: Numbers = now != nominal
-    if nominal.dtype.kind == "f":
-        other &= ~(np.isnan(now) & np.isnan(nominal))
-    return other
 
 
 def _span(model: Model, name: str) -> tuple[int, int]:

@@ -21,8 +21,16 @@ from mjcompose.mujoco.compare import (
 )
 from mjcompose.mujoco.controls import NO_BIAS, servo
 from mjcompose.mujoco.keyframes import Keys, Roots, key_differences
-from mjcompose.mujoco.match import ABSENT, MISSING, Correspondence, Difference, Mount, values
-from mjcompose.mujoco.references import UNORDERED, Array, links
+from mjcompose.mujoco.match import (
+    ABSENT,
+    MISSING,
+    Correspondence,
+    Difference,
+    Mount,
+    unequal_references,
+    values,
+)
+from mjcompose.mujoco.references import Array, links
 from mjcompose.tools.diff.changes import Change, Contrast, Count, Move, Value
 
 _TARGETS = 3
@@ -462,43 +470,24 @@ def _goes_along(
 
 def references(matching: Correspondence) -> Iterator[Change]:
     """Yield references whose target changed."""
-    for kind in KINDS:
-        if kind == "key":
-            continue
-        for index, target in matching.pairs(kind):
-            yield from _references_of(matching, kind, index, target=target)
-
-
-def _references_of(matching: Correspondence, kind: str, index: int, target: int) -> Iterator[Change]:
-    mine = links(matching.alone.model, kind, index)
-    theirs = links(matching.composed.model, kind, target)
-    if kind in UNORDERED and len(theirs) == 2 and theirs[1].index in matching.targets(mine[0]):
-        theirs = [theirs[1], theirs[0]]
-    after = {link.field: link for link in theirs}
-    for link in mine:
-        other = after.pop(link.field, None)
-        same = other is not None and other.kind == link.kind and other.index in matching.targets(link)
-        if same:
-            continue
-        shown = [
+    for kind, index, target, mine, other in unequal_references(matching):
+        link = mine or other
+        assert link is not None
+        before, after = (
             None if each is None or each.index < 0 else side.describe(each.kind, each.index)
-            for each, side in ((link, matching.alone), (other, matching.composed))
-        ]
-        yield _changed(
-            matching, kind, index, target=target, field=link.field, before=shown[0], after=shown[1]
+            for each, side in ((mine, matching.alone), (other, matching.composed))
         )
-    for field, link in after.items():
-        named = None if link.index < 0 else matching.composed.describe(link.kind, link.index)
-        yield _changed(matching, kind, index, target=target, field=field, before=None, after=named)
-
-
-def _changed(
-    matching: Correspondence, kind: str, index: int, target: int, field: str, before: Value, after: Value
-) -> Change:
-    return Change(
-        "changed", kind, named(matching.composed, kind, target), field=field, before=before, after=after,
-        index=(index, target), name_before=named(matching.alone, kind, index), follows=about(field).is_computed,
-    )  # fmt: skip
+        yield Change(
+            "changed",
+            kind,
+            named(matching.composed, kind, target),
+            field=link.field,
+            before=before,
+            after=after,
+            index=(index, target),
+            name_before=named(matching.alone, kind, index),
+            follows=about(link.field).is_computed,
+        )
 
 
 def _keys(matching: Correspondence, tolerance: float) -> Iterator[Change]:

@@ -22,6 +22,7 @@ from mjcompose.build.bundle.staging import write_folder
 from mjcompose.build.cache.builder import Made, Maker
 from mjcompose.build.plan.read import read_recipe
 from mjcompose.language.expand import Cell
+from mjcompose.mujoco.arrays import with_trait
 from mjcompose.mujoco.attributes import KINDS, ON_BODIES, Model, NameTable, names
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.varying import Differences, arrays, flat
@@ -321,7 +322,7 @@ def unlike(first: Model, other: Model) -> list[str] | None:
 
 def _is_of_names(array: str) -> bool:
     """Return whether an array holds positions of names and file paths in a text that begins with the model's name."""
-    return array.startswith("name") or array.endswith("pathadr")
+    return array.startswith("name") or array in with_trait("path")
 
 
 @dataclass(frozen=True, slots=True)

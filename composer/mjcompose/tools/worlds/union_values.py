@@ -15,8 +15,10 @@ from typing import Any
 
 import numpy as np
 
+from mjcompose.mujoco.addresses import VECTORS
 from mjcompose.mujoco.arrays import Treatment, about
-from mjcompose.mujoco.attributes import KINDS, OF_OBJECT_TYPE, Model, NameTable
+from mjcompose.mujoco.attributes import KINDS, Model, NameTable
+from mjcompose.mujoco.references import links
 from mjcompose.mujoco.varying import Rows, owners, rows_of_size
 from mjcompose.tools.worlds.join import CODE
 from mjcompose.tools.worlds.worlds import failure
@@ -28,77 +30,22 @@ References = Iterator[tuple[str, int]]
 
 ACTING = ("actuator", "tendon", "equality", "pair", "exclude", "sensor")
 """Kinds of elements that act on their references."""
-_JOINT, _JOINT_IN_PARENT, _SLIDERCRANK, _TENDON, _SITE, _BODY = range(6)
-_TRANSMISSIONS = {
-    _JOINT: "joint", _JOINT_IN_PARENT: "joint", _SLIDERCRANK: "site", _TENDON: "tendon", _SITE: "site", _BODY: "body",
-}  # fmt: skip
-_EQUALITIES = {2: "joint", 3: "tendon"}
+_TRANSMISSIONS = range(6)
 _ALONE = "build these cells by themselves with `--pick`"
-_WRAP_JOINT, _PULLEY, _WRAP_SITE = 1, 2, 3
+_OTHER_LINKS = ("tendon_matid", "tendon_actuatorid")
 
 
 def references(model: Model, kind: str, number: int) -> References:
-    """Return the kind and number of each element that one refers to.
+    """Return the kind and number of each element that one acts on.
 
-    Raises LoadError for an unknown type of reference, when the iterator reaches it.
+    Raises LoadError for an unknown type of transmission, when the iterator reaches it.
     """
-    found = _REFERENCES.get(kind)
-    return iter(()) if found is None else found(model, number)
-
-
-def _of_actuator(model: Model, number: int) -> References:
-    transmission = int(model.actuator_trntype[number])
-    known = _TRANSMISSIONS.get(transmission)
-    if known is None:
+    if kind == "actuator" and (transmission := int(model.actuator_trntype[number])) not in _TRANSMISSIONS:
         message = f"an actuator with a transmission of type {transmission} cannot be in a union"
         raise failure(CODE, message, _ALONE)
-    for part, target in enumerate(model.actuator_trnid[number].ravel()[:2].tolist()):
-        if target >= 0 and (part == 0 or known == "site"):
-            yield known, target
-
-
-def _of_tendon(model: Model, number: int) -> References:
-    first = int(model.tendon_adr[number])
-    for wrap in range(first, first + int(model.tendon_num[number])):
-        shape, target = int(model.wrap_type[wrap]), int(model.wrap_objid[wrap])
-        if shape != _PULLEY:
-            yield {_WRAP_JOINT: "joint", _WRAP_SITE: "site"}.get(shape, "geom"), target
-
-
-def _of_equality(model: Model, number: int) -> References:
-    shape = int(model.eq_type[number])
-    known = _EQUALITIES.get(shape) or OF_OBJECT_TYPE.get(int(model.eq_objtype[number]))
-    if known is None:
-        raise failure(CODE, f"an equality of type {shape} cannot be in a union", _ALONE)
-    for each in (model.eq_obj1id[number], model.eq_obj2id[number]):
-        if each >= 0:
-            yield known, int(each)
-
-
-def _of_pair(model: Model, number: int) -> References:
-    yield from (("geom", int(each)) for each in (model.pair_geom1[number], model.pair_geom2[number]))
-
-
-def _of_exclude(model: Model, number: int) -> References:
-    signature = int(model.exclude_signature[number])
-    yield from (("body", each) for each in (signature >> 16, signature & 0xFFFF))
-
-
-def _of_sensor(model: Model, number: int) -> References:
-    for types, targets in (("sensor_objtype", "sensor_objid"), ("sensor_reftype", "sensor_refid")):
-        known = OF_OBJECT_TYPE.get(int(getattr(model, types)[number]))
-        if known is not None:
-            yield known, int(getattr(model, targets)[number])
-
-
-_REFERENCES: Mapping[str, Callable[[Model, int], References]] = {
-    "actuator": _of_actuator,
-    "tendon": _of_tendon,
-    "equality": _of_equality,
-    "pair": _of_pair,
-    "exclude": _of_exclude,
-    "sensor": _of_sensor,
-}
+    for link in links(model, kind, number) if kind in ACTING else ():
+        if link.index >= 0 and link.kind != "plugin" and link.field not in _OTHER_LINKS:
+            yield link.kind, link.index
 
 
 def words(model: Model, kind: str, number: int, label: Label) -> str:
@@ -120,10 +67,9 @@ def referring_bodies(model: Model, kind: str, number: int) -> Iterator[int]:
 
 
 _KEYS = {
-    "key_qpos": ("joint", "nq"), "key_qvel": ("joint", "nv"), "key_ctrl": ("actuator", "nu"),
-    "key_act": ("actuator", "na"),
-    "key_mpos": ("body", "nmocap"), "key_mquat": ("body", "nmocap"),
-}  # fmt: skip
+    **{f"key_{vector}": VECTORS[vector] for vector in ("qpos", "qvel", "ctrl", "act")},
+    **dict.fromkeys(("key_mpos", "key_mquat"), VECTORS["mocap_pos"]),
+}
 _APART = -1e4
 _TREE = ("body", "joint", "geom", "site", "camera", "light")
 _NEEDED = (*_TREE, *ACTING, "numeric", "tuple", "material", "key")
