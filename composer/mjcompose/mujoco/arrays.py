@@ -431,6 +431,10 @@ bvh_aabb bvh_child bvh_depth bvh_nodeid | all volumes, order, rewritten
 efm0_L efm0_L_colind efm0_L_rownnz efm0_dofid efmC_perm | factor, joints
 efm0_L_rowadr | factor, order
 names_map | names, order, rewritten
+integrator | mjtIntegrator
+cone | mjtCone
+jacobian | mjtJacobian
+solver | mjtSolver
 opt.apirate | unread
 opt.ccd_iterations | 35 50
 opt.ccd_tolerance | 1e-06
@@ -582,7 +586,7 @@ def with_trait(*traits: str) -> frozenset[str]:
     return frozenset(array for array, (line, _) in ARRAYS.items() if not _traits(line).isdisjoint(traits))
 
 
-ENUMS = frozenset(array for array, (line, _) in ARRAYS.items() if "mjt" in line)
+ENUMS = frozenset(array for array, (line, _) in ARRAYS.items() if "mjt" in line and "_" in array)
 """The arrays whose numbers stand for words."""
 
 

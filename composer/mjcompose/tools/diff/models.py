@@ -77,10 +77,6 @@ def moves(matching: Correspondence) -> Iterator[Move]:
                     yield Move(vector, kind, name, before=before.start, after=after.start)
 
 
-_WORDS = {
-    "integrator": ("mjtIntegrator", "mjINT_"), "cone": ("mjtCone", "mjCONE_"),
-    "jacobian": ("mjtJacobian", "mjJAC_"), "solver": ("mjtSolver", "mjSOL_"),
-}  # fmt: skip
 _SPELLED = {"euler": "Euler", "rk4": "RK4", "pgs": "PGS", "cg": "CG", "newton": "Newton"}
 _FLAGS = {
     "disableflags": ("mjtDisableBit", "mjDSBL_", True),
@@ -131,14 +127,10 @@ def _flags(mujoco: Any, difference: Difference) -> Iterator[Change]:
 
 
 def _word(mujoco: Any, name: str, value: Value) -> Value:
-    if name not in _WORDS:
+    if not about(name).enumeration or not isinstance(value, int):
         return value
-    enum, prefix = _WORDS[name]
-    for word, number in getattr(mujoco, enum).__members__.items():
-        if int(number) == value:
-            plain: str = word.removeprefix(prefix).lower()
-            return _SPELLED.get(plain, plain)
-    return value
+    word = words(mujoco, name).get(value, value)
+    return _SPELLED.get(str(word), word)
 
 
 def _close(a: Value, b: Value, tolerance: float) -> bool:

@@ -19,6 +19,7 @@ from mjcompose.model.grammar import number_text, version_key
 from mjcompose.model.history import default_of, place, unread
 from mjcompose.model.parse import all_admitted, parse_file
 from mjcompose.model.unit import Unit
+from mjcompose.mujoco.arrays import with_trait
 from mjcompose.mujoco.messages import parse
 from mjcompose.sources.context import Context
 from mjcompose.sources.lock import resolve
@@ -431,10 +432,9 @@ def lay_out(migrated: Migrated, folder: Path, *, link: bool = False) -> dict[Pat
 
 
 _SHOWN = 20
-_FOLLOW = frozenset(
-    "actuator_acc0 body_invweight0 body_subtreemass cam_poscom0 light_poscom0 dof_M0 dof_invweight0 stat.meaninertia"
-    " stat.meanmass stat.meansize stat.center stat.extent tendon_invweight0"
-    " geom_rbound".split()
+_FOLLOW = with_trait("tree inertia", "output inertia", "subtree").union(
+    "cam_poscom0 light_poscom0 geom_rbound".split(),
+    "stat.meaninertia stat.meanmass stat.meansize stat.center stat.extent".split(),
 )
 """What MuJoCo computes from masses and places, and is not the same where these are not."""
 
