@@ -39,7 +39,7 @@ def command(form: str) -> None:
 
     The exit code is 1 if something that every build needs is missing.
     """
-    findings = [*_installed(), *_mujoco(), _git(), _store(), _templates(), *_extras()]
+    findings = [*_installed(), *_mujoco(), _git(), _store(), _templates(), *_extras(), *_extensions()]
     if form == "json":
         click.echo(json.dumps([asdict(each) for each in findings], indent=2))
     else:
@@ -141,6 +141,21 @@ def _extras() -> Iterator[Finding]:
             version or f"is not installed; it is for {use}: pip install {package}",
             True if version else None,
         )
+
+
+def _extensions() -> Iterator[Finding]:
+    """Yield what other packages bring; each is loaded, which shows whether it can be."""
+    from mjcompose.base.diagnostic import DiagnosticError
+    from mjcompose.base.extensions import GROUPS, load, names
+
+    for group, what in GROUPS.items():
+        for word, owner in names(group).items():
+            try:
+                load(group, word)
+            except DiagnosticError as error:
+                yield Finding(f"{what} `{word}`", error.message, None)
+            else:
+                yield Finding(f"{what} `{word}`", owner)
 
 
 def _version(name: str) -> str | None:

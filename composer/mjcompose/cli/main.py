@@ -76,11 +76,13 @@ if "_MJCOMPOSE_COMPLETE" in os.environ:
 
 class _Verbs(click.Group):
     def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(_VERBS)
+        from mjcompose.base.extensions import names
+
+        return [*_VERBS, *(name for name in names("commands") if name not in _VERBS)]
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in _VERBS:
-            return None
+            return _extension(ctx, cmd_name)
         room = f"{cmd_name}_" if keyword.iskeyword(cmd_name) else cmd_name
         module = importlib.import_module(f"mjcompose.cli.{room}")
         command = module.command
@@ -95,7 +97,7 @@ class _Verbs(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         verb = args[0]
-        if verb not in _VERBS and not verb.startswith("-"):
+        if verb not in _VERBS and not verb.startswith("-") and not _is_extension(verb):
             from mjcompose.base.suggest import closest
 
             near = closest(verb, _VERBS)
@@ -159,6 +161,39 @@ class _Verbs(click.Group):
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
             formatter.write_dl(list(_VERBS.items()))
+        from mjcompose.base.extensions import names
+
+        if more := [
+            (name, f"A command of {owner}.")
+            for name, owner in names("commands").items()
+            if name not in _VERBS
+        ]:
+            with formatter.section("Commands of other packages"):
+                formatter.write_dl(more)
+
+
+def _is_extension(verb: str) -> bool:
+    from mjcompose.base.extensions import is_registered
+
+    return is_registered("commands", verb)
+
+
+def _extension(ctx: click.Context, name: str) -> click.Command | None:
+    """Return the command of another package, or None if none has it."""
+    if not _is_extension(name):
+        return None
+    from mjcompose.base.diagnostic import DiagnosticError
+    from mjcompose.base.extensions import Table
+    from mjcompose.cli.reporting import report_as_chosen
+    from mjcompose.sources.context import Context
+
+    try:
+        return Table[click.Command]("commands", {}, "command", click.Command)[name]
+    except DiagnosticError as error:
+        context = Context()
+        context.sink.add(error.diagnostic)
+        report_as_chosen(context)
+        ctx.exit(_FAILED)
 
 
 def _is_reported(error: Exception) -> bool:

@@ -427,7 +427,11 @@ class _Target(click.Choice):  # type: ignore[type-arg]  # before click 8.2 it is
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
         if value in self.choices:
             return str(value)
+        from mjcompose.base.extensions import is_registered
         from mjcompose.base.suggest import closest
+
+        if is_registered("targets", value):
+            return str(value)
 
         near = closest(value, self.choices)
         hint = f" Did you mean `{near[0]}`?" if near else ""

@@ -19,6 +19,10 @@ def command(what: str) -> None:
 
         click.echo(page(), nl=False)
         return
+    from mjcompose.build.plan.extensions import load_all
     from mjcompose.language.schema import text
+
+    for error in load_all():
+        click.echo(error.message, err=True)
 
     click.echo(text(), nl=False)

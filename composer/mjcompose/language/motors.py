@@ -11,6 +11,7 @@ from typing import Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault
+from mjcompose.base.extensions import Table
 from mjcompose.language.form import EXCLUSIVE, Form, Schema, Settings, kind_of, reference, unknown_key
 
 _LIBRARY = Path(__file__).with_name("motors.yaml")
@@ -142,6 +143,10 @@ def _text_fault(name: str, key: str, value: Any) -> Fault | None:
 
 def _bound(name: str) -> str:
     return "minimum" if name in _MAY_BE_ZERO else "exclusiveMinimum"
+
+
+SHEETS: Table[Motor] = Table("datasheets", {}, "", Motor)
+"""The data sheets of other packages that recipes have named."""
 
 
 @cache

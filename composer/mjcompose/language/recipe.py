@@ -10,6 +10,7 @@ from pydantic import Field
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
+from mjcompose.base.extensions import Table
 from mjcompose.base.suggest import advised, closest, exists_note
 from mjcompose.language.attach import Attachment, Prefixes
 from mjcompose.language.checks import (
@@ -211,27 +212,32 @@ def _definition_of_addition(_: str) -> Schema:
     return {**schema, "required": ["to"], "minProperties": 2, "maxProperties": 2}
 
 
-KINDS: dict[str, Kind] = {
-    room.KIND.word: room.KIND
-    for room in (
-        size,
-        mass,
-        exists,
-        stable,
-        no_penetration,
-        clear,
-        collision,
-        reachable,
-        limits,
-        actuated,
-        plausible,
-        equal,
-        unchanged,
-        budget,
-        runs_on,
-        loads,
-    )
-}
+KINDS = Table(
+    "checks",
+    {
+        room.KIND.word: room.KIND
+        for room in (
+            size,
+            mass,
+            exists,
+            stable,
+            no_penetration,
+            clear,
+            collision,
+            reachable,
+            limits,
+            actuated,
+            plausible,
+            equal,
+            unchanged,
+            budget,
+            runs_on,
+            loads,
+        )
+    },
+    "KIND",
+    Kind,
+)
 SEVERITY = "severity"
 SEVERITIES = ("error", "warning")
 

@@ -339,10 +339,10 @@ def _paths() -> list[str]:
     return [path for path in GRAMMAR.paths if "/" in path and path not in known and path != "mujoco/include"]
 
 
-KEYS = ("id", "select", *COUNT, *VERBS, "allow", "when")
+KEYS = ("id", "select", *COUNT, *VERBS.own, "allow", "when")
 """The keys of an entry, in the order in which `fmt` writes them."""
-check_rows("the keys of `edit` in composer/mjcompose/language/used_model.py", [*OWN, *VERBS], KEYS)
-_KNOWN = ("select", *VERBS, *COUNT, "id", "allow", "when")
+check_rows("the keys of `edit` in composer/mjcompose/language/used_model.py", [*OWN, *VERBS.own], KEYS)
+_KNOWN = ("select", *VERBS.own, *COUNT, "id", "allow", "when")
 """The same for messages, which list the first few: what does something comes first."""
 
 
@@ -435,7 +435,7 @@ def _edit(value: Any, at: Path, checker: Checker, faults: list[Fault]) -> Edit |
 
 def _unknown(value: dict[str, Any], at: Path) -> Iterator[Fault]:
     for name in value:
-        if name in KEYS:
+        if name in KEYS or name in VERBS:
             continue
         message = f"`{name}` is not a key of an entry of `edit`"
         fault = unknown_key(message, name, _KNOWN, at=(*at, name))

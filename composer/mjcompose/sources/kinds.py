@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 
-from mjcompose.base.diagnostic import hide
+from mjcompose.base.diagnostic import DiagnosticError, hide
+from mjcompose.base.extensions import Table, is_registered, refuse
 from mjcompose.base.suggest import closest
 from mjcompose.sources import archive, descriptions, git, menagerie, package, path
 from mjcompose.sources.reference import CONTROL, Reference, SourceError, SourceKind, is_this_machine
@@ -21,6 +22,8 @@ KINDS: tuple[SourceKind, ...] = (
 
 _BY_NAME = {kind.name: kind for kind in KINDS}
 _BY_SCHEME = {form.scheme: kind for kind in KINDS for form in kind.forms if form.scheme}
+EXTENDED: Table[SourceKind] = Table("sources", {}, "KIND", SourceKind)
+"""The kinds of other packages, by their schemes, which are their names."""
 _ON_THIS_MACHINE = {scheme: kind for kind in KINDS for scheme in kind.local_schemes}
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(.*)", re.DOTALL)
 """At least two characters, because one letter before a colon is a Windows drive."""
@@ -35,11 +38,13 @@ for _kind in KINDS:
 
 def kind_called(name: str) -> SourceKind | None:
     """Return the kind of that name in a lock or manifest, or None if there is none."""
-    return _BY_NAME.get(name)
+    return _BY_NAME.get(name) or EXTENDED.get(name)
 
 
-def parse(text: str) -> Reference:
-    """Parse a model reference. No I/O.
+def parse(text: str, fetched: str | None = None) -> Reference:
+    """Parse a model reference. No I/O, but that the kind of another package is loaded.
+
+    `fetched` is the id of the origin if the recipe with the reference was fetched: it may name no such kind.
 
     Text without a scheme is a path; a path with a colon in its first component needs `./` before it. Raises
     SourceError (`source-kind`) for a text that has none of the forms.
@@ -61,6 +66,8 @@ def parse(text: str) -> Reference:
     if scheme is None:
         return path.KIND.parse(text)
     kind = _BY_SCHEME.get(scheme[1])
+    if kind is None and is_registered("sources", scheme[1]):
+        kind = _extended(scheme[1], fetched)
     if kind is None and is_this_machine(scheme[2].removeprefix("//").partition("/")[0]):
         kind = _ON_THIS_MACHINE.get(scheme[1])
     if kind is None:
@@ -68,10 +75,19 @@ def parse(text: str) -> Reference:
     return kind.parse(text)
 
 
+def _extended(scheme: str, fetched: str | None) -> SourceKind:
+    try:
+        if fetched is not None:
+            raise refuse("sources", scheme, fetched)
+        return EXTENDED[scheme]
+    except DiagnosticError as error:
+        raise SourceError(error.code, error.message, error.diagnostic.help) from error
+
+
 def _unknown_kind(text: str, scheme: str, rest: str) -> SourceError:
     help = None
     text, rest = hide(text), hide(rest)
-    if near := closest(scheme, _BY_SCHEME):
+    if near := closest(scheme, [*_BY_SCHEME, *EXTENDED]):
         help = f"write `{near[0]}:{rest}`"
     elif scheme.lower() == "file":
         help = "write the path alone"

@@ -12,12 +12,12 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
 from mjcompose.base.access import Door
-from mjcompose.base.diagnostic import Span
+from mjcompose.base.diagnostic import DiagnosticError, Span
 from mjcompose.base.files import CODE, Refused, read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink
 from mjcompose.sources.fetching import Fetching, Lookup
-from mjcompose.sources.kinds import kind_called, parse
+from mjcompose.sources.kinds import EXTENDED, kind_called, parse
 from mjcompose.sources.reference import PINS, Source, SourceError, SourceKind
 from mjcompose.sources.trust import check_reach
 from mjcompose.text.load import load
@@ -59,13 +59,15 @@ class Lock(_Part):
     """All sources of a recipe and its nested recipes, by id; file names are relative to the source.
 
     `mjcompose` and `mujoco` are the versions that the lock was made with. `shapes` has the sha256 of what was made of
-    each mesh and is kept beside the recipe, by its key.
+    each mesh and is kept beside the recipe, by its key. `extensions` has the versions of the other packages whose words
+    the recipe uses, by their names.
     """
 
     lock: Literal[1] = 1
     mjcompose: str
     mujoco: str | None
     sources: dict[str, Locked]
+    extensions: dict[str, str] = Field(default_factory=dict)
     shapes: dict[_Sha256, _Sha256] = Field(default_factory=dict)
 
 
@@ -162,7 +164,14 @@ def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | No
         fault = error.errors()[0]
         _report(fault["type"], tuple(fault["loc"]), node, shown=shown, sink=sink)
         return None
-    unknown = [id for id, locked in lock.sources.items() if kind_called(locked.kind) is None]
+    unknown = [id for id, locked in lock.sources.items() if not _is_known(locked.kind)]
+    if unknown and lock.extensions:
+        named = ", ".join(f"{name}=={version}" for name, version in lock.extensions.items())
+        kind = lock.sources[unknown[0]].kind
+        span = locate(node, ("sources", unknown[0], "kind"))
+        message = f"`{shown}` needs the source kind `{kind}` of a package that is not installed"
+        sink.error("lock-invalid", message, span, help=f"pip install {named}")
+        return None
     if unknown:
         _report("", ("sources", unknown[0], "kind"), node, shown=shown, sink=sink)
         return None
@@ -172,6 +181,14 @@ def from_text(text: bytes | str, shown: str, sink: Sink, disputes: Disputed | No
         _report("missing" if version is None else "", ("lock",), node, shown=shown, sink=sink)
         return None
     return lock
+
+
+def _is_known(kind: str) -> bool:
+    """Return whether a kind of source is ours or that of an installed package, which is loaded."""
+    try:
+        return kind_called(kind) is not None or EXTENDED[kind] is not None
+    except (KeyError, DiagnosticError):
+        return False
 
 
 def _in_a_merge(text: str, start: int, shown: str, sink: Sink, disputes: Disputed | None) -> Lock | None:
@@ -281,16 +298,17 @@ def resolve(
     anything on this machine. Raises SourceError.
     """
     fetching = Fetching() if fetching is None else fetching
-    parsed = parse(reference)
+    asking = fetching.around(relative_to)
+    is_confined = asking is not None and asking.is_fetched
+    if is_confined and fetching.trust.allows(reference):
+        is_confined = False
+    parsed = parse(reference, asking.id if asking is not None and is_confined else None)
     kind = kind_called(parsed.kind.name)
     assert kind is not None, "what is parsed is of a kind"
     if not kind.is_fetched:  # another variable could change the result without the build cache noticing
         environment = {name: environment[name] for name in kind.variables if name in environment}
-    asking = fetching.around(relative_to)
-    is_confined = asking is not None and asking.is_fetched
-    if asking is not None and is_confined:
+    if asking is not None and is_confined:  # `check_reach` admits what is trusted
         check_reach(parsed, kind, asking, trust=fetching.trust, offline=fetching.offline)
-        is_confined = not fetching.trust.allows(reference)
     source = kind.resolve(parsed, Lookup(relative_to, environment, fetching, is_confined=is_confined))
     if source.origin is not None:
         fetching.origins[source.origin.id] = source.origin

@@ -288,5 +288,5 @@ CHECKS: Mapping[str, Callable[[Work, dict[str, Any]], Found]] = {"runs_on": runs
 check_rows(
     "the checks that composer/mjcompose/targets/checks.py carries out",
     CHECKS,
-    [word for word, kind in KINDS.items() if kind.of_target],
+    [word for word in KINDS.own if KINDS[word].of_target],
 )

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
+from mjcompose.base.extensions import Table
 from mjcompose.language.checks.form import RUN_ON
 from mjcompose.language.form import check_rows
 from mjcompose.targets.consumers import (
@@ -100,9 +101,9 @@ _ALL = (
     isaac,
     urdf,
 )
-TARGETS: Mapping[str, Target] = {each.TARGET.name: each.TARGET for each in _ALL}
+TARGETS = Table("targets", {each.TARGET.name: each.TARGET for each in _ALL}, "TARGET", Target)
 
-check_rows("the targets of composer/mjcompose/targets/table.py", [MUJOCO, *TARGETS], NAMES)
+check_rows("the targets of composer/mjcompose/targets/table.py", [MUJOCO, *TARGETS.own], NAMES)
 check_rows("the simulators of the check `runs_on`", RUN_ON, [name for name in TARGETS if name != PLAIN.name])
 check_rows(
     "the features of composer/mjcompose/targets/table.py",

@@ -32,6 +32,7 @@ from mjcompose.build.bundle.manifest import (
     index_of,
     with_manifest,
 )
+from mjcompose.build.plan.extensions import packages_of
 from mjcompose.build.plan.plan import Drawn, MadeShapes, PartRecord, Plan, Tables
 from mjcompose.link.files import Merged
 from mjcompose.link.linking import FileUse
@@ -274,6 +275,7 @@ def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
         description=plan.description,
         mujoco=compiled.mujoco_version if compiled else None,
         grammar=GRAMMAR.versions[-1],
+        extensions=packages_of(plan),
         recipe=Recipe(path=as_text(plan.path.name), sha256=remembered_sha256(plan.path)),
         separator=plan.separator,
         cell=making.cell,

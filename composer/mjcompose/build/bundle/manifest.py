@@ -368,6 +368,10 @@ class Manifest(_Part):
     mjcompose: str = Field(default=__version__, description="The version of mjcompose that made the bundle.")
     mujoco: str | None = Field(description="The version of MuJoCo that verified it; null when none did.")
     grammar: str = Field(description="The version of MuJoCo whose MJCF the grammar describes.")
+    extensions: dict[str, str] = Field(
+        default={},
+        description="The other packages whose words the recipe uses, and their versions; left out without.",
+    )
     recipe: Recipe | None = Field(default=None, description="null for a model that Python composed.")
     separator: str = Field(default="/", description="What stands between a prefix and a name.")
     cell: str | None = Field(default=None, description="The cell of the recipe's matrix; null for none.")
@@ -424,7 +428,7 @@ def files_of(bundle: Bundle) -> tuple[File, ...]:
 def to_json(manifest: Manifest) -> bytes:
     """Return the manifest as UTF-8 text: fields in the order of the schema, indented by two spaces, a final newline."""
     data = manifest.model_dump(mode="json")
-    for name in ("picture", "target", "union", "made"):
+    for name in ("picture", "target", "union", "made", "extensions"):
         if not data[name]:
             del data[name]
     for each in data["inputs"]:

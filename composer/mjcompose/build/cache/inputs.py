@@ -12,8 +12,10 @@ from pathlib import Path
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Span
+from mjcompose.base.extensions import LOADED
 from mjcompose.build.cache.cache import Record
 from mjcompose.build.compose.shape_store import kept_beside
+from mjcompose.build.plan.extensions import packages_of
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.read import files_of_recipe, files_of_source
 from mjcompose.build.stages import Built
@@ -102,6 +104,7 @@ class Inputs:
             found.update(dict.fromkeys(map(os.path.abspath, files_of_recipe(each, context))))
         for source in sources:
             found.update(dict.fromkeys(self._of(source)))
+        found.update(dict.fromkeys(file for each in LOADED.values() for file in each.files))
         if context.fetching is not None and context.fetching.lock_file is not None:
             found[os.path.abspath(context.fetching.lock_file)] = None
         return found
@@ -111,6 +114,7 @@ class Inputs:
         known = list(plan.sources())
         named = [each.package for each in known if each.package]
         named += [library.name for each in known for library in each.kind.libraries]
+        named += packages_of(plan)
         named += OF_URDF if any(each.format == "urdf" for each in known) else ()
         for name in dict.fromkeys([*PACKAGES, *named]):
             if name not in self._packages:
@@ -132,6 +136,8 @@ def may_move(context: Context) -> bool:
     fetching = context.fetching
     if fetching is None:
         return False
+    if any(group == "sources" for group, _ in LOADED):
+        return True  # the variables of such a kind are in no key
     fetched = [each for each in fetching.origins.values() if each.is_fetched]
     return any(fetching.pin(each.id) is None and (each.pin or "?") not in each.id for each in fetched)
 

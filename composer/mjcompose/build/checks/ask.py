@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 from mjcompose.base.diagnostic import Fault
+from mjcompose.base.extensions import Table
 from mjcompose.build.checks import (
     actuated,
     budget,
@@ -25,21 +26,25 @@ from mjcompose.build.checks.check import Scope, to_json
 from mjcompose.model.pattern import BadPattern
 from mjcompose.mujoco.attributes import Model
 
-CHECKS: Mapping[str, Callable[[Scope, dict[str, Any]], list[Fault]]] = {
-    "size": size.check,
-    "mass": mass.check,
-    "exists": exists.check,
-    "stable": stable.check,
-    "no_penetration": no_penetration.check,
-    "clear": clear.check,
-    "collision": collision.check,
-    "reachable": reachable.check,
-    "limits": limits.check,
-    "actuated": actuated.check,
-    "plausible": plausible.check,
-    "budget": budget.check,
-    "equal": equal.check,
-}
+CHECKS: Table[Callable[[Scope, dict[str, Any]], list[Fault]]] = Table(
+    "checks",
+    {
+        "size": size.check,
+        "mass": mass.check,
+        "exists": exists.check,
+        "stable": stable.check,
+        "no_penetration": no_penetration.check,
+        "clear": clear.check,
+        "collision": collision.check,
+        "reachable": reachable.check,
+        "limits": limits.check,
+        "actuated": actuated.check,
+        "plausible": plausible.check,
+        "budget": budget.check,
+        "equal": equal.check,
+    },
+    "check",
+)
 
 
 def ask(mujoco: Any, model: Model, question: dict[str, Any]) -> dict[str, Any]:

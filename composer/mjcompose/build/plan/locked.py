@@ -13,6 +13,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.sink import Sink
 from mjcompose.base.version import __version__
+from mjcompose.build.plan.extensions import packages_of
 from mjcompose.build.plan.parts import is_one_choice
 from mjcompose.build.plan.plan import Place, Plan
 from mjcompose.build.plan.read import EXTENDS, files_of_recipe, files_of_source, read_recipe
@@ -93,6 +94,7 @@ def lock_of(
 
     `shapes` are the hashes of what was made of meshes, by key. What is damaged in the store is reported.
     """
+    plans = tuple(plans)
     uses = _Gathering(fetching, folder, context).of(plans)
     for id, use in uses.items():
         _is_whole(id, use, context)
@@ -100,6 +102,7 @@ def lock_of(
         mjcompose=__version__,
         mujoco=_mujoco(),
         sources={id: locked for id, use in uses.items() if (locked := _locked(use, fetching)) is not None},
+        extensions={name: version for plan in plans for name, version in packages_of(plan).items()},
         shapes=dict(shapes or {}),
     )
 

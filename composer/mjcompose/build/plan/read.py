@@ -250,6 +250,10 @@ def _read(
         node is not None and text is not None and b"\\" in text
     ):  # without escapes YAML has none of them either
         check_characters(node, context.sink)
+    if isinstance(node, Mapping) and text is not None and (b"check" in text or b"edit" in text):
+        from mjcompose.build.plan.extensions import admit
+
+        admit(node, context.fetching.around(path) if context.fetching else None, context.sink)
     if node is None or context.sink.error_count > before:
         return None
     if not isinstance(node, Mapping):

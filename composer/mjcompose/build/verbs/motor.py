@@ -14,7 +14,7 @@ from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.values import Unusable, refuse
 from mjcompose.build.verbs.values import SET, Change, Entry
-from mjcompose.language.motors import Motor, library
+from mjcompose.language.motors import SHEETS, Motor, library
 from mjcompose.language.verbs.motor import BANDWIDTH, ERROR, MODEL
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
@@ -48,7 +48,7 @@ def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
 
 
 def _sheet(editing: Editing, name: str, at: Path) -> Motor:
-    known = {**library(), **editing.motors}
+    known = {**library(), **SHEETS, **editing.motors}
     if name not in known:
         note = exists_note("motor", sorted(known), name)
         help = did_you_mean(name, known) or "describe it in the section `motors`"

@@ -92,8 +92,8 @@ _NOT_HELD = ("check-failed", "part-changed")
 
 check_rows(
     "the checks that composer/mjcompose/build/checks/ask.py runs",
-    [*CHECKS, Unchanged.word],
-    [word for word, kind in KINDS.items() if not kind.of_target],
+    [*CHECKS.own, Unchanged.word],
+    [word for word in KINDS.own if not KINDS[word].of_target],
 )
 _LOSS = "target-loss"  # a warning: the check holds
 Elsewhere = Callable[[dict[str, Any]], tuple[Sequence[Fault], dict[str, Any]]]

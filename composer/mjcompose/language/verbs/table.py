@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mjcompose.base.extensions import Table
 from mjcompose.language.verbs import (
     collision,
     convert,
@@ -18,20 +19,25 @@ from mjcompose.language.verbs import (
 )
 from mjcompose.language.verbs.values import Verb
 
-VERBS: dict[str, Verb] = {
-    each.VERB.name: each.VERB
-    for each in (
-        unset,
-        set,
-        scale,
-        offset,
-        simplify,
-        collision,
-        inertia,
-        convert,
-        motor,
-        move,
-        rename,
-        remove,
-    )
-}
+VERBS = Table(
+    "verbs",
+    {
+        each.VERB.name: each.VERB
+        for each in (
+            unset,
+            set,
+            scale,
+            offset,
+            simplify,
+            collision,
+            inertia,
+            convert,
+            motor,
+            move,
+            rename,
+            remove,
+        )
+    },
+    "VERB",
+    Verb,
+)

@@ -1,0 +1,199 @@
+"""Rows of tables that other packages bring, by entry points.
+
+A table of ours is asked first. Only a word that it lacks is looked for among the installed packages, and only the one
+module that the entry point names is imported. A package registers a module like one of ours::
+
+    [project.entry-points."mjcompose.checks"]
+    height = "mjcompose_lab.height"
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import DiagnosticError
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+Row = TypeVar("Row")
+GROUPS = {
+    "sources": "source kind",
+    "checks": "check",
+    "verbs": "verb",
+    "targets": "target",
+    "commands": "command",
+    "datasheets": "data sheet",
+}
+"""By the end of its name, what the entry points of a group are: `mjcompose.checks` are checks."""
+
+CLASH, BROKEN, REFUSED = "extension-clash", "extension-broken", "extension-refused"
+
+
+@dataclass(frozen=True, slots=True)
+class Extension:
+    """A row that was loaded: the package that brings it, the version of the package, and the files of its code."""
+
+    package: str
+    version: str
+    files: tuple[str, ...]
+
+
+LOADED: dict[tuple[str, str], Extension] = {}
+"""What this process has loaded, by group and word."""
+
+
+def names(group: str) -> dict[str, str]:
+    """Return the words that installed packages register in a group, each with the packages. Nothing is imported."""
+    return {name: ", ".join(map(_owner, entries)) for name, entries in sorted(_installed(group).items())}
+
+
+def is_registered(group: str, word: str) -> bool:
+    """Return whether an installed package registers the word. Nothing is imported."""
+    return word in _installed(group)
+
+
+def load(group: str, word: str) -> Any | None:
+    """Import what an installed package registers for a word, or return None if none does.
+
+    Raises DiagnosticError if several packages register it, or if it cannot be imported.
+    """
+    entries = _installed(group).get(word)
+    if entries is None:
+        return None
+    if len(entries) > 1:
+        owners = " and ".join(f"`{_owner(each)}`" for each in entries)
+        raise DiagnosticError(
+            CLASH,
+            f"the {GROUPS[group]} `{word}` is registered by {owners}",
+            help="uninstall all but one of them",
+        )
+    try:
+        loaded = entries[0].load()
+    except (Exception, SystemExit) as error:
+        raise _broken(group, word, f"{type(error).__name__}: {' '.join(str(error).split())}") from error
+    package = entries[0].dist
+    assert package is not None
+    LOADED[group, word] = Extension(package.name, package.version, tuple(_files(entries[0].module)))
+    return loaded
+
+
+class Table(dict[str, Row]):
+    """Our rows by their words, to which a word that is asked for by `[]` adds the row of another package.
+
+    `in` and `get` know only what is there, so a recipe loads nothing by itself. `attribute` is the name of the row in
+    the module of an extension, or empty if the entry point names the row itself; `kind` is the class of the row.
+
+    >>> table = Table("checks", {"mass": 1}, "KIND", int)
+    >>> table["mass"], "height" in table
+    (1, False)
+    """
+
+    def __init__(self, group: str, rows: Mapping[str, Row], attribute: str, kind: type | None = None) -> None:
+        super().__init__(rows)
+        self.own = tuple(rows)
+        self._group, self._attribute, self._kind = group, attribute, kind
+
+    def __missing__(self, word: str) -> Row:
+        loaded = load(self._group, word)
+        if loaded is None:
+            raise KeyError(word)
+        row: Any = getattr(loaded, self._attribute, None) if self._attribute else loaded
+        fits = callable(row) if self._kind is None else isinstance(row, self._kind)
+        if not fits:
+            what = f"`{self._attribute}` in its module" if self._attribute else "its object"
+            expected = "a function" if self._kind is None else f"of the class `{self._kind.__name__}`"
+            raise _broken(self._group, word, f"{what} is not {expected}")
+        called = getattr(row, "word", None) or getattr(row, "name", None)
+        if self._group != "commands" and called not in (None, word):
+            raise _broken(self._group, word, f"its row calls itself `{called}`")
+        fitting: Row = row
+        self[word] = fitting
+        return fitting
+
+    def load_all(self) -> Iterator[DiagnosticError]:
+        """Add the rows of all installed packages, and yield the errors of those that cannot be loaded."""
+        for word in _installed(self._group):
+            try:
+                self[word]
+            except DiagnosticError as error:
+                yield error
+
+
+def versions(words: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """Return the packages that brought the rows for words of groups, with their versions, sorted."""
+    return dict(sorted({(each.package, each.version) for word in words if (each := LOADED.get(word))}))
+
+
+def refuse(group: str, word: str, origin: str) -> DiagnosticError:
+    """Return the error for a word of another package in a recipe that was fetched with `origin`."""
+    return DiagnosticError(
+        REFUSED,
+        f"the {GROUPS[group]} `{word}` is code of `{names(group)[word]}`,"
+        f" and `{origin}`, whose recipe names it, was fetched",
+        help="a fetched recipe loads no code: copy what you need from it into a recipe of your own",
+    )
+
+
+def _broken(group: str, word: str, why: str) -> DiagnosticError:
+    owner = names(group)[word]
+    message = f"the {GROUPS[group]} `{word}` of the package `{owner}` cannot be loaded: {why}"
+    return DiagnosticError(BROKEN, message, help=f"update or uninstall `{owner.partition(' ')[0]}`")
+
+
+def _owner(entry: EntryPoint) -> str:
+    return "?" if entry.dist is None else f"{entry.dist.name} {entry.dist.version}"
+
+
+def _installed(group: str) -> Mapping[str, list[EntryPoint]]:
+    path = tuple(sys.path)
+    return _entries(group, path) if _are_there(path) else {}
+
+
+@cache
+def _are_there(path: tuple[str, ...]) -> bool:
+    """Return whether a package on a path may have entry points of ours, without the import of Python's own reader."""
+    for folder in path:
+        if os.path.isfile(folder):
+            return True  # an archive, which that reader knows
+        try:
+            inside = os.listdir(folder or ".")
+        except OSError:
+            continue
+        for name in inside:
+            if name.endswith((".dist-info", ".egg-info")):
+                try:
+                    with open(os.path.join(folder, name, "entry_points.txt"), "rb") as stream:
+                        if b"[mjcompose." in stream.read().replace(b" ", b""):
+                            return True
+                except OSError:
+                    continue
+    return False
+
+
+@cache
+def _entries(group: str, path: tuple[str, ...]) -> dict[str, list[EntryPoint]]:
+    """Return the entry points of a group in the packages on a path, by name."""
+    from importlib.metadata import entry_points
+
+    found: dict[str, list[EntryPoint]] = {}
+    for each in entry_points(group=f"mjcompose.{group}"):
+        found.setdefault(each.name, []).append(each)
+    return found
+
+
+def _files(module: str) -> Iterator[str]:
+    """Yield the Python files beside an imported module, which may import them."""
+    file = getattr(sys.modules.get(module), "__file__", None)
+    if file is None:
+        return
+    if "." not in module:
+        yield file
+        return
+    for folder, _, inside in os.walk(os.path.dirname(file)):
+        yield from (os.path.join(folder, name) for name in sorted(inside) if name.endswith(".py"))
