@@ -47,6 +47,7 @@ READS_ITSELF = {
         build/verify/draws.py:with_worlds build/verify/draws.py:compute build/verify/draws.py:compare tools/view/page.py:described""",
     "what was checked, in a folder of ours, as MuJoCo's process opens it": """
         mujoco/convert.py:_read tools/worlds/load.py:_compiled""",
+    "the entry points of installed packages, as Python's own reader does": "base/extensions.py:_are_there",
     "runs in an environment of its own, on a model in a folder of ours": """
         targets/readers/drake.py targets/readers/genesis.py targets/readers/mjx.py targets/readers/newton.py
         targets/readers/pinocchio.py targets/readers/pybullet.py targets/readers/warp.py

@@ -116,6 +116,10 @@ NOT_A_BUILD = {
         ),
         "needs a host that answers: tests/sources",
     ),
+    **dict.fromkeys(
+        ("extension-broken", "extension-clash", "extension-refused"),
+        "needs a package: tests/docs/test_extending_packages.py",
+    ),
     **dict.fromkeys(("lock-invalid", "lock-stale", "store-unusable"), "needs a lock or a store: tests/cli"),
     **dict.fromkeys(
         ("bundle-changed", "bundle-manifest", "keyframe-wrong", "part-changed", "part-not-compared"),

@@ -89,12 +89,14 @@ class Table(dict[str, Row]):
     `in` and `get` know only what is there, so a recipe loads nothing by itself. `attribute` is the name of the row in
     the module of an extension, or empty if the entry point names the row itself; `kind` is the class of the row.
 
-    >>> table = Table("checks", {"mass": 1}, "KIND", int)
+    >>> table = Table("checks", {"mass": 1}, "KIND", kind=int)
     >>> table["mass"], "height" in table
     (1, False)
     """
 
-    def __init__(self, group: str, rows: Mapping[str, Row], attribute: str, kind: type | None = None) -> None:
+    def __init__(
+        self, group: str, rows: Mapping[str, Row], attribute: str, *, kind: type | None = None
+    ) -> None:
         super().__init__(rows)
         self.own = tuple(rows)
         self._group, self._attribute, self._kind = group, attribute, kind

@@ -188,7 +188,7 @@ def _extension(ctx: click.Context, name: str) -> click.Command | None:
     from mjcompose.sources.context import Context
 
     try:
-        return Table[click.Command]("commands", {}, "command", click.Command)[name]
+        return Table[click.Command]("commands", {}, "command", kind=click.Command)[name]
     except DiagnosticError as error:
         context = Context()
         context.sink.add(error.diagnostic)

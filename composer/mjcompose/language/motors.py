@@ -145,7 +145,7 @@ def _bound(name: str) -> str:
     return "minimum" if name in _MAY_BE_ZERO else "exclusiveMinimum"
 
 
-SHEETS: Table[Motor] = Table("datasheets", {}, "", Motor)
+SHEETS: Table[Motor] = Table("datasheets", {}, "", kind=Motor)
 """The data sheets of other packages that recipes have named."""
 
 

@@ -236,7 +236,7 @@ KINDS = Table(
         )
     },
     "KIND",
-    Kind,
+    kind=Kind,
 )
 SEVERITY = "severity"
 SEVERITIES = ("error", "warning")

@@ -22,7 +22,7 @@ KINDS: tuple[SourceKind, ...] = (
 
 _BY_NAME = {kind.name: kind for kind in KINDS}
 _BY_SCHEME = {form.scheme: kind for kind in KINDS for form in kind.forms if form.scheme}
-EXTENDED: Table[SourceKind] = Table("sources", {}, "KIND", SourceKind)
+EXTENDED: Table[SourceKind] = Table("sources", {}, "KIND", kind=SourceKind)
 """The kinds of other packages, by their schemes, which are their names."""
 _ON_THIS_MACHINE = {scheme: kind for kind in KINDS for scheme in kind.local_schemes}
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(.*)", re.DOTALL)

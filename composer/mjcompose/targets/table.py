@@ -101,7 +101,9 @@ _ALL = (
     isaac,
     urdf,
 )
-TARGETS: Table[Target] = Table("targets", {each.TARGET.name: each.TARGET for each in _ALL}, "TARGET", Target)
+TARGETS: Table[Target] = Table(
+    "targets", {each.TARGET.name: each.TARGET for each in _ALL}, "TARGET", kind=Target
+)
 
 check_rows("the targets of composer/mjcompose/targets/table.py", [MUJOCO, *TARGETS.own], NAMES)
 check_rows("the simulators of the check `runs_on`", RUN_ON, [name for name in TARGETS if name != PLAIN.name])

@@ -39,5 +39,5 @@ VERBS = Table(
         )
     },
     "VERB",
-    Verb,
+    kind=Verb,
 )
