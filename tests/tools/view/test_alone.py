@@ -46,7 +46,7 @@ def placed(mujoco: Any, model: Any, configurations: list[list[float]]) -> list[A
     return found
 
 
-placed.__module__ = "view.test_alone"
+placed.__module__ = "tools.view.test_alone"
 
 
 @pytest.fixture

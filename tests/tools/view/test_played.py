@@ -34,7 +34,7 @@ def swung(mujoco: Any, model: Any, asked: list[float]) -> float:
     return float(data.qpos[0])
 
 
-swung.__module__ = "view.test_played"
+swung.__module__ = "tools.view.test_played"
 
 
 @pytest.fixture

@@ -103,7 +103,7 @@ def silhouette(mujoco: Any, model: Any, size: list[int]) -> Any:
     return (picture[:, :, 3] > 127).astype(int).tolist()
 
 
-silhouette.__module__ = "view.test_silhouettes"
+silhouette.__module__ = "tools.view.test_silhouettes"
 
 
 @pytest.fixture(scope="module")
