@@ -16,7 +16,7 @@ from mjcompose.base.access import Door
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.scratch import scratch
 from mjcompose.mujoco.engine import Limits, Session, call, without_folder
-from mjcompose.mujoco.facts import save_all_digits
+from mjcompose.mujoco.facts import save_digits
 
 PACKAGE = "package://"
 
@@ -194,7 +194,7 @@ def _saved_as_compiled(mujoco: Any, spec: Any, stands: bool) -> str:
 
     Inertia is written explicitly, because values inferred before links were fused cannot be inferred afterwards.
     """
-    save_all_digits(mujoco)
+    save_digits(mujoco)
     spec.compiler.saveinertial = True
     if not stands:
         spec.compiler.fusestatic = False  # the only way to keep the root

@@ -14,15 +14,15 @@ from typing import Any
 from mjcompose.mujoco.attributes import KINDS, names
 
 
-def save_all_digits(mujoco: Any) -> None:
-    """Make MuJoCo save numbers that read back to the same bits.
+def save_digits(mujoco: Any, count: int = 17) -> None:
+    """Set how many digits MuJoCo saves in this process; with 17, numbers read back to the same bits.
 
-    It saves six digits by default. Raises ValueError for a version that cannot save more.
+    It saves six by default. Raises ValueError for a version that cannot save more.
     """
     folder = Path(mujoco.__file__).parent
     for pattern in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco*.dll"):
         for library in folder.glob(pattern):
-            ctypes.CDLL(str(library))._mjPRIVATE__set_xml_precision(17)
+            ctypes.CDLL(str(library))._mjPRIVATE__set_xml_precision(count)
             return
     raise ValueError("this version of MuJoCo saves rounded numbers only")
 

@@ -26,7 +26,7 @@ from mjcompose.model.select import kind_of
 from mjcompose.model.values import items, parse_real
 from mjcompose.mujoco.arrays import words
 from mjcompose.mujoco.attributes import NameTable
-from mjcompose.mujoco.facts import save_all_digits
+from mjcompose.mujoco.facts import save_digits
 from mjcompose.mujoco.order import compiled_order
 from mjcompose.targets.target import Draft
 
@@ -61,7 +61,7 @@ def saved(mujoco: Any, spec: Any) -> Node:
     for setting in ("savecompiled", "savecanonical"):
         if hasattr(compiler, setting):
             setattr(compiler, setting, True)
-    save_all_digits(mujoco)
+    save_digits(mujoco)
     # A comment may contain `--`, which MuJoCo reads and writes although XML does not allow it.
     root = etree.fromstring(_COMMENT.sub("", spec.to_xml()))
     for text in root.iterfind("custom/text"):
