@@ -27,26 +27,35 @@ OPENS = {"open", "fdopen", "ZipFile"}
 MOVES = {"replace", "rename", "move", "copy"}
 STAGES = {"staged_file", "staged_folder", "stage_beside"}
 
+MODULE = "<module>"
+"""What a module does when it is imported or run, beside its functions."""
+
 READS_ITSELF = {
-    "the door": "base/files.py",
+    "the door": """
+        base/files.py:_opened base/files.py:open_regular base/files.py:read_argument""",
     "no contents: it asks for the right": "base/sandbox.py:_may_be_read",
     "a stream, or text, that is open or in memory": """
-        build/bundle/listing.py:_rows_at build/bundle/read.py:_read_archive build/bundle/remote.py:manifest_at build/bundle/write.py:_manifest
-        build/bundle/bundle.py:with_moment build/cache/cache_key.py:_sha256 sources/blobs.py:sha256_of sources/git_command.py:Git.run
-        sources/git_command.py:_listed sources/git_command.py:_contents sources/web_archive.py:unpack sources/web_archive.py:_zip_members
+        build/bundle/listing.py:_rows_at build/bundle/read.py:_read_archive build/bundle/remote.py:manifest_at
+        build/bundle/write.py:_manifest build/bundle/bundle.py:with_moment build/cache/cache_key.py:_sha256
+        sources/blobs.py:sha256_of sources/git_command.py:Git.run sources/git_command.py:_listed
+        sources/git_command.py:_contents sources/web_archive.py:unpack sources/web_archive.py:_zip_members
         sources/web_archive.py:_tar tools/worlds/worlds.py:read""",
     "files of this package or project": """
-        build/cache/cache_key.py tools/cluster/probe.py:versions base/codes.py text/key_order.py model/grammar.py
-        model/history.py tools/migrate/changes.py language/motors.py language/motors.py:library language/reference_page.py
-        tools/new.py tools/new.py targets/table.py tools/view/page.py tools/view/server.py""",
+        build/cache/cache_key.py:tool_version tools/cluster/probe.py:versions base/codes.py:page
+        text/key_order.py:_read model/grammar.py:read_data model/history.py:spans
+        tools/migrate/changes.py:<module> language/motors.py:<module> language/motors.py:library
+        language/reference_page.py:examples tools/new.py:_action tools/new.py:_read tools/new.py:examples
+        tools/new.py:project targets/table.py:<module> targets/table.py:read_back tools/view/page.py:_engine
+        tools/view/page.py:_program tools/view/page.py:described tools/view/page.py:shell
+        tools/view/server.py:Server.__init__""",
     "what MuJoCo's process, or another program, has just written into a folder of ours": """
-        build/bundle/staging.py:write_mjb build/bundle/write.py:write_usd tools/diff/diff.py:render_views mujoco/child.py mujoco/engine.py
-        mujoco/engine.py:_last_words tools/migrate/compare.py:_Side.of tools/migrate/dump.py:main tools/migrate/migrate.py:measured
+        build/bundle/staging.py:write_mjb build/bundle/write.py:write_usd tools/diff/diff.py:render_views
+        mujoco/child.py mujoco/engine.py:_last_words mujoco/engine.py:_load_arrays
+        tools/migrate/compare.py:_Side.of tools/migrate/dump.py:main tools/migrate/migrate.py:measured
         mujoco/pictures.py:sheet targets/export.py:_files targets/checks.py:placed targets/export.py:export
         targets/plain.py:keep_files targets/plain.py:plain targets/checks.py:read_back
-        build/verify/draws.py:with_worlds build/verify/draws.py:compute build/verify/draws.py:compare tools/view/page.py:described""",
-    "what was checked, in a folder of ours, as MuJoCo's process opens it": """
-        mujoco/convert.py:_read tools/worlds/load.py:_compiled""",
+        build/verify/draws.py:with_worlds build/verify/draws.py:compute build/verify/draws.py:compare""",
+    "what was checked, in a folder of ours, as MuJoCo's process opens it": "mujoco/convert.py:_read tools/worlds/load.py:_compiled",
     "the entry points of installed packages, as Python's own reader does": "base/extensions.py:_are_there",
     "runs in an environment of its own, on a model in a folder of ours": """
         targets/readers/drake.py targets/readers/genesis.py targets/readers/mjx.py targets/readers/newton.py
@@ -64,26 +73,31 @@ WRITES_ITSELF = {
         tools/worlds/worlds.py:write_parquet tools/worlds/worlds.py:write""",
     "into memory": "urdf/converting.py:_look build/verify/draws.py:_described",
     "into a folder of ours": """
-        cli/doctor.py:_mujoco build/compose/mesh_jobs.py:Workshop._made tools/diff/sides.py:_recipe_of tools/diff/sides.py:from_lfs
-        tools/diff/sides.py:_beside_the_same
-        mujoco/child.py mujoco/engine.py:Session._spawn link/measure.py:folder_of mujoco/pictures.py:pictures base/scratch.py
+        cli/doctor.py:_mujoco build/compose/mesh_jobs.py:Workshop._made tools/diff/sides.py:_recipe_of
+        tools/diff/sides.py:from_lfs tools/diff/sides.py:_beside_the_same mujoco/child.py
+        mujoco/engine.py:Session._spawn link/measure.py:folder_of mujoco/pictures.py:pictures base/scratch.py
         mujoco/scene.py:Blobs.put mujoco/scene.py:describe targets/checks.py:placed targets/export.py:_put
         targets/checks.py:read_back urdf/read.py:UrdfReader._written build/verify/compile.py:_written
-        build/verify/draws.py:with_worlds build/verify/draws.py:compute tools/view/live.py:_opened tools/worlds/union.py:compose_union""",
+        build/verify/draws.py:with_worlds build/verify/draws.py:compute tools/view/live.py:_opened
+        tools/worlds/union.py:compose_union""",
     "into a folder of ours, in an environment of its own": """
-        tools/migrate/dump.py:main tools/migrate/dump.py:_marks targets/readers/drake.py targets/readers/genesis.py targets/readers/newton.py
-        targets/readers/pinocchio.py targets/readers/pybullet.py targets/readers/shared/mujoco_facts.py""",
+        tools/migrate/dump.py:main tools/migrate/dump.py:_marks targets/readers/drake.py
+        targets/readers/genesis.py targets/readers/newton.py targets/readers/pinocchio.py
+        targets/readers/pybullet.py targets/readers/shared/mujoco_facts.py""",
     "the folder of a worker of a cluster, or a token beside the models": """
-        tools/cluster/client.py:_token         tools/cluster/uploads.py:lay_out tools/cluster/worker.py:_keep""",
+        tools/cluster/client.py:_token tools/cluster/uploads.py:lay_out tools/cluster/worker.py:_keep""",
     "the store": """
-        sources/blobs.py sources/download.py:_Download._write sources/git_command.py:write_tree sources/blobs.py
-        sources/blobs.py:complete sources/store.py sources/web_archive.py:_write""",
+        sources/blobs.py:_is_over sources/blobs.py:complete sources/blobs.py:gate sources/blobs.py:hold
+        sources/blobs.py:is_left sources/blobs.py:write_whole sources/download.py:_Download._write
+        sources/git_command.py:write_tree sources/store.py sources/web_archive.py:_write""",
     "the standard output of a process, and trials of what it may": """
         mujoco/child.py:main base/sandbox.py:main base/sandbox.py:probe base/worker.py:main""",
     "pages of this project, for `make schemas`": """
-        build/bundle/manifest.py tools/migrate/changes.py language/motors.py targets/table.py mjcf/stub.py:_main""",
+        build/bundle/manifest.py:<module> tools/migrate/changes.py:<module> language/motors.py:<module>
+        targets/table.py:<module> mjcf/stub.py:_main""",
     "no file: it links models, or names elements": """
-        build/bundle/write.py:write build/compose/compose.py:Composer._joined tools/diff/models.py:contrast mjcf/flat.py:linked targets/urdf.py:write_urdf""",
+        build/bundle/write.py:write build/compose/compose.py:Composer._joined tools/diff/models.py:contrast
+        mjcf/flat.py:linked targets/urdf.py:write_urdf""",
 }
 """What opens files for writing, copies or moves them beside `bundle/staging.py`, and why."""
 
@@ -125,7 +139,7 @@ def opened(tree: ast.AST) -> Iterator[tuple[str, str]]:
             about = [node.func, *node.args[:1]]
             names = {each.id for part in about for each in ast.walk(part) if isinstance(each, ast.Name)}
             if how == "read" or not names & stages:
-                yield ".".join(where), how
+                yield ".".join(where) or MODULE, how
         for each in ast.iter_child_nodes(node):
             yield from walk(each, where, stages)
 
