@@ -22,8 +22,7 @@ from numpy import float64, int64
 from numpy.typing import ArrayLike, NDArray
 
 from .asset import Asset as _Asset
-from .element import Element
-from .element import ElementList
+from .element import Element, ElementList
 
 _R = TypeVar("_R")
 _W = TypeVar("_W")
@@ -86,8 +85,16 @@ def _lines() -> Iterator[str]:
             yield f"class {values[given]}(TypedDict, total=False):"
             yield from _packed(given)
     named = {kind.path: values[_given(kind, words)] for kind in every.values()}
+    alike: dict[tuple[str, ...], list[str]] = {}
     for name, kind in [*every.items(), ("Mujoco", GRAMMAR.root)]:
-        yield from _element(name, kind, words, values=named)
+        alike.setdefault(tuple(_members(kind, words, values=named)), []).append(name)
+    for members, classes in alike.items():
+        base = "Known" if len(classes) == 1 else f"_Like{classes[0]}"
+        if len(classes) > 1:
+            yield from (f"class {base}(Known):", *members, "")
+            members = ("    ...",)
+        for name in classes:
+            yield from (f"class {name}({base}):", *members, "")
 
 
 def _word_lists(every: Iterable[ElementType]) -> dict[tuple[str, ...], str]:
@@ -131,12 +138,9 @@ def _given(kind: ElementType, words: dict[tuple[str, ...], str]) -> tuple[str, .
     return tuple(f"{spoken(each.name)}: {_type(each, words, 'In')}" for each in kind.attributes.values())
 
 
-def _element(
-    name: str, kind: ElementType, words: dict[tuple[str, ...], str], values: dict[str, str]
-) -> Iterator[str]:
-    """Yield the class of a kind of element: its children, its attributes, and what can be added."""
+def _members(kind: ElementType, words: dict[tuple[str, ...], str], values: dict[str, str]) -> Iterator[str]:
+    """Yield the body of the class of an element: its children, its attributes, and what can be added."""
     attributes = {spoken(each.name): each for each in kind.attributes.values()}
-    yield f"class {name}(Known):"
     taken = dir(RootElement if kind is GRAMMAR.root else Element)
     held = [f"{each}: {_child(kind, child)}" for each, child in _children(kind) if each not in taken]
     held += [
@@ -159,7 +163,6 @@ def _element(
     yield f"    def insert(self, tag: {only}, /, position: int, **attributes: object) -> AnyElement: ..."
     if not tags:
         yield "    def add(self, tag: Never, /) -> Never: ..."
-    yield ""
 
 
 def _packed(statements: Iterable[str]) -> Iterator[str]:
