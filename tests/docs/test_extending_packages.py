@@ -30,9 +30,13 @@ base:
 check:
   all: {named: {}}
 """
-COUNT = (
-    "import sys; print([name for name in sys.modules if name.startswith('mjcompose_lab')], file=sys.stderr)"
-)
+PLAN = """import sys
+from mjcompose.cli.main import main
+try:
+    main()
+finally:
+    print([name for name in sys.modules if name.startswith("mjcompose_lab")], file=sys.stderr)
+"""
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -135,8 +139,7 @@ def test_a_fetched_recipe_loads_nothing(run: Run, tmp_path: Path, piece: str) ->
     address = there.as_uri().replace("file:", "git+file:")
     outer = f"recipe: 1\ntrust: {{references: ['{address}']}}\nbase: {address}@HEAD#c.yaml\n"
     (tmp_path / "outer.yaml").write_text(outer)
-    program = f"from mjcompose.cli.main import main\ntry: main(['plan', 'outer.yaml'])\nfinally:\n {COUNT}"
-    done = run("-c", program.replace("main(['plan', 'outer.yaml'])", "main()"), "plan", "outer.yaml")
+    done = run("-c", PLAN, "plan", "outer.yaml")
     assert "error[extension-refused]" in done.stderr, done.stderr
     assert done.stderr.rstrip().endswith("[]")
 
