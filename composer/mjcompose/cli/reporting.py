@@ -19,10 +19,8 @@ from mjcompose.base import report as text
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import CellName, Diagnostic, Severity, listed
 from mjcompose.base.report import Case, Suite, printable
-from mjcompose.base.report import report as report_junit
+from mjcompose.base.report import report as junit_text
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.bundle import OutputError
-from mjcompose.build.bundle.staging import staged_file
 from mjcompose.sources.context import Context
 
 if TYPE_CHECKING:
@@ -371,10 +369,13 @@ def suite_of(
 
 def write_junit(suites: Sequence[Suite], out: str, context: Context) -> None:
     """Write the file completely; an error goes to the context's sink."""
-    text = report_junit(suites, source_reader(context.folder))
+    text = junit_text(suites, source_reader(context.folder))
     if out == "-":
         click.echo(text, nl=False)
         return
+    from mjcompose.build.bundle.bundle import OutputError
+    from mjcompose.build.bundle.staging import staged_file
+
     try:
         with staged_file(context.folder / out, "--junit") as stage:
             stage.write_text(text, encoding="utf-8")

@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
+from mjcompose.base.rotation import cross
 from mjcompose.base.suggest import closest, did_you_mean, exists_note, renaming
 from mjcompose.language.element import Reader, label
 from mjcompose.language.element_schema import attribute_schema
@@ -203,16 +204,12 @@ def _no_pose(name: str, read: tuple[Single, ...]) -> Fault | None:
         if math.hypot(*axis) < TINY:
             message = f"`{name}` of {OWNER} is not an orientation: all its numbers are zero"
             return Fault("out-of-range", message, help=f"leave `{name}` out, or write {_NEUTRAL[name]}")
-    if name == "xyaxes" and math.hypot(*_cross(numbers[:3], numbers[3:])) < TINY:
+    if name == "xyaxes" and math.hypot(*cross(numbers[:3], numbers[3:])) < TINY:
         message = f"`xyaxes` of {OWNER} is not an orientation: its two axes have the same direction"
         return Fault(
             "out-of-range", message, help="write axes at a right angle, such as `[1, 0, 0, 0, 1, 0]`"
         )
     return None
-
-
-def _cross(a: list[float], b: list[float]) -> tuple[float, float, float]:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,7 +31,7 @@ from mjcompose.language.recipe import ID, TO, Additions, Recipe, sections_of
 from mjcompose.language.schema import recipe_schema
 from mjcompose.language.sections import PARENT, TYPE, Defaults, Typed
 from mjcompose.language.used_model import KEYS as EDIT
-from mjcompose.language.used_model import Base, Model
+from mjcompose.language.used_model import Base, key_names
 from mjcompose.model.grammar import GRAMMAR, ElementType
 from mjcompose.sources.kinds import KINDS
 
@@ -56,15 +56,15 @@ def key_order() -> dict[str, dict[str, list[str]]]:
     edit = list(EDIT)
     whole = {
         "": _top(),
-        "base": _keys(Base),
-        "attach.*": [*_keys(Attachment), _WHEN],
+        "base": key_names(Base),
+        "attach.*": [*key_names(Attachment), _WHEN],
         "edit.*": edit,
         "base.edit.*": edit,
         "attach.*.edit.*": edit,
         "params.*": list(PARAMETER),
         **{f"{section}.*": list(KEYFRAME) for section in sections_of(Keyframes)},
         "matrix": list(MATRIX),
-        "randomize": _keys(Randomize),
+        "randomize": key_names(Randomize),
     }
     first = {
         **_each(sections_of(Additions), ID, TO),
@@ -86,14 +86,10 @@ def text() -> str:
 
 
 def _top() -> list[str]:
-    keys = _keys(Recipe)
+    keys = key_names(Recipe)
     for key, before in _AFTER.items():
         keys.insert(keys.index(before) + 1, key)
     return keys
-
-
-def _keys(model: type[Model]) -> list[str]:
-    return [field.alias or name for name, field in model.model_fields.items()]
 
 
 def _each(sections: Iterable[str], *keys: str) -> dict[str, list[str]]:

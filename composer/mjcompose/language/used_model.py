@@ -59,6 +59,11 @@ class Model(BaseModel):
     )
 
 
+def key_names(model: type[Model]) -> list[str]:
+    """Return the keys of a mapping as a recipe writes them, in the order of the fields."""
+    return [field.alias or name for name, field in model.model_fields.items()]
+
+
 class UrdfKeys(Model):
     """What becomes of what MuJoCo leaves out, or leaves to others; without it, it is as the file or MuJoCo says."""
 

@@ -22,7 +22,7 @@ from mjcompose.language.form import Settings, kind_of, shown
 from mjcompose.language.placing import faults_in_place
 from mjcompose.language.recipe import VERSION, Recipe, sections_of
 from mjcompose.language.sections import ByTag, Lists, Typed
-from mjcompose.language.used_model import Base, Model
+from mjcompose.language.used_model import Base, Model, key_names
 from mjcompose.language.value import without_space
 from mjcompose.model.grammar import GRAMMAR
 from mjcompose.text.node import Key, Mapping, Node, Scalar, find, locate, texts, to_python
@@ -229,9 +229,9 @@ def _moved(fault: Fault, loc: Path, raw: Path, data: Any) -> Fault:
 def _extra(loc: Path, meant: Any | None, data: Any, parts: AbcMapping[str, Any]) -> Fault:
     name = str(loc[-1])
     model, owner = _owner(loc[:-1])
-    known = _keys_errors(model)
+    known = key_names(model)
     if model is Attachment:  # a note lists the first few: what places a part is most often meant
-        known.sort(key=lambda name: name != "model" and name in _keys_errors(Base))
+        known.sort(key=lambda name: name != "model" and name in key_names(Base))
     known += SETTLED if model is Recipe else ()
     help, fix = advised(name, known if meant is None else [str(meant["loc"][-1])])
     if model is Recipe and len(loc) == 1 and (elsewhere := advice_at_top(name, data[name], parts)):
@@ -240,10 +240,6 @@ def _extra(loc: Path, meant: Any | None, data: Any, parts: AbcMapping[str, Any])
     return Fault(
         "unknown-key", f"{owner} has no key `{name}`", loc, key=True, notes=(note,), help=help, fix=fix
     )
-
-
-def _keys_errors(model: type[Model]) -> list[str]:
-    return [field.alias or name for name, field in model.model_fields.items()]
 
 
 def _missing(loc: Path) -> Fault:

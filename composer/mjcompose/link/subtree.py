@@ -277,7 +277,6 @@ class _Names:
 
 # What holds for a model as a whole and not for a body of it. `option` and `size` say how the body is to be read.
 _OF_THE_WHOLE = ("statistic", "visual")
-_CONCERNING = ("contact", "deformable", "tendon", "equality", "actuator", "sensor", "custom", "asset")
 _ALSO_SETTLED = ("inertiafromgeom", "inertiagrouprange")
 
 
@@ -478,7 +477,7 @@ def _leave_sections(unit: Unit, concern: Concern) -> Iterator[Left]:
         if tag in _OF_THE_WHOLE:
             yield from _strip(section, looks=next(unit.root.iter("camera"), None) is not None)
             continue
-        for element in section.iterchildren("*") if tag in _CONCERNING else ():
+        for element in section.iterchildren("*") if tag in _SECTIONS else ():
             if tag == "asset" and element.tag != "skin":
                 continue
             side, lacks = concern.of(element, tag)
@@ -497,7 +496,7 @@ def _leave_sections(unit: Unit, concern: Concern) -> Iterator[Left]:
         assert parent is not None
         parent.remove(element)
         yield left
-    for section in list(unit.root.iterchildren(*_CONCERNING)):
+    for section in list(unit.root.iterchildren(*_SECTIONS)):
         if next(section.iterchildren("*"), None) is None:
             unit.root.remove(section)
 

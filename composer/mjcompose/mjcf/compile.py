@@ -22,7 +22,7 @@ from mjcompose.mjcf.node_view import attachments_below
 from mjcompose.model.grammar import GRAMMAR, Attribute, to_text
 from mjcompose.model.mesh_cost import check_meshes
 from mjcompose.model.unit import Unit, element_at
-from mjcompose.model.xml_text import to_text as to_text_write
+from mjcompose.model.xml_text import to_text as xml_text
 from mjcompose.model.xml_text import write
 from mjcompose.mujoco.attributes import Model as MjModel
 from mjcompose.mujoco.attributes import NameTable
@@ -309,7 +309,7 @@ def to_spec(model: Model, conflict: Policy) -> Any:
     try:
         # MuJoCo reads sub-models at once, and looks for them among what is included.
         models = {name: data for name, data in files.items() if name.endswith(".xml")}
-        spec = mujoco.MjSpec.from_string(to_text_write(flat.unit.root), include=models, assets=files)
+        spec = mujoco.MjSpec.from_string(xml_text(flat.unit.root), include=models, assets=files)
     except (ValueError, mujoco.FatalError) as error:
         raise refused(error, write(flat.unit.root), flat) from None
     issue_warnings(flat)

@@ -19,7 +19,7 @@ from mjcompose.mjcf.copies import copied, reduced
 from mjcompose.mjcf.edit import release
 from mjcompose.mjcf.errors import failure, raise_errors
 from mjcompose.mjcf.flat import assets
-from mjcompose.mjcf.flat import text as text_flat
+from mjcompose.mjcf.flat import text as flat_text
 from mjcompose.mjcf.model import Attachment, Model, Target, page
 from mjcompose.mjcf.value import describe, settle
 from mjcompose.model.edit import Renaming, assign, replace
@@ -393,7 +393,7 @@ class RootView(NodeView):
         </mujoco>
         <BLANKLINE>
         """
-        return text_flat(self._model, conflict)
+        return flat_text(self._model, conflict)
 
     @property
     def assets(self) -> dict[str, bytes]:

@@ -10,8 +10,9 @@ from lxml.etree import _Element as Node
 from mjcompose.mjcf.asset import as_name
 from mjcompose.mjcf.errors import unknown_tag
 from mjcompose.mjcf.model import Attachment, Model, Target
+from mjcompose.model.edit import is_section
 from mjcompose.model.names import WORLD
-from mjcompose.model.select import ROOT, WORLD_SECTION, Query, kind_of, query, section_of, tags_of
+from mjcompose.model.select import WORLD_SECTION, Query, kind_of, query, section_of, tags_of
 
 
 def from_root(model: Model, query: Query) -> Iterator[Target]:
@@ -33,7 +34,7 @@ def below(model: Model, node: Node, query: Query) -> Iterator[Target]:
         yield from _World(model, query).below(node)
     else:
         yield from _flat(model, node, section, query)
-        if _is_section(node):
+        if is_section(node):
             for attachment in model.attachments.values():
                 yield from _in_section(attachment.child, section, query, itself=False)
 
@@ -53,7 +54,7 @@ def children(model: Model, node: Node, query: Query) -> Iterator[Target]:
     for attachment in model.attachments.values():
         if attachment.container is node:
             yield from _attached_children(attachment, query)
-        elif _is_section(node) and section != WORLD_SECTION:
+        elif is_section(node) and section != WORLD_SECTION:
             for other in attachment.child.unit.root.iterchildren(section):
                 yield from children(attachment.child, other, query)
 
@@ -74,7 +75,7 @@ def is_below(outer: Target, inner: Target) -> bool:
             if node is outer.node:
                 return True
         else:
-            return outer.node is model.unit.root or (_is_section(outer.node) and outer.node.tag == section)
+            return outer.node is model.unit.root or (is_section(outer.node) and outer.node.tag == section)
     frame = model.frame_above(node)
     if frame is not None and outer.node is not frame:
         node = model.attachment_of(frame).container
@@ -161,11 +162,6 @@ def _section_tags(model: Model) -> list[str]:
     for attachment in model.attachments.values():
         tags.update(dict.fromkeys(_section_tags(attachment.child)))
     return list(tags)
-
-
-def _is_section(node: Node) -> bool:
-    parent = node.getparent()
-    return parent is not None and parent.tag == ROOT
 
 
 def first(here: Target, tag: str, name: str | None) -> Target | None:

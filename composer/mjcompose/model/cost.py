@@ -391,7 +391,6 @@ def _report(unit: Unit, node: Node, message: str, limit: str, needed: int, sink:
     sink.error(CODE, message, span, notes=notes, help=advice(limit, needed))
 
 
-_CODE = "limit-exceeded"
 _CHANNELS = 3
 _OF_A_STEP = 10
 """The weight of a simulated step: it takes at least 1 microsecond."""
@@ -410,7 +409,7 @@ def check_reserved(unit: Unit, elements: int, sink: Sink) -> bool:
         if total > most:
             span = unit.origins.span(node, unit.file, attribute)
             message = f"`<{node.tag}>` reserves {count} numbers; a model may reserve {most}"
-            sink.error(_CODE, message, span, help=advice("reserved", total))
+            sink.error(CODE, message, span, help=advice("reserved", total))
             return False
     return True
 

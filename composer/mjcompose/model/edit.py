@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import struct
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import field
-from dataclasses import replace as replace_dataclasses
 from pathlib import Path
 from typing import Generic, NamedTuple, Protocol, Self, TypeVar
 
@@ -289,7 +289,7 @@ def unresolved(
     )
     if found.help is None:
         notes = (*notes, *(Note(f"`{name}` is {word(kind, article=True)}") for kind in others[:1]))
-    return replace_dataclasses(found, notes=(*notes, *found.notes), fix=fix)
+    return dataclasses.replace(found, notes=(*notes, *found.notes), fix=fix)
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -153,10 +154,13 @@ def meshes(model: Any, blobs: Blobs) -> list[str]:
     return [_mesh(model, number, blobs) for number in range(model.nmesh)]
 
 
-def _mesh(model: Any, number: int, blobs: Blobs) -> str:
-    def rows(values: Any, first: Any, count: Any) -> Any:
-        return values[int(first[number]) : int(first[number]) + int(count[number])]
+def _rows(number: int, values: Any, first: Any, count: Any) -> Any:
+    """Return the rows of an element in an array that has those of all, one element after the other."""
+    return values[int(first[number]) : int(first[number]) + int(count[number])]
 
+
+def _mesh(model: Any, number: int, blobs: Blobs) -> str:
+    rows = partial(_rows, number)
     corners = rows(model.mesh_vert, model.mesh_vertadr, model.mesh_vertnum)
     normals = rows(model.mesh_normal, model.mesh_normaladr, model.mesh_normalnum)
     faces = rows(model.mesh_face, model.mesh_faceadr, model.mesh_facenum)
@@ -267,19 +271,18 @@ def skins(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
 
 
 def _skin(model: Any, number: int, blobs: Blobs) -> dict[str, Any]:
-    def rows(values: Any, first: Any, count: Any, at: int = number) -> Any:
-        return values[int(first[at]) : int(first[at]) + int(count[at])]
-
+    rows = partial(_rows, number)
     corners = rows(model.skin_vert, model.skin_vertadr, model.skin_vertnum)
     faces = rows(model.skin_face, model.skin_faceadr, model.skin_facenum)
     mapped = bool(model.skin_texcoordadr[number] >= 0)
     first, count = int(model.skin_boneadr[number]), int(model.skin_bonenum[number])
     bones = range(first, first + count)
     moved = [
-        rows(model.skin_bonevertid, model.skin_bonevertadr, model.skin_bonevertnum, at=bone) for bone in bones
+        _rows(bone, model.skin_bonevertid, first=model.skin_bonevertadr, count=model.skin_bonevertnum)
+        for bone in bones
     ]
     weights = [
-        rows(model.skin_bonevertweight, model.skin_bonevertadr, model.skin_bonevertnum, at=bone)
+        _rows(bone, model.skin_bonevertweight, first=model.skin_bonevertadr, count=model.skin_bonevertnum)
         for bone in bones
     ]
     flat = (
@@ -311,9 +314,7 @@ def flexes(model: Any, data: Any, blobs: Blobs) -> list[dict[str, Any]]:
 
 
 def _flex(model: Any, data: Any, number: int, blobs: Blobs) -> dict[str, Any]:
-    def rows(values: Any, first: Any, count: Any) -> Any:
-        return values[int(first[number]) : int(first[number]) + int(count[number])]
-
+    rows = partial(_rows, number)
     dimensions = int(model.flex_dim[number])
     world = rows(data.flexvert_xpos.reshape(-1, 3), model.flex_vertadr, model.flex_vertnum)
     bodies = rows(model.flex_vertbodyid, model.flex_vertadr, model.flex_vertnum)

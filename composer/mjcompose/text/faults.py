@@ -95,7 +95,7 @@ def in_flow(text: str, index: int, outer: bool) -> bool:
     return depth > 0
 
 
-_RECOVERY_LINE = re.compile(r"[^\r\n]*")
+_LINE = re.compile(r"[^\r\n]*")
 _WORD = re.compile(r"[\w${*/.-]+|\S")
 
 
@@ -159,7 +159,7 @@ class ParserStop:
         return max(self.text.rfind("\n", 0, index), self.text.rfind("\r", 0, index)) + 1
 
     def line_of(self, index: int) -> str:
-        found = _RECOVERY_LINE.match(self.text, self.line_start(index))
+        found = _LINE.match(self.text, self.line_start(index))
         return found.group() if found else ""
 
     @property
@@ -206,7 +206,6 @@ _TIGHT_COLON = re.compile(r"([ \t]*(?:- +)*)([A-Za-z_][\w.-]*):([^\s:/\\][^\r\n]
 _GLOB_CHOICE = re.compile(r"[\w,*?/.:\- ]*")
 _FLOW_TEXT = re.compile(r""" *("(?:[^"\\]|\\.)*"|'[^']*'|[^,\[\]{}"'\r\n]+)""")
 MAX_KEY = 1024
-_FAULT_LINE = re.compile(r"[^\r\n]*")
 _KEY = re.compile(r"[A-Za-z_][\w-]*")
 
 
@@ -346,7 +345,7 @@ def _mapping_not_allowed(it: ParserStop) -> SyntaxFault | None:
     first = re.match(r"[ \t]*(?:- +)*([^:\r\n]*[^:\s]): +(?=\S)", lead)
     if first:
         value = it.text[begin + first.end() :]
-        value = value[: len(_FAULT_LINE.match(value).group())].rstrip()  # type: ignore[union-attr]
+        value = value[: len(_LINE.match(value).group())].rstrip()  # type: ignore[union-attr]
         return it.fault(
             "a second `: ` in one line: the value itself cannot be a mapping here",
             span,

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Container, Iterator, Sequence
 from collections.abc import Mapping as Map
-from dataclasses import field as field_dataclasses
 from typing import ClassVar, Literal
 
 from mjcompose.base.dataclass import dataclass
@@ -44,7 +44,7 @@ class AngleContext:
 
     document: Mapping
     whole: AngleSettings = AngleSettings()
-    others: Map[str, AngleSettings] = field_dataclasses(default_factory=dict)
+    others: Map[str, AngleSettings] = dataclasses.field(default_factory=dict)
 
     def at(self, path: Path) -> AngleSettings:
         """Return the settings for the value at a path."""

@@ -58,7 +58,7 @@ def mujoco(worlds: Worlds, nthread: int = 0, *, persistent: bool = False) -> Any
     return batch
 
 
-_GPU_INSTEAD = "leave out of the recipe what changes it, or use `worlds.mujoco`"
+_INSTEAD = "leave out of the recipe what changes it, or use `worlds.mujoco`"
 _OF_SLEEP = "dof_length"
 _FLUID = ("opt.density", "opt.viscosity", "opt.wind")
 _IN_FLUID = ("body_fluid_box_adr", "body_fluid_ellipsoid_adr", "body_fluid_ellipsoid")
@@ -87,7 +87,7 @@ def warp(worlds: Worlds) -> Any:
     simulator = Simulator("warp", mujoco_warp.put_model)
     model = simulator.take(worlds, worlds.nominal)
     names = per_world(model, worlds)
-    check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)], instead=_GPU_INSTEAD)
+    check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)], instead=_INSTEAD)
     for name in names:
         put_worlds(model, name, worlds)
     return model
@@ -103,7 +103,7 @@ def per_world(model: Any, worlds: Worlds) -> list[str]:
         if _can_vary(model, name):
             names.append(name)
         elif _has(model, name) and is_stepped(name) and name not in unread(worlds):
-            raise failure("not-per-world", f"MuJoCo Warp has `{name}` once for all worlds", _GPU_INSTEAD)
+            raise failure("not-per-world", f"MuJoCo Warp has `{name}` once for all worlds", _INSTEAD)
     return names
 
 
@@ -159,9 +159,6 @@ def _has(model: Any, name: str) -> bool:
     return hasattr(owner, field)
 
 
-_JAX_TREE_INSTEAD = "leave out of the recipe what changes it, or use `worlds.mujoco`"
-
-
 def mjx(worlds: Worlds, model: Any = None) -> tuple[Any, Any]:
     """Return the model with a row for each world in every array that differs, and the tree of axes for `jax.vmap`.
 
@@ -189,7 +186,7 @@ def mjx(worlds: Worlds, model: Any = None) -> tuple[Any, Any]:
         leaf = _leaf(plain, name)
         if leaf is None or not isinstance(leaf, jax.Array):
             if leaf is not None and is_stepped(name):
-                raise failure("not-per-world", f"MJX has `{name}` once for all worlds", _JAX_TREE_INSTEAD)
+                raise failure("not-per-world", f"MJX has `{name}` once for all worlds", _INSTEAD)
             continue
         theirs = _leaf(base, name)
         if getattr(theirs, "shape", None) != leaf.shape:
@@ -203,7 +200,7 @@ def mjx(worlds: Worlds, model: Any = None) -> tuple[Any, Any]:
                 help,
             )
         replaced[name] = jax.numpy.asarray(worlds.values(name).reshape(worlds.count, *leaf.shape), leaf.dtype)
-    check_nothing_is_shared(worlds, simulator, replaced, instead=_JAX_TREE_INSTEAD)
+    check_nothing_is_shared(worlds, simulator, replaced, instead=_INSTEAD)
     axes = jax.tree_util.tree_map(lambda _: None, base).tree_replace(dict.fromkeys(replaced, 0))
     return base.tree_replace(replaced), axes
 
@@ -215,7 +212,6 @@ def _leaf(model: Any, name: str) -> Any:
     return model
 
 
-_LAB_INSTEAD = "leave out of the recipe what changes it, or use `worlds.mujoco`"
 _WORLD = "world"
 _ON_BODY = re.compile(r"(#\d+ of body `)(.*`)")
 
@@ -244,8 +240,8 @@ def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
     model = simulator.take(worlds, worlds.nominal)
     names = [name for name in per_world(model, worlds) if is_stepped(name)]
     if dotted := [name for name in names if "." in name]:
-        raise failure("not-per-world", f"mjlab has `{dotted[0]}` once for all worlds", _LAB_INSTEAD)
-    check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)], instead=_LAB_INSTEAD)
+        raise failure("not-per-world", f"mjlab has `{dotted[0]}` once for all worlds", _INSTEAD)
+    check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)], instead=_INSTEAD)
 
     def set_worlds(env: Any, env_ids: Any = None) -> None:
         _set(worlds, names, entity, sim=env.sim, env_ids=env_ids)
@@ -320,7 +316,7 @@ def _in_scene(element: str, entity: str) -> str:
 
 
 _CANNOT = "target-cannot"
-_SIMULATOR_INSTEAD = "use `worlds.mujoco`, which takes all that MuJoCo compiles"
+_OR_MUJOCO = "use `worlds.mujoco`, which takes all that MuJoCo compiles"
 
 
 @dataclass(frozen=True, slots=True)
@@ -362,7 +358,7 @@ class Simulator:
                 found.setdefault((each.why, each.help), []).append(each)
         if not found:
             message = f"{self.name} does not take the model of the worlds"
-            help = f"leave out of the recipe what it lacks, or {_SIMULATOR_INSTEAD}"
+            help = f"leave out of the recipe what it lacks, or {_OR_MUJOCO}"
             yield Diagnostic(_CANNOT, message, notes=(Note(said),), help=help)
         table = NameTable(model)
         for (why, help), (first, *others) in found.items():
@@ -370,7 +366,7 @@ class Simulator:
                 _CANNOT,
                 f"{_shown(table, first)}: {why}",
                 notes=(*_written(worlds, first), Note(said)),
-                help=f"in the recipe {help}, and build it again; or {_SIMULATOR_INSTEAD}",
+                help=f"in the recipe {help}, and build it again; or {_OR_MUJOCO}",
                 others=tuple(Note(_shown(table, each)) for each in others),
             )
 

@@ -23,7 +23,7 @@ from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.varying import MEAN_INERTIA, MEAN_MASS, Differences, flat, put
 from mjcompose.sources.context import Context
 from mjcompose.tools.worlds.join import CODE, Group, Joining, Part, Tree, common
-from mjcompose.tools.worlds.join import parts as parts_worlds
+from mjcompose.tools.worlds.join import parts as joined_parts
 from mjcompose.tools.worlds.load import load
 from mjcompose.tools.worlds.names import LoadError
 from mjcompose.tools.worlds.union_values import Mapped, derived, numbers, silenced
@@ -58,7 +58,7 @@ def plan_union(trees: Sequence[Tree], labels: Sequence[str]) -> Plan:
     active: list[list[Placed]] = []
     for number, tree in enumerate(trees):
         own = []
-        for each in parts_worlds(tree, shared):
+        for each in joined_parts(tree, shared):
             known = next((other for other in placed if other.part == each), None)
             if known is None:
                 known = Placed(each, _prefix(labels[number], placed) if number else "", number)
