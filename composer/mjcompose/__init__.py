@@ -6,8 +6,8 @@
     arm = mjcompose.mjcf.from_path("arm.xml")            # a model to read, edit, attach and write
     study = mjcompose.worlds.load("build/study/")        # one model and the numbers that differ between its samples
 
-What these refuse is a `MjcomposeError`, but for an index out of range. All of it is imported on first use, so
-that the import costs nothing.
+Input that these do not accept raises a `MjcomposeError`; an index out of range is an `IndexError`. The import costs
+nothing: each name is imported when you first use it.
 """
 
 from __future__ import annotations

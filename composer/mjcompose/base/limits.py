@@ -101,7 +101,7 @@ _IN_FORCE: ContextVar[Limits] = ContextVar("mjcompose.base.limits", default=_DEF
 
 
 def in_force() -> Limits:
-    """The limits of the work that is being done: the defaults, but for those that `allow` changes."""
+    """Return the limits in force: the defaults, with the changes of `allow`."""
     return _IN_FORCE.get()
 
 

@@ -124,7 +124,7 @@ def resolves(
 def made_from(
     names: Iterable[Name], ends: Collection[str], find: Callable[[str, str], Node | None], made: Set[Name]
 ) -> bool:
-    """Return whether a replicate makes one of the names with a number appended, but for another element."""
+    """Return whether a replicate makes one of the names with a number appended for another element."""
     return any(
         (kind, name + end) in made
         and (element := find(kind, name)) is not None

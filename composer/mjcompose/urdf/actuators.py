@@ -348,7 +348,7 @@ _UNREAD = {
     "gazebo/minDepth": "a number of Gazebo's contacts; for MuJoCo write `solimp`",
     "gazebo/maxVel": "a number of Gazebo's contacts",
     "gazebo/maxContacts": "a number of Gazebo's contacts",
-    "gazebo/selfCollide": "links collide in MuJoCo, but for those that share a joint; for more write `contact`",
+    "gazebo/selfCollide": "links collide in MuJoCo unless they share a joint; to exclude more pairs, write `contact`",
     "gazebo/material": "a material of Gazebo, whose files are not here",
     "gazebo/sensor": "a sensor of Gazebo; write it in `sensor` of the recipe",
     "gazebo/plugin": "a program of Gazebo",

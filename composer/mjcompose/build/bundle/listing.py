@@ -25,7 +25,7 @@ from mjcompose.build.bundle.bundle import Place
 from mjcompose.text.evaluate import evaluate, names
 from mjcompose.text.expression import ExpressionError, UnknownName, parse
 from mjcompose.text.expression_values import CONSTANTS, FUNCTIONS, Value
-from mjcompose.text.expression_values import kind as kind_value
+from mjcompose.text.expression_values import kind as value_kind
 
 _FORMULA = tuple("=+-@\t\r\n＝＋－＠'")
 
@@ -169,7 +169,7 @@ def _records(stream: IO[bytes], file: str) -> Iterator[Mapping[str, Any]]:
             for each in reader
         )
     if "path" not in columns:
-        raise ListingError("wrong-type", f"`{file}` is no index of models: it has no column `path`")
+        raise ListingError("wrong-type", f"`{file}` does not list models: it has no column `path`")
     yield from records
 
 
@@ -286,7 +286,7 @@ class Condition:
         except ExpressionError as error:
             raise self._fault(error) from error
         if not isinstance(value, bool):
-            raise ListingError("expression", f"`{self.text}` is {kind_value(value)}, and not true or false",
+            raise ListingError("expression", f"`{self.text}` is {value_kind(value)}, and not true or false",
                                "write for instance `payload > 2`")  # fmt: skip
         return value
 

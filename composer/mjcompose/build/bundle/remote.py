@@ -237,7 +237,7 @@ def _is_there(path: Path, content: bytes) -> bool:
 
 
 def share(bundle: Bundle, above: int = 1) -> tuple[Bundle, dict[str, bytes]]:
-    """Return the bundle without its assets, and the assets by their names in the folder so many levels up. No I/O."""
+    """Return the bundle without its assets, and the assets by their names in the folder `above` levels up. No I/O."""
     beside = f"{'../' * above}{ASSETS}/"
     root = etree.fromstring(bundle.files[bundle.model])
     moved: dict[str, str] = {}

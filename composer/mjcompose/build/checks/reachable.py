@@ -27,7 +27,7 @@ def check(scope: Scope, asked: dict[str, Any]) -> list[Fault]:
         scope.found("distance", distance, SOLVED)
         if distance <= asked["tolerance"]:
             return []
-        more = ["no joint moves it, but for free joints, which stay where they are"]
+        more = ["no joint moves it; free joints stay where they are"]
     else:
         distance = solver.solve()
         scope.found("distance", distance, SOLVED)

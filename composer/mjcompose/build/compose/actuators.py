@@ -266,8 +266,8 @@ class ControlUnits:
                 "velocity",
                 "motor",
             }
-            # With `<default><position kp="50" kv="2"/></default>` MuJoCo 4.0 compiles `<velocity joint="j"/>` to a gain
-            # of 1 all the same.
+            # With `<default><position kp="50" kv="2"/></default>` MuJoCo 4.0 still compiles `<velocity joint="j"/>`
+            # to a gain of 1.
             return None if dynamic else _BY_TAG[tag]
         if tag != "general" or given - {"general"}:
             return None

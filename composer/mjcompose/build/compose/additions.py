@@ -112,7 +112,7 @@ def _nowhere(step: AddElement, linking: Linking, making: ElementBuilder) -> None
         site = linking.names.find("site", step.to)
         holder = site.getparent() if site is not None else None
         if holder is not None and holder.tag == "body" and holder.get("name"):
-            help = f"`{step.to}` is a site: write `to: {holder.get('name')}`, the body that it stands in"
+            help = f"`{step.to}` is a site: write `to: {holder.get('name')}`, the body that contains it"
     making.sink.add(
         unresolved(
             linking,

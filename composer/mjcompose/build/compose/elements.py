@@ -147,7 +147,7 @@ class ElementBuilder:
         """Record where a new node and everything below it come from."""
         for inner in node.iter("*"):
             if inner in self.made:
-                # An edit puts another element in `made`: this is where the node comes from all the same.
+                # An edit puts another element in `made`, but the node still comes from here.
                 element, start = self.made[inner], self.fragments.get(inner)
                 self.origins.own(inner, partial(self._span_of, inner, element, start))
 
@@ -395,7 +395,7 @@ def set_default(step: SetDefault, linking: Linking, making: ElementBuilder) -> N
     if found is None:
         parent = _parent(step, linking, making)
         found = etree.Element("default", {"class": name})
-        if parent is not None:  # else that was reported, and the class counts as declared all the same
+        if parent is not None:  # otherwise an error was reported, and the class still counts as declared
             parent.append(found)
         linking.names.declared.setdefault("default", {})[name] = found
         making.origins.own(found, step.span)

@@ -50,7 +50,7 @@ def keep_finished(linking: Linking, context: Context, session: engine.Session) -
 
 
 Key = tuple[PathlibPath, tuple[tuple[str, PathlibPath], ...], UrdfChoices, bool]
-"""`Source.read_as`, and whether it stands in the world."""
+"""`Source.read_as`, and whether the part is attached to the world."""
 
 Library = dict[Key, Unit]
 """Units as their files have them, for all that are composed with it."""

@@ -224,7 +224,7 @@ def _made_collision(
 
 
 def _write(editing: Editing, old: Node, geom: Node, given: Mapping[str, str], pose: Pose) -> None:
-    """The attributes of a new geom, but for those that undo what its class says."""
+    """Return the attributes of a new geom, without those that undo what its class says."""
     if old.get("class"):
         geom.set("class", str(old.get("class")))
     for name, text in given.items():
@@ -266,7 +266,7 @@ def _leave_out(editing: Editing, geom: Node) -> None:
 
 
 def _pose(editing: Editing, node: Node) -> Pose:
-    """Where a geom stands in its body, what its class says included."""
+    """Return the pose of a geom in its body, with what its class says."""
     given = {name: str(node.get(name)) for name in ("pos", *ORIENTATIONS) if node.get(name)}
     if "pos" not in given and (pos := editing.effective(node, "pos")):
         given["pos"] = pos

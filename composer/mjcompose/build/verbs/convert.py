@@ -182,8 +182,8 @@ def _converted(
         )
     if limits is None:
         lost.append("`ctrlrange`, which limits another thing")
-        # The range goes, and a class may limit it all the same: with `ctrllimited="true"` and no range MuJoCo 4.0 says
-        # "invalid control range for actuator".
+        # The range goes, but a class may still limit the control: with `ctrllimited="true"` and no range, MuJoCo 4.0
+        # says "invalid control range for actuator".
         limits = {"ctrllimited": "false"}
         node.attrib.pop("ctrlrange", "")
     wrong = [name for name in map(str, node.keys()) if name not in kind.attributes]
