@@ -1,11 +1,8 @@
 """Files that a run reads: ordinary ones only, each remembered, none replaced by an output of the run.
 
-Resolve and list folders, cached until a folder changes.
-
-Each model has its own door. Resolving the links of six folders and searching each for markers of a project takes
-longer than the rest of reading a 3 kB model; one `stat` of a folder shows whether it is unchanged.
-
-The files that a run reads: no output of the run takes the place of one of them.
+Folders are resolved and listed once until they change. Each model has its own door. Resolving the links of six folders
+and searching each for markers of a project takes longer than the rest of reading a 3 kB model; one `stat` of a folder
+shows whether it is unchanged.
 
 Every reader notes its files here, and the one writer (`bundle/staging.py`) asks here. Paths are resolved when something
 is written, and not before. A file that the run itself wrote does not count as a source.

@@ -1,6 +1,4 @@
-"""The JSON Schema of MJCF's elements and attributes.
-
-The JSON Schema of MJCF's elements, from the grammar.
+"""The JSON Schema of MJCF's elements and attributes, from the grammar.
 
 Schemas refer to each other with `{REFERENCE: NAME}`, such as `element:geom`, `named:mesh` or `number`; `define`
 makes the schema of a name. Only what is referred to is made. Editors show the best errors if there are few

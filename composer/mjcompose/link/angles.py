@@ -1,7 +1,5 @@
 """Passes: one unit of angle and one Euler sequence, and flexes that keep their place.
 
-Pass: one unit of angle and one Euler sequence for the whole model.
-
 The model is in degrees only if every unit is; otherwise it is in radians. MuJoCo's own arithmetic converts degrees
 to radians, so the values stay identical to the bit; the conversion from radians to degrees cannot guarantee that.
 

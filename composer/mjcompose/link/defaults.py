@@ -1,7 +1,5 @@
 """Passes: default classes apply only to the elements of their own part.
 
-Pass: the default classes of each part, and of the base, apply only to its own elements.
-
 A part's unnamed top class becomes the class `PREFIX/`. If the base's top class sets anything, its settings move to
 the class `base/`, because a part cannot undo an attribute that has no neutral value.
 

@@ -1,6 +1,4 @@
-"""The keys of all parts, cut by joint and joined for the finished model.
-
-Rewrite the keys of all parts for the layout of the finished model.
+"""The keys of all parts, cut by joint and rewritten for the layout of the finished model.
 
 Values follow their joints, actuators and bodies. This runs when nothing more will be added to the model.
 """

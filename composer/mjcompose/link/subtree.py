@@ -1,6 +1,4 @@
-"""A unit is reduced to one body and what that needs.
-
-Reduce a unit to one body and exactly what that needs; everything else is left behind and listed.
+"""Reduce a unit to one body and exactly what that needs; everything else is left behind and listed.
 
 This is done to a unit by itself, before it is linked to anything.
 """

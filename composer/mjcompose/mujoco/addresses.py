@@ -1,6 +1,4 @@
-"""The addresses of an element's numbers, and the data that it points to.
-
-Addresses of an element's numbers in arrays that do not have one row for each element of its kind.
+"""The addresses of an element's numbers in arrays without one row for each element, and the data that it points to.
 
 `RUNS` has them by kind and by the size that the array has rows for: `RUNS["joint"]["nv"]` serves every `dof_` array
 and `qvel`. `rows_of` takes the name of an array, `span` the name of a vector.

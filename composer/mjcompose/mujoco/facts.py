@@ -1,6 +1,4 @@
-"""Sizes, names, positions and contacts of a compiled model, read in the child process.
-
-Read sizes, names and arrays of a compiled model. Runs in the child process; imports no MuJoCo itself.
+"""Sizes, names, positions and contacts of a compiled model, read in the child process. Imports no MuJoCo itself.
 
 All attributes exist in MuJoCo 3.12; newer ones are read with a fallback.
 """

@@ -1,7 +1,5 @@
 """The element of a composition for each element of a part, and elements that are missing or foreign.
 
-Find the element of a composition for each element of a part.
-
 Named elements are found by their name with the part's prefix. Unnamed ones are found by order: on a body among the
 unnamed elements of that body, elsewhere among those that refer only to the part. If the composition has more of
 them than the part, the most similar ones are taken first, so that a change shows as a change of a field.

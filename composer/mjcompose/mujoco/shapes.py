@@ -1,6 +1,4 @@
-"""Meshes and convex shapes, points on them, and whether a mesh can be what was meant.
-
-Whether a mesh can be what was meant: enormous or in millimetres, flat, open. One judgement for all who read meshes.
+"""Meshes and convex shapes, points on them, and whether a mesh is plausible: enormous, in millimetres, flat or open.
 
 `measures` and `is_flat` run in the child process, where the vertices are; `doubts` judges their answer here.
 """

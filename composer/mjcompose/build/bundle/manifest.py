@@ -1,6 +1,4 @@
-"""The manifest: what a bundle was made of, what is in it, and where.
-
-The manifest: what a bundle was made of, what is in it, and where things are in the compiled model.
+"""The manifest: what a bundle was made of, what is in it, and where things are in the compiled model.
 
 It holds no time and no path of the machine it was made on, so that the same input gives the same bytes.
 """

@@ -1,6 +1,4 @@
-"""The one writer: every output is written next to its place, then renamed.
-
-The one writer: every output of every command is written next to its place, and then renamed.
+"""The one writer: every output of every command is written next to its place, and then renamed.
 
 So an output is either complete or absent, and an older one stays until then. It never takes the place of a file that
 the run reads: a recipe, a model, an asset, a lock and what it pins, under any of its names.

@@ -1,7 +1,5 @@
 """What happens to every element and key during composition.
 
-Record what happens to every element during composition.
-
 Elements are compared by identity after each pass and step.
 """
 

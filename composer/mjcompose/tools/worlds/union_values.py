@@ -1,6 +1,4 @@
-"""The numbers of a union in a world, which silence absent parts.
-
-The numbers of a union in a world: those of the world's model, and values that deactivate absent parts.
+"""The numbers of a union in a world: those of the world's model, and values that deactivate absent parts.
 
 A part that a world does not have stays in the tree. Its bodies have no mass and its joints an armature of 1, so
 that it exerts no force on its parent, and its own motion moves nothing else; its actuators give no force. A contact
