@@ -16,7 +16,7 @@ import pytest
 from cli.balls import MODEL, RECIPE
 from click.testing import CliRunner, Result
 from mjcompose.base import runtime
-from mjcompose.build.cache.builder import Made
+from mjcompose.build.cache.builder import BuildResult
 from mjcompose.cli import build_cells, process
 from mjcompose.cli.main import main
 from mjcompose.cli.output import put
@@ -122,7 +122,7 @@ def test_what_is_written_is_counted(folder: Path, monkeypatch: pytest.MonkeyPatc
     """Though the signal comes between the moment when a model is in its place and the one when that is noted."""
     written = []
 
-    def put_and_interrupt(*arguments: Any, **options: Any) -> Made | None:
+    def put_and_interrupt(*arguments: Any, **options: Any) -> BuildResult | None:
         made = put(*arguments, **options)
         written.append(made)
         if len(written) == 2:

@@ -109,9 +109,9 @@ def test_both_make_the_same_model(job: str, tmp_path: Path, monkeypatch: pytest.
     context = Context(environment=dict(os.environ))
     values = {}
     if job in CELLS:
-        from mjcompose.build.cache.cells import cells_of, picked_one
+        from mjcompose.build.cache.cells import cells_of, select_cell
 
-        cell = picked_one(cells_of(ROOT / recipe, context), CELLS[job], None, context.sink, recipe)
+        cell = select_cell(cells_of(ROOT / recipe, context), CELLS[job], None, context.sink, recipe)
         assert cell is not None
         values = cell.given
     built = build(Request(ROOT / recipe, given=values), context)

@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.build.bundle.assemble import Making, assemble, described, renamed_in
+from mjcompose.build.bundle.assemble import ManifestInput, add_manifest, assemble, renamed_in
 from mjcompose.build.bundle.bundle import Bundle
 from mjcompose.build.compose.compose import Composed, Composer
 from mjcompose.build.compose.load import Library
@@ -177,7 +177,7 @@ class Build:
             bundle = self._with_worlds(draft, compiled)
         if context.sink.has_errors:
             return None
-        making = Making(
+        making = ManifestInput(
             plan=self.plan,
             model=composed.model,
             uses=composed.files,
@@ -191,7 +191,7 @@ class Build:
             made=composed.shapes,
             tables=composed.tables,
         )
-        final = self._aimed(described(bundle, making, context), composed)
+        final = self._aimed(add_manifest(bundle, making, context), composed)
         return (
             None
             if final is None

@@ -18,11 +18,11 @@ from mjcompose.base.diagnostic import hide
 from mjcompose.base.runtime import deferring
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.bundle import Form, OutputError, is_address, place
+from mjcompose.build.bundle.bundle import OutputError, OutputForm, is_address, location
 from mjcompose.build.bundle.listing import COLUMNS
 from mjcompose.build.bundle.write import write as write_bundle
 from mjcompose.build.cache.builder import Maker
-from mjcompose.build.cache.cell_run import CellMaker, CellRun, MadeCell
+from mjcompose.build.cache.cell_run import CellMaker, CellResult, CellRun
 from mjcompose.build.cache.run_table import RunTable, index_row
 from mjcompose.cli.clustering import check_room, crew_of, found_no_room, stopped
 from mjcompose.cli.options import Shard, chosen_cells
@@ -152,7 +152,7 @@ def _checked_folder(wanted: Wanted, count: int, context: Context) -> tuple[Path 
     code, folder = USAGE, _folder(wanted.out)
     try:
         kind_of_output(wanted.out, count)  # of all shards, which write to one place
-        code, place_of_models = FINDINGS, place(context.folder, folder)
+        code, place_of_models = FINDINGS, location(context.folder, folder)
         if isinstance(place_of_models, str):
             from mjcompose.build.bundle.remote import check_writable
 
@@ -179,23 +179,23 @@ class _Results:
     samples: RunTable = field(default_factory=lambda: RunTable({"model": str, "sample": int}))
     index: RunTable = field(default_factory=lambda: RunTable(COLUMNS))
 
-    def take(self, each: MadeCell) -> None:
+    def take(self, each: CellResult) -> None:
         """Report a cell that is done, and add its rows."""
         wanted, sink = self.wanted, self.context.sink
         note_files(each.files)
         pictured = replace(self.context, sink=Sink())
-        if each.made is not None and not each.failed:
-            add_picture(each.made, wanted, pictured)
+        if each.result is not None and not each.failed:
+            add_picture(each.result, wanted, pictured)
         failed = each.failed or pictured.sink.has_errors
-        self.tally.take(each.cell.label, (*each.found, *pictured.sink.diagnostics), sink, failed=failed)
-        if each.made is not None and not failed:
-            say(said(each.made, wanted), form=wanted.form)
-            self.new += each.made.is_new
-            if each.made.draws is not None:
-                self.samples.add((each.cell.name, each.cell.sample), each.made.draws)
+        self.tally.take(each.cell.label, (*each.diagnostics, *pictured.sink.diagnostics), sink, failed=failed)
+        if each.result is not None and not failed:
+            say(said(each.result, wanted), form=wanted.form)
+            self.new += each.result.is_new
+            if each.result.draws is not None:
+                self.samples.add((each.cell.name, each.cell.sample), each.result.draws)
             if self.beside is not None:
-                path = os.path.relpath(wanted.target(each.made.name, each.made.mujoco), self.beside)
-                self.index.add(*index_row(each.cell, each.made, path, checks=len(each.outcomes)))
+                path = os.path.relpath(wanted.target(each.result.name, each.result.mujoco), self.beside)
+                self.index.add(*index_row(each.cell, each.result, path, checks=len(each.outcomes)))
 
     def write_tables(self, table: str | None, parquet: bool, shard: Shard | None) -> None:
         """Write the draws, to `table` if it is given, and the index."""
@@ -269,7 +269,7 @@ def _put_table(
         if path is None or not table.count:
             continue
         try:
-            table.write(place(context.folder, path), option)
+            table.write(location(context.folder, path), option)
         except OutputError as error:
             known = {each.code for each in context.sink.errors}
             if error.code != "output-full" or error.code not in known:  # that error ended the run
@@ -303,7 +303,7 @@ def build_worlds(
 ) -> int:
     """Build all models into `table`, and their common model if it is wanted. Return the exit code."""
     chosen, code = chosen_cells(maker.recipe, picks, only_samples, given=given, context=context, verb="build")
-    if not code and wanted.kind not in (Form.FOLDER, Form.ARCHIVE):
+    if not code and wanted.kind not in (OutputForm.FOLDER, OutputForm.ARCHIVE):
         help = "write a folder or an archive, such as `-o build/{name}.zip`"
         context.sink.error("output-kind", f"worlds are of a bundle, and `{wanted.out}` is none", help=help)
     if not code and not chosen and not context.sink.has_errors:
@@ -359,7 +359,7 @@ class _Run:
             self.maker.options,
             self.maker.cache,
             context=self.context,
-            form=Form.FOLDER,
+            form=OutputForm.FOLDER,
             place=shelf.place,
         )
         with CellRun(CellMaker(unwritten, self.given, self.session, finish=shelf.put), jobs) as running:
@@ -374,13 +374,13 @@ class _Run:
         self.last = None
         return unite(joining, f"{self.maker.recipe.stem}-union", self.context, session=self.session)
 
-    def _taken(self, each: MadeCell, shelf: Shelf) -> Joined:
+    def _taken(self, each: CellResult, shelf: Shelf) -> Joined:
         note_files(each.files)
         self.last = each.cell.span
-        self.tally.take(each.cell.label, each.found, self.context.sink, failed=each.failed)
-        if each.made is None or each.failed:
+        self.tally.take(each.cell.label, each.diagnostics, self.context.sink, failed=each.failed)
+        if each.result is None or each.failed:
             raise _Failed
-        return shelf.take(each.made, each.cell)
+        return shelf.take(each.result, each.cell)
 
     def write(self, first: Cell, study: Worlds, bundle: Bundle | None) -> None:
         """Write the bundle, and then the table; report what cannot be written."""
@@ -402,11 +402,11 @@ class _Run:
         again = CellMaker(self.maker, self.given, self.session, finish=partial(put, wanted=self.wanted)).make(
             first
         )
-        if again.made is None or again.failed:
-            for each in again.found:
+        if again.result is None or again.failed:
+            for each in again.diagnostics:
                 self.context.sink.add(each)
             raise _Failed
-        return said(again.made, self.wanted)
+        return said(again.result, self.wanted)
 
     def _put(self, bundle: Bundle, study: Worlds) -> str:
         """Write the union of all models; return the report."""

@@ -53,7 +53,7 @@ if TYPE_CHECKING:
     from mjcompose.base.report import Suite
     from mjcompose.build.cache.builder import Maker
     from mjcompose.build.cache.cache_key import BuildOptions
-    from mjcompose.build.cache.cell_run import MadeRecipe
+    from mjcompose.build.cache.cell_run import RecipeResult
     from mjcompose.sources.context import Context
     from mjcompose.text.node import Node
 
@@ -165,14 +165,14 @@ class _Run:
         from mjcompose.base.limits import in_force
         from mjcompose.base.processes import Died, Pool, cores
         from mjcompose.build.cache.builder import Maker
-        from mjcompose.build.cache.cell_run import MadeRecipe, RecipeJob, handed_over, make_recipe
+        from mjcompose.build.cache.cell_run import RecipeJob, RecipeResult, context_for_worker, make_recipe
 
         context = self._context()
         given, order = self._given(context)
         count = min(self.jobs or cores(), len(recipes))
         with caching(context, self.no_cache) as cache, session_of_run(remembers=True) as session:
 
-            def make(recipe: Path) -> MadeRecipe:
+            def make(recipe: Path) -> RecipeResult:
                 own = replace(context, sink=Sink(), timings=[], concrete={})
                 return make_recipe(Maker(recipe, order, cache, context=own), session, given)
 
@@ -181,11 +181,11 @@ class _Run:
                 order,
                 store,
                 given,
-                context=handed_over(context),
+                context=context_for_worker(context),
                 limits=in_force(),
                 noted=sources.current().noted(),
             )
-            with Pool[Path, MadeRecipe](
+            with Pool[Path, RecipeResult](
                 count - 1, ("mjcompose.build.cache.cell_run", "mjcompose.build.stages")
             ) as pool:
                 results = counting(pool.results(job.opened, recipes, make), len(recipes), lambda _: "")
@@ -196,10 +196,10 @@ class _Run:
                         own.sink.error(
                             "worker-died", message, Span(str(recipe), 1, 1), help="give `--jobs 1`"
                         )
-                        result = MadeRecipe(
+                        result = RecipeResult(
                             tuple(own.sink.diagnostics), (), frozenset(), timings=(), failed=True
                         )
-                    for each in result.found:
+                    for each in result.diagnostics:
                         own.sink.add(each)
                     own.timings.extend(result.timings)
                     if not result.failed:
@@ -341,11 +341,15 @@ class _Check:
             for each in counting(running.made(chosen), len(chosen), lambda each: each.cell.name):
                 self.files |= each.files
                 note_files(each.files)
-                self.tally.take(each.cell.label, each.found, context.sink, failed=each.failed)
+                self.tally.take(each.cell.label, each.diagnostics, context.sink, failed=each.failed)
                 if self.wants_suites:  # suites grow with the cells
                     self.suites.append(
                         suite_of(
-                            maker.recipe, each.outcomes, each.found, context=context, cell=each.cell.label
+                            maker.recipe,
+                            each.outcomes,
+                            each.diagnostics,
+                            context=context,
+                            cell=each.cell.label,
                         )
                     )
                 checks += len(each.outcomes)

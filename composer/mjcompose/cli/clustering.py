@@ -12,15 +12,15 @@ from mjcompose.cli.reporting import is_quiet, say
 
 if TYPE_CHECKING:
     from mjcompose.base.diagnostic import Diagnostic
-    from mjcompose.build.bundle.bundle import Place
-    from mjcompose.build.cache.cell_run import Finish, MadeCell
+    from mjcompose.build.bundle.bundle import Location
+    from mjcompose.build.cache.cell_run import CellResult, Finish
     from mjcompose.sources.context import Context
     from mjcompose.tools.cluster.client import Crew
 
 
 @contextmanager
 def crew_of(
-    cluster: str | None, jobs: int | None, out: Place | None = None, away: Finish | None = None
+    cluster: str | None, jobs: int | None, out: Location | None = None, away: Finish | None = None
 ) -> Iterator[Crew | None]:
     """Yield the workers that `--cluster` names, which write below `out`, or None without the option.
 
@@ -43,14 +43,14 @@ class FullError(DiagnosticError):
     """No more models can be written, so making others is useless."""
 
 
-def found_no_room(made: MadeCell) -> bool:
+def found_no_room(result: CellResult) -> bool:
     """Return whether there was no room for a model, according to its diagnostics."""
-    return any(each.code == "output-full" for each in made.found)
+    return any(each.code == "output-full" for each in result.diagnostics)
 
 
-def check_room(made: MadeCell) -> None:
+def check_room(result: CellResult) -> None:
     """Raise FullError if there was no room for a model, which has been reported."""
-    if found_no_room(made):
+    if found_no_room(result):
         raise FullError("output-full", "there is no room for more models")
 
 

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 @reporting_options
 def command(path: Path | None, project: bool, examples: bool, form: str) -> None:
     """Write a commented starter recipe to PATH (default: model.yaml). It builds without changes."""
-    from mjcompose.build.bundle.bundle import OutputError, unwritable
+    from mjcompose.build.bundle.bundle import OutputError, unwritable_error
     from mjcompose.sources.context import Context
 
     if project and examples:
@@ -51,7 +51,7 @@ def command(path: Path | None, project: bool, examples: bool, form: str) -> None
     except OutputError as error:
         context.sink.add(error.diagnostic)
     except OSError as error:
-        failure = unwritable(path or Path("model.yaml"), error)
+        failure = unwritable_error(path or Path("model.yaml"), error)
         context.sink.add(failure.diagnostic)
     report(context, form)
     if context.sink.has_errors:

@@ -66,12 +66,12 @@ def caching(context: Context, no_cache: bool) -> Iterator[Cache | None]:
 
 
 def _cache(context: Context) -> Cache | None:
-    from mjcompose.build.cache.cache import opened_cache
+    from mjcompose.build.cache.cache import open_cache
     from mjcompose.sources.reference import SourceError
     from mjcompose.sources.store import Store
 
     try:
-        return opened_cache(Store.of(context.environment), context.sink)
+        return open_cache(Store.of(context.environment), context.sink)
     except SourceError as error:
         context.sink.warning(error.code, error.message, help=error.help)
         return None
@@ -390,7 +390,7 @@ def chosen_cells(
 
     Errors go to the context's sink.
     """
-    from mjcompose.build.cache.cells import cells_of, check_axes_are_free, of_samples, picked
+    from mjcompose.build.cache.cells import cells_of, check_axes_are_free, of_samples, select_cells
 
     every = cells_of(recipe, context, given)
     if context.sink.has_errors:
@@ -398,7 +398,7 @@ def chosen_cells(
     if not every and (picks or samples):
         context.sink.error("missing-key", f"`{recipe}` has neither `matrix` nor `randomize`: it is one model",
                            help=f"{verb} it without `--pick` and `--sample`")  # fmt: skip
-    chosen = picked(every, picks, context.sink, recipe=str(recipe)) if picks and every else every
+    chosen = select_cells(every, picks, context.sink, recipe=str(recipe)) if picks and every else every
     if samples:
         chosen = of_samples(chosen, samples, context.sink)
     check_axes_are_free(chosen, given, context.sink, instead=f"{verb} without `--all` and `--pick`")
@@ -412,12 +412,12 @@ def chosen_cell(
 
     Errors go to the context's sink.
     """
-    from mjcompose.build.cache.cells import cells_of, check_axes_are_free, picked_one
+    from mjcompose.build.cache.cells import cells_of, check_axes_are_free, select_cell
 
     every = cells_of(recipe, context, given)
     if context.sink.has_errors:
         return None, exit_code(context.folder, [recipe])
-    cell = picked_one(every, pick, sample, sink=context.sink, recipe=str(recipe))
+    cell = select_cell(every, pick, sample, sink=context.sink, recipe=str(recipe))
     if cell is not None:
         check_axes_are_free([cell], given, context.sink, instead=f"{verb} without `--pick`")
     return (None, USAGE) if context.sink.has_errors else (cell, 0)

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Severity, hide
-from mjcompose.build.bundle.bundle import Place, file_name, hash_of, is_address, picture_of, place
+from mjcompose.build.bundle.bundle import Location, file_name, hash_of, is_address, location, picture_of
 from mjcompose.cli.reporting import clear_progress, exit_code, note_files, progress, report, say, say_details
 from mjcompose.model.merged_settings import in_words
 from mjcompose.text.expression_values import shown
 
 if TYPE_CHECKING:
-    from mjcompose.build.bundle.bundle import Bundle, Form
-    from mjcompose.build.cache.builder import Made, Maker
+    from mjcompose.build.bundle.bundle import Bundle, OutputForm
+    from mjcompose.build.cache.builder import BuildResult, Maker
     from mjcompose.mujoco.engine import Session
     from mjcompose.sources.context import Context
     from mjcompose.text.node import Node
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 _KEPT = "picture"
 
 
-def check_has_picture(out: str, kind: Form) -> None:
+def check_has_picture(out: str, kind: OutputForm) -> None:
     """Raise OutputError for outputs without pictures."""
     from mjcompose.build.bundle.bundle import OutputError
 
@@ -85,7 +85,7 @@ class Wanted:
     """What is built of a recipe, where it goes, and how it is reported; `picturing` draws a picture next to it."""
 
     out: str
-    kind: Form
+    kind: OutputForm
     verified: bool
     deduplicated: bool
     form: str
@@ -102,14 +102,14 @@ class Wanted:
 
         return with_version(target, mujoco)
 
-    def place(self, folder: Path, name: str, mujoco: str | None) -> Place | None:
+    def place(self, folder: Path, name: str, mujoco: str | None) -> Location | None:
         """Return the output of a model as a place, or None for standard output."""
-        return None if self.out == "-" else place(folder, self.target(name, mujoco))
+        return None if self.out == "-" else location(folder, self.target(name, mujoco))
 
     def elsewhere(self, folder: Path) -> Wanted:
         """Return the same for a process that runs in another folder, without pictures."""
         slash = "/" if self.out.endswith("/") and not is_address(self.out) else ""
-        return replace(self, picturing=None, out=f"{place(folder, self.out)}{slash}")
+        return replace(self, picturing=None, out=f"{location(folder, self.out)}{slash}")
 
     @property
     def assets_above(self) -> int:
@@ -123,18 +123,18 @@ class Wanted:
         return folder if self.out == "-" else Path(os.path.abspath(folder / self.out)).parent
 
 
-def kind_of_output(out: str | None, models: int = 1) -> Form:
+def kind_of_output(out: str | None, models: int = 1) -> OutputForm:
     """Return the form for OUT. Raises OutputError if it is unclear, or if several models would go to one place."""
-    from mjcompose.build.bundle.bundle import Form, OutputError, form_of
+    from mjcompose.build.bundle.bundle import OutputError, OutputForm, form_of
 
     if out is None:
-        return Form.ARCHIVE
-    kind = Form.TEXT if out == "-" else form_of(out)
+        return OutputForm.ARCHIVE
+    kind = OutputForm.TEXT if out == "-" else form_of(out)
     known = {"{name}", "{hash}", "{mujoco}"} if kind == "mjb" else {"{name}", "{hash}"}
     if unknown := next((word for word in _PLACEHOLDER.findall(out) if word not in known), None):
         help = f"write {' or '.join(f'`{word}`' for word in sorted(known))}, or leave the braces out"
         raise OutputError("output-kind", f"`{unknown}` stands for nothing in the output `{out}`", help)
-    if is_address(out) and kind in (Form.TEXT, Form.USD):
+    if is_address(out) and kind in (OutputForm.TEXT, OutputForm.USD):
         help = "write a bundle, such as `{name}.zip`"
         raise OutputError("output-kind", f"`{out}` cannot be an address: {_NO_ADDRESS[kind]}", help)
     if models > 1 and "{name}" not in out:
@@ -157,102 +157,102 @@ _NO_SHARING = {
 }
 
 
-def for_shared_assets(out: str | None, one: bool) -> tuple[str, Form]:
+def for_shared_assets(out: str | None, one: bool) -> tuple[str, OutputForm]:
     """Return the output of models that share their assets, and its form. Raises OutputError if they cannot."""
-    from mjcompose.build.bundle.bundle import Form, OutputError
+    from mjcompose.build.bundle.bundle import OutputError, OutputForm
 
     out = "build/{name}/" if out is None else out
     help = "write `--all -o 'build/{name}/'`"
     if one:
         raise OutputError("output-kind", "one model has nobody to share its assets with", help)
     kind = kind_of_output(out, models=2)
-    if kind is not Form.FOLDER:
+    if kind is not OutputForm.FOLDER:
         raise OutputError("output-kind", f"`--shared-assets` is for folders: {_NO_SHARING[kind]}", help)
     above, _, last = os.path.dirname(out.rstrip("/")).rpartition("/")
     if "{name}" in above + last or "{hash}" in above or ("{hash}" in last and last != "{hash}"):
         raise OutputError("output-kind", f"the folders `{out}` do not stand side by side", help)
-    return out, Form.SHARED
+    return out, OutputForm.SHARED
 
 
-def said(made: Made, wanted: Wanted) -> str:
+def said(result: BuildResult, wanted: Wanted) -> str:
     """Return the report about a written model: JSON, or several lines of text."""
-    out = hide(wanted.target(made.name, made.mujoco))
+    out = hide(wanted.target(result.name, result.mujoco))
     if wanted.form == "json":
         import json
 
-        return json.dumps(_data(made, wanted, out))
-    return "\n".join(_lines(made, wanted, out))
+        return json.dumps(_data(result, wanted, out))
+    return "\n".join(_lines(result, wanted, out))
 
 
-def _data(made: Made, wanted: Wanted, out: str) -> dict[str, object]:
+def _data(result: BuildResult, wanted: Wanted, out: str) -> dict[str, object]:
     answer: dict[str, object] = {
         "output": out,
-        "name": made.name,
-        "sha256": made.sha256,
-        "sizes": dict(made.sizes or {}),
+        "name": result.name,
+        "sha256": result.sha256,
+        "sizes": dict(result.sizes or {}),
     }
-    if made.merged:
-        answer["merged"] = {kind: dict(names) for kind, names in made.merged.items()}
-    if adopted := [each for each in made.adopted if each.is_written]:
+    if result.merged:
+        answer["merged"] = {kind: dict(names) for kind, names in result.merged.items()}
+    if adopted := [each for each in result.adopted if each.is_written]:
         answer["adopted"] = [
             {"setting": each.setting, "value": each.value, "parts": each.parts} for each in adopted
         ]
-    if made.excluded:
-        answer["excluded"] = made.excluded
-    if made.replaced:
-        answer["replaced"] = dict(made.replaced)
+    if result.excluded:
+        answer["excluded"] = result.excluded
+    if result.replaced:
+        answer["replaced"] = dict(result.replaced)
     if wanted.licenses:
-        answer["licences"] = [asdict(row) for row in made.licences]
+        answer["licences"] = [asdict(row) for row in result.licences]
     if wanted.picturing is not None:
-        answer["picture"] = picture_of(made.name)
+        answer["picture"] = picture_of(result.name)
     if wanted.why:
-        answer["built"] = made.is_new
-        answer["why"] = list(made.why)
+        answer["built"] = result.is_new
+        answer["why"] = list(result.why)
     return answer
 
 
-def _lines(made: Made, wanted: Wanted, out: str) -> Iterator[str]:
+def _lines(result: BuildResult, wanted: Wanted, out: str) -> Iterator[str]:
     files, be = out, "is"
     if wanted.kind == "mjb":
         from mjcompose.build.bundle.staging import manifest_beside
 
         files, be = f"{out} and {manifest_beside(Path(out)).name}", "are"
-    yield f"{files} {be} up to date" if made.is_written else f"wrote {files}"
-    if sizes := made.sizes or {}:
+    yield f"{files} {be} up to date" if result.is_written else f"wrote {files}"
+    if sizes := result.sizes or {}:
         counted = ", ".join(_count(*each) for each in (
             (sizes["nbody"] - 1, "body", "bodies"), (sizes["nsensor"], "sensor"), (sizes["nkey"], "keyframe")
         ))  # fmt: skip
-        yield f"  {made.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {counted}"
+        yield f"  {result.name}: nq {sizes['nq']}, nv {sizes['nv']}, nu {sizes['nu']}, {counted}"
     else:
         yield "  not verified: MuJoCo has not compiled it"
     if wanted.picturing is not None:
-        yield f"  picture {picture_of(made.name)}"
-    yield from remarks(made, wanted)
-    yield f"  contents sha256 {made.sha256}"
-    if wanted.licenses and not made.licences:
+        yield f"  picture {picture_of(result.name)}"
+    yield from remarks(result, wanted)
+    yield f"  contents sha256 {result.sha256}"
+    if wanted.licenses and not result.licences:
         yield "  no licences: it takes nothing from other models"
     elif wanted.licenses:
         from mjcompose.build.bundle.licences import licence_table
 
-        yield licence_table(made.licences)
+        yield licence_table(result.licences)
 
 
-def remarks(made: Made, wanted: Wanted) -> Iterator[str]:
+def remarks(result: BuildResult, wanted: Wanted) -> Iterator[str]:
     """Yield one line each for adopted settings, the replaced output, merged assets, and why it was built or not."""
-    yield from (f"  adopted {words}" for words in in_words(made.adopted))
-    if made.excluded:
-        pairs = "pair" if made.excluded == 1 else "pairs"
-        yield f"  excluded {made.excluded} {pairs} of bodies from colliding: `mjcompose plan` names them"
-    if made.replaced:
-        yield _replacing(made.replaced)
-    if made.merged:
-        yield _merging(made)
+    yield from (f"  adopted {words}" for words in in_words(result.adopted))
+    if result.excluded:
+        pairs = "pair" if result.excluded == 1 else "pairs"
+        yield f"  excluded {result.excluded} {pairs} of bodies from colliding: `mjcompose plan` names them"
+    if result.replaced:
+        yield _replacing(result.replaced)
+    if result.merged:
+        yield _merging(result)
     if wanted.why:
-        if made.is_new:
-            yield from (f"  built: {line}" for line in made.why)
+        if result.is_new:
+            yield from (f"  built: {line}" for line in result.why)
         else:
             yield from (
-                f"  not built again: {line}" for line in made.why or ("nothing that it depends on changed",)
+                f"  not built again: {line}" for line in result.why or ("nothing that it depends on changed",)
             )
 
 
@@ -263,10 +263,10 @@ def _replacing(before: Mapping[str, Any]) -> str:
     return f"  replaced the model with {values}"
 
 
-def _merging(made: Made) -> str:
+def _merging(result: BuildResult) -> str:
     plural = {"mesh": "meshes", "hfield": "hfields", "texture": "textures", "material": "materials"}
     counts = ", ".join(
-        f"{len(names)} {kind if len(names) == 1 else plural[kind]}" for kind, names in made.merged.items()
+        f"{len(names)} {kind if len(names) == 1 else plural[kind]}" for kind, names in result.merged.items()
     )
     return f"  merged {counts} into equal ones: the manifest and --json say which name stands for which"
 
@@ -290,110 +290,114 @@ def build_one(
 
 
 def finish(
-    made: Made | None,
+    result: BuildResult | None,
     maker: Maker,
     wanted: Wanted,
     context: Context,
     session: Session | None,
 ) -> int:
     """Write the model and report it. Return the exit code."""
-    from mjcompose.build.cache.builder import files_of
+    from mjcompose.build.cache.builder import shown_input_files
 
-    files = files_of(made, context)
+    files = shown_input_files(result, context)
     note_files(files)
-    made = None if made is None else put(made, maker, context, session=session, wanted=wanted)
-    if made is not None:
-        add_picture(made, wanted, context)
+    result = None if result is None else put(result, maker, context, session=session, wanted=wanted)
+    if result is not None:
+        add_picture(result, wanted, context)
     report(context, wanted.form, err=wanted.out == "-")
     say_details(context, files)
-    if made is None or context.sink.has_errors:
+    if result is None or context.sink.has_errors:
         return exit_code(context.folder, [maker.recipe])
     if wanted.out == "-":
-        for line in remarks(made, wanted):
+        for line in remarks(result, wanted):
             say(line, err=True)
         return 0
-    say(said(made, wanted), form=wanted.form)
+    say(said(result, wanted), form=wanted.form)
     return 0
 
 
-def put(made: Made, maker: Maker, context: Context, session: Session | None, wanted: Wanted) -> Made | None:
+def put(
+    result: BuildResult, maker: Maker, context: Context, session: Session | None, wanted: Wanted
+) -> BuildResult | None:
     """Write a model to its output; return it as written, or None after an error, which is reported."""
     from mjcompose.build.bundle.bundle import OutputError
     from mjcompose.build.bundle.licences import report_unlicensed
 
     clear_progress()
-    report_unlicensed(made.licences, context)
-    _judge_warnings(made, context)
+    report_unlicensed(result.licences, context)
+    _judge_warnings(result, context)
     if context.strict and context.sink.has_errors:
         return None
-    target = wanted.target(made.name, made.mujoco)
+    target = wanted.target(result.name, result.mujoco)
     try:
-        _check_picture(made, target, wanted, context=context)
-        if wanted.kind == "text" and made.built is not None:
+        _check_picture(result, target, wanted, context=context)
+        if wanted.kind == "text" and result.built is not None:
             from mjcompose.build.bundle.collect import text_alone
 
-            composed = made.built.composed
+            composed = result.built.composed
             text = text_alone(composed.model, composed.files, target, folder=context.folder)
-            made = maker.with_text(made, text, context)
-        if not made.is_written:
-            from mjcompose.build.bundle.write import made_of
+            result = maker.with_text(result, text, context)
+        if not result.is_written:
+            from mjcompose.build.bundle.write import origin_of_output
 
-            out = place(context.folder, target)
-            before = None if wanted.kind in ("text", "usd") else made_of(out)
+            out = location(context.folder, target)
+            before = None if wanted.kind in ("text", "usd") else origin_of_output(out)
             maker.note_written(
-                made, _write(made, target, maker, wanted=wanted, context=context, session=session)
+                result, _write(result, target, maker, wanted=wanted, context=context, session=session)
             )
-            now = None if before is None else made_of(out)
+            now = None if before is None else origin_of_output(out)
             if before is not None and now is not None:
-                made = replace(made, replaced=before.other_than(now))
+                result = replace(result, replaced=before.other_than(now))
     except OutputError as error:
         context.sink.add(error.diagnostic)
         return None
-    _judge_warnings(made, context)
-    return made
+    _judge_warnings(result, context)
+    return result
 
 
-def _check_picture(made: Made, target: str, wanted: Wanted, context: Context) -> None:
+def _check_picture(result: BuildResult, target: str, wanted: Wanted, context: Context) -> None:
     """Refuse a picture that would take the place of a texture. Raises OutputError."""
     if wanted.picturing is not None:
         from mjcompose.build.bundle.staging import check_is_no_source
-        from mjcompose.build.cache.builder import inputs_of
+        from mjcompose.build.cache.builder import input_files
 
-        check_is_no_source(context.folder / picture_beside(target, made.name), "--picture", inputs_of(made))
+        check_is_no_source(
+            context.folder / picture_beside(target, result.name), "--picture", input_files(result)
+        )
 
 
-def add_picture(made: Made, wanted: Wanted, context: Context) -> None:
+def add_picture(result: BuildResult, wanted: Wanted, context: Context) -> None:
     """Draw a picture next to a written model, if one is wanted; errors go to the context's sink."""
     if wanted.picturing is not None:
-        target = wanted.target(made.name, made.mujoco)
-        wanted.picturing.put(target, made.name, is_known=made.is_written, context=context)
+        target = wanted.target(result.name, result.mujoco)
+        wanted.picturing.put(target, result.name, is_known=result.is_written, context=context)
 
 
-def _judge_warnings(made: Made, context: Context) -> None:
+def _judge_warnings(result: BuildResult, context: Context) -> None:
     """Drop warnings that the recipe allows; with `--strict` the rest become errors."""
     for diagnostic in context.sink.diagnostics:
-        if diagnostic.severity is not Severity.ERROR and diagnostic.code in made.allowed:
+        if diagnostic.severity is not Severity.ERROR and diagnostic.code in result.allowed:
             context.sink.drop(diagnostic)
     if context.strict:
         context.sink.promote()
 
 
 def _write(
-    made: Made, out: str, maker: Maker, wanted: Wanted, context: Context, session: Session | None
+    result: BuildResult, out: str, maker: Maker, wanted: Wanted, context: Context, session: Session | None
 ) -> tuple[Path, ...]:
     """Write the model, and return what was written elsewhere than to `out`."""
     from mjcompose.build.bundle.staging import check_is_no_source
-    from mjcompose.build.cache.builder import inputs_of
+    from mjcompose.build.cache.builder import input_files
 
-    if wanted.kind in ("text", "mjb", "usd") and made.bundle is not None:
-        _check_holds_all(made.bundle, out)
+    if wanted.kind in ("text", "mjb", "usd") and result.bundle is not None:
+        _check_holds_all(result.bundle, out)
     if out != "-":
         if is_address(out):
-            _deliver(made, out, maker, wanted=wanted, context=context, session=session)
+            _deliver(result, out, maker, wanted=wanted, context=context, session=session)
             return ()
-        check_is_no_source(context.folder / out, "-o", inputs_of(made))
+        check_is_no_source(context.folder / out, "-o", input_files(result))
     if wanted.kind == "text":
-        text = made.text
+        text = result.text
         assert text is not None
         if out != "-":
             from mjcompose.build.bundle.staging import staged_file
@@ -408,17 +412,17 @@ def _write(
     elif wanted.kind == "folder with shared assets":
         from mjcompose.build.bundle.remote import write_shared
 
-        assert made.bundle is not None
-        return write_shared(made.bundle, Path(os.path.abspath(context.folder / out)), wanted.assets_above)
-    elif made.packed and made.record is not None:
+        assert result.bundle is not None
+        return write_shared(result.bundle, Path(os.path.abspath(context.folder / out)), wanted.assets_above)
+    elif result.packed and result.record is not None:
         from mjcompose.build.bundle.write import write_packed
 
         write_packed(
-            made.packed,
-            made.record.model,
+            result.packed,
+            result.record.model,
             Path(out),
             environment=context.environment,
-            packed=made.packed.__getitem__,
+            packed=result.packed.__getitem__,
         )
     else:
         from mjcompose.build.bundle.write import write
@@ -426,9 +430,9 @@ def _write(
         def lost(warning: str) -> None:
             context.sink.warning("usd-loss", f"`{out}` is not the whole model: {warning}")
 
-        assert made.bundle is not None
+        assert result.bundle is not None
         write(
-            made.bundle, out, environment=context.environment, session=session, packing=maker.packing, warn=lost
+            result.bundle, out, environment=context.environment, session=session, packing=maker.packing, warn=lost
         )  # fmt: skip
         if wanted.kind == "mjb":
             from mjcompose.build.bundle.staging import manifest_beside
@@ -438,7 +442,7 @@ def _write(
 
 
 def _deliver(
-    made: Made, out: str, maker: Maker, wanted: Wanted, context: Context, session: Session | None
+    result: BuildResult, out: str, maker: Maker, wanted: Wanted, context: Context, session: Session | None
 ) -> None:
     """Write to this machine first, and then to an address."""
     from mjcompose.base.scratch import scratch
@@ -449,7 +453,7 @@ def _deliver(
         models = folder / "models"
         local = models.joinpath(*parts[1:])
         _write(
-            made,
+            result,
             f"{local}/" if out.endswith("/") else str(local),
             maker,
             wanted=wanted,

@@ -15,7 +15,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import MODEL, Bundle, BundleError, OutputError, check_paths
 from mjcompose.build.bundle.collect import collect
 from mjcompose.build.bundle.read import ReadError, read
-from mjcompose.build.bundle.staging import move, real, staged_folder
+from mjcompose.build.bundle.staging import move, resolved_output, staged_folder
 from mjcompose.build.bundle.write import write_archive
 from mjcompose.link.linking import Policy
 from mjcompose.mjcf.asset import Files, Folders, as_files, as_path, door_of
@@ -219,7 +219,7 @@ def export_with_assets(
             stage.mkdir()
             _write(files, stage)
             # The model last: until then an older model still finds all of its files.
-            move(stage, real(out), sorted(files, key=lambda path: "/" not in path))
+            move(stage, resolved_output(out), sorted(files, key=lambda path: "/" not in path))
     except OutputError as error:
         raise _output_failure(error) from error
 

@@ -12,7 +12,14 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Note, Span
 from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle.bundle import LICENCES, MANIFEST, WORLDS, Bundle
-from mjcompose.build.bundle.manifest import Aimed, LeftOut, files_of, from_json, index_of, with_manifest
+from mjcompose.build.bundle.manifest import (
+    TargetRecord,
+    UnsupportedFeature,
+    files_of,
+    from_json,
+    index_of,
+    with_manifest,
+)
 from mjcompose.build.bundle.staging import write_files
 from mjcompose.model.unit import Unit
 from mjcompose.mujoco import engine
@@ -157,7 +164,7 @@ def _bundle(
     manifest = from_json(bundle.files[MANIFEST])
     title = TARGETS[target].title
     left_out = tuple(
-        LeftOut(
+        UnsupportedFeature(
             feature=FEATURES[group[0].feature], tag=group[0].tag, why=in_words(title, group), count=len(group),
             names=tuple(loss.name for loss in group if loss.name),
         )
@@ -169,7 +176,7 @@ def _bundle(
         manifest.model_copy(
             update={
                 "model": aimed.model,
-                "target": Aimed(name=target, left_out=left_out),
+                "target": TargetRecord(name=target, left_out=left_out),
                 "files": files_of(aimed),
                 "index": index,
                 "parts": (),

@@ -12,7 +12,7 @@ from pathlib import Path
 from mjcompose.base.files import read_regular
 from mjcompose.base.version import __version__
 from mjcompose.build.bundle.bundle import OutputError
-from mjcompose.build.bundle.staging import move, real, staged_folder
+from mjcompose.build.bundle.staging import move, resolved_output, staged_folder
 
 _STARTER = """\
 # For completion in your editor: mjcompose schema > recipe.schema.json, and as the first line here:
@@ -182,7 +182,7 @@ def write_project(
         made = sorted(path.relative_to(stage).as_posix() for path in stage.rglob("*") if os.path.isfile(path))
         kept = [path for path in made if _is_kept(folder / path, stage / path, folder, needed=path in needed)]
         written = [path for path in made if path not in kept]
-        move(stage, real(folder), written)
+        move(stage, resolved_output(folder), written)
         return written, kept
 
 

@@ -19,7 +19,7 @@ from mjcompose.build.bundle.bundle import (
     check_paths,
     licence_files,
     licence_folder,
-    unwritable,
+    unwritable_error,
     with_moment,
 )
 
@@ -211,7 +211,7 @@ def test_a_label_becomes_a_folder_that_every_system_can_hold(label: str, folder:
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EACCES, errno.EROFS, errno.ENAMETOOLONG])
 def test_a_refusal_of_the_system_says_what_to_do(number: int) -> None:
-    error = unwritable("out", OSError(number, os.strerror(number)))
+    error = unwritable_error("out", OSError(number, os.strerror(number)))
     assert error.code == ("output-full" if number == errno.ENOSPC else "output-unwritable")
     assert error.code in CODES
     assert error.message == f"cannot write `out`: {os.strerror(number).lower()}"
@@ -219,8 +219,8 @@ def test_a_refusal_of_the_system_says_what_to_do(number: int) -> None:
 
 
 def test_an_error_without_a_number_is_told_by_its_text() -> None:
-    assert unwritable("out", OSError("Odd")).message == "cannot write `out`: odd"
-    assert unwritable("out", OSError()).message == "cannot write `out`: oserror"
+    assert unwritable_error("out", OSError("Odd")).message == "cannot write `out`: odd"
+    assert unwritable_error("out", OSError()).message == "cannot write `out`: oserror"
 
 
 MOMENT = (2023, 11, 14, 22, 13, 20)

@@ -15,7 +15,7 @@ from click.testing import CliRunner, Result
 from mjcompose.build.bundle.bundle import MANIFEST, Bundle, OutputError
 from mjcompose.build.bundle.manifest import Manifest, files_of, from_json, with_manifest
 from mjcompose.build.bundle.read import read
-from mjcompose.build.bundle.remote import share, write_shared
+from mjcompose.build.bundle.remote import split_shared_assets, write_shared
 from mjcompose.cli.main import main
 from mjcompose.tools.worlds.names import LoadError
 
@@ -187,13 +187,13 @@ def bundle(base: bytes = b"first") -> Bundle:
 
 
 def test_names_tell_content_and_models_keep_the_names_of_their_meshes() -> None:
-    own, assets = share(bundle())
+    own, assets = split_shared_assets(bundle())
     assert sorted(own.files) == ["LICENSES/arm/LICENSE", "manifest.json", "model.xml"]
     assert sorted(name.rpartition("-")[0] for name in assets) == ["base", "base", "r & l"]
     text = own.files["model.xml"].decode()
     assert 'name="base"' in text
     assert text.count("../assets/") == 4
-    assert own.files == share(bundle())[0].files
+    assert own.files == split_shared_assets(bundle())[0].files
     listed = {file.path: file.sha256 for file in from_json(own.files[MANIFEST]).files}
     assert listed["model.xml"] == own.digest("model.xml")
     assert sum(path.startswith("../assets/base-") for path in listed) == 2

@@ -11,15 +11,15 @@ from typing import Any
 
 import mjcompose
 import pytest
-from mjcompose.build.bundle.bundle import Bundle, Form, OutputError, form_of
+from mjcompose.build.bundle.bundle import Bundle, OutputError, OutputForm, form_of
 from mjcompose.build.bundle.read import read
 from mjcompose.build.bundle.write import (
+    BackgroundPacker,
     Packed,
-    PackedAhead,
     level_of,
     pack,
-    unwrapped,
-    wrapped,
+    packed_from_bytes,
+    packed_to_bytes,
     write,
     write_archive,
     write_text,
@@ -199,13 +199,13 @@ def test_what_was_packed_before_is_copied(tmp_path: Path) -> None:
 
 def test_wrapping() -> None:
     packed = pack(b"abc" * 50, 6)
-    assert unwrapped(wrapped(packed)) == packed
+    assert packed_from_bytes(packed_to_bytes(packed)) == packed
 
 
 def test_files_are_packed_ahead_but_for_those_that_are_known_and_those_that_are_packed_already() -> None:
     known = Packed(1, 2, b"known")
     find = {PACKING_BUNDLE.digest("assets/a.stl"): known}.get
-    ahead = PackedAhead(PACKING_BUNDLE, lambda digest, level: find(digest))
+    ahead = BackgroundPacker(PACKING_BUNDLE, lambda digest, level: find(digest))
     text = PACKING_BUNDLE.files["model.xml"]
     assert ahead.take(PACKING_BUNDLE.digest("model.xml")) == (pack(text, level_of("model.xml")), True)
     assert ahead.take(PACKING_BUNDLE.digest("assets/a.stl")) == (known, False)
@@ -244,7 +244,7 @@ needs_converter = pytest.mark.skipif(
 
 @pytest.mark.parametrize("name", ["a.usd", "a.usda", "a.USDC", "a.usdz"])
 def test_names_of_usd(name: str) -> None:
-    assert form_of(name) is Form.USD
+    assert form_of(name) is OutputForm.USD
 
 
 def test_without_the_converter_the_line_to_install_it_is_told(tmp_path: Path) -> None:
@@ -333,23 +333,23 @@ WRITE_BUNDLE = Bundle({"model.xml": b'<mujoco><worldbody><body name="b"/></world
 @pytest.mark.parametrize(
     ("out", "form"),
     [
-        ("arm", Form.FOLDER),
-        ("a.b/", Form.FOLDER),
-        ("arm.zip", Form.ARCHIVE),
-        ("arm.MJZ", Form.ARCHIVE),
-        ("v1.2.mjz", Form.ARCHIVE),
-        ("x/arm.xml", Form.TEXT),
-        ("arm.mjb", Form.MJB),
-        (".hidden", Form.FOLDER),
+        ("arm", OutputForm.FOLDER),
+        ("a.b/", OutputForm.FOLDER),
+        ("arm.zip", OutputForm.ARCHIVE),
+        ("arm.MJZ", OutputForm.ARCHIVE),
+        ("v1.2.mjz", OutputForm.ARCHIVE),
+        ("x/arm.xml", OutputForm.TEXT),
+        ("arm.mjb", OutputForm.MJB),
+        (".hidden", OutputForm.FOLDER),
     ],
 )
-def test_the_name_tells_the_form(out: str, form: Form) -> None:
+def test_the_name_tells_the_form(out: str, form: OutputForm) -> None:
     assert form_of(out) is form
 
 
 def test_a_folder_that_is_there_is_a_folder_whatever_its_name(tmp_path: Path) -> None:
     (tmp_path / "arm.v2").mkdir()
-    assert form_of(tmp_path / "arm.v2") is Form.FOLDER
+    assert form_of(tmp_path / "arm.v2") is OutputForm.FOLDER
 
 
 @pytest.mark.parametrize("out", ["arm.glb", "arm.yaml", "arm.tar.gz", "ur5e.v2"])
@@ -369,10 +369,10 @@ def test_every_form_opens_in_mujoco_from_another_folder(
     form = write(WRITE_BUNDLE, f"{tmp_path}/{out}", environment={})
     monkeypatch.chdir("/")
     path = tmp_path / out
-    if form is Form.MJB:
+    if form is OutputForm.MJB:
         assert mujoco.MjModel.from_binary_path(str(path)).nbody == 2
     else:
-        folder, name = (path, "model.xml") if form is Form.FOLDER else (path.parent, path.name)
+        folder, name = (path, "model.xml") if form is OutputForm.FOLDER else (path.parent, path.name)
         assert engine.compile(folder, name).sizes["nbody"] == 2
 
 

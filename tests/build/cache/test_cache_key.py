@@ -12,11 +12,11 @@ from mjcompose.build.cache.cache_key import (
     BuildOptions,
     CacheKey,
     Files,
-    Seen,
+    FileState,
     differences,
     environment_parts,
+    file_state,
     now,
-    seen,
 )
 from mjcompose.build.cache.inputs import _installed
 from mjcompose.sources.kinds import KINDS
@@ -91,7 +91,7 @@ def test_content_counts_where_stamps_differ(tmp_path: Path) -> None:
     assert not Files().is_same(before)
     file.unlink()
     assert not Files().is_same(before)
-    assert Files().look(str(file)) == Seen(str(file), ABSENT, None)
+    assert Files().look(str(file)) == FileState(str(file), ABSENT, None)
 
 
 def test_a_file_that_was_just_written_is_known_by_its_content_alone(tmp_path: Path) -> None:
@@ -123,6 +123,6 @@ def test_what_was_looked_at_is_looked_at_anew_when_told(tmp_path: Path) -> None:
 
 
 def test_as_data(tmp_path: Path) -> None:
-    each = Seen("a", "b", (1, 2, 3, 4))
-    assert seen(["a", "b", [1, 2, 3, 4]]) == each
+    each = FileState("a", "b", (1, 2, 3, 4))
+    assert file_state(["a", "b", [1, 2, 3, 4]]) == each
     assert each.as_data() == ["a", "b", (1, 2, 3, 4)]

@@ -20,8 +20,8 @@ from mjcompose.build.bundle.manifest import (
     Adopted,
     Check,
     Draw,
+    GeneratedShape,
     Input,
-    Made,
     Manifest,
     OfUrdf,
     Origin,
@@ -235,7 +235,7 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
 
 
 @dataclass(frozen=True, slots=True)
-class Making:
+class ManifestInput:
     """What a manifest says about how a model was made.
 
     `compiled` is the result of MuJoCo, None if the model was not compiled; `cell` the name of its cell; `pictured`
@@ -256,7 +256,7 @@ class Making:
     tables: Tables = field(default_factory=dict)
 
 
-def described(bundle: Bundle, making: Making, context: Context) -> Bundle:
+def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bundle:
     """Return the bundle with its manifest."""
     plan, compiled, model = making.plan, making.compiled, making.model
     named = list(sources(plan))
@@ -321,7 +321,7 @@ def portable(plan: Plan, model: Unit, context: Context) -> Portable:
     return Portable(plan.path, plan.sources(), _origins(plan), model=model, context=context)
 
 
-def _read(bundle: Bundle, making: Making, portable: Portable) -> list[tuple[str, str]]:
+def _read(bundle: Bundle, making: ManifestInput, portable: Portable) -> list[tuple[str, str]]:
     """Return every file that was read, with its hash; each is hashed once."""
     known = {
         real_path(where): bundle.digest(path)
@@ -434,8 +434,8 @@ def _part(member: PartRecord, number: int, renamed: Renamed) -> Part:
     )
 
 
-def _made(made: MadeShapes, names: Portable) -> Made:
-    return Made(
+def _made(made: MadeShapes, names: Portable) -> GeneratedShape:
+    return GeneratedShape(
         mesh=made.mesh,
         geom=made.of,
         how=made.how,

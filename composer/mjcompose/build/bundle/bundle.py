@@ -38,7 +38,7 @@ _HELP = {
 }
 
 
-def unwritable(out: str | PathLike[str], error: OSError) -> OutputError:
+def unwritable_error(out: str | PathLike[str], error: OSError) -> OutputError:
     """Return the operating system's error in the user's terms."""
     reason = error.strerror or str(error) or type(error).__name__
     return OutputError(
@@ -89,7 +89,7 @@ def with_moment(archive: bytes, moment: Moment) -> bytes:
     return bytes(changed)
 
 
-class Form(StrEnum):
+class OutputForm(StrEnum):
     """The forms that a bundle is written in."""
 
     FOLDER = "folder"
@@ -100,11 +100,16 @@ class Form(StrEnum):
     SHARED = "folder with shared assets"
 
 
-_SUFFIXES = {".zip": Form.ARCHIVE, ".mjz": Form.ARCHIVE, ".xml": Form.TEXT, ".mjb": Form.MJB}
-_SUFFIXES |= dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), Form.USD)
+_SUFFIXES = {
+    ".zip": OutputForm.ARCHIVE,
+    ".mjz": OutputForm.ARCHIVE,
+    ".xml": OutputForm.TEXT,
+    ".mjb": OutputForm.MJB,
+}
+_SUFFIXES |= dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), OutputForm.USD)
 
 
-def form_of(out: str | PathLike[str]) -> Form:
+def form_of(out: str | PathLike[str]) -> OutputForm:
     """Return the form for an output's name. Raises OutputError.
 
     A name that ends in a slash or has no suffix is a folder, and so is an existing folder.
@@ -119,7 +124,7 @@ def form_of(out: str | PathLike[str]) -> Form:
             "output-kind", "the output has no name", "write where the model should go: `-o out/`"
         )
     if name.endswith(("/", "\\")) or not path.suffix or os.path.isdir(path):
-        return Form.FOLDER
+        return OutputForm.FOLDER
     form = _SUFFIXES.get(path.suffix.lower())
     if form is None:
         raise OutputError(
@@ -130,7 +135,7 @@ def form_of(out: str | PathLike[str]) -> Form:
     return form
 
 
-Place: TypeAlias = Path | str
+Location: TypeAlias = Path | str
 """A path, or an address as text."""
 _ADDRESS = re.compile(r"[a-z][a-z0-9+.-]+://")
 
@@ -144,10 +149,10 @@ def is_address(text: object) -> bool:
     return isinstance(text, str) and _ADDRESS.match(text) is not None
 
 
-def place(folder: Path, out: str) -> Place:
+def location(folder: Path, out: str) -> Location:
     """Return the place that a text in a folder names.
 
-    >>> place(Path("/home/me"), "a.zip").as_posix(), place(Path("/home/me"), "s3://bucket/a.zip")
+    >>> location(Path("/home/me"), "a.zip").as_posix(), location(Path("/home/me"), "s3://bucket/a.zip")
     ('/home/me/a.zip', 's3://bucket/a.zip')
     """
     return out if is_address(out) else Path(os.path.abspath(folder / out))

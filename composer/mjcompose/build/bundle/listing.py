@@ -21,7 +21,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import DiagnosticError, Note
 from mjcompose.base.files import TooLarge, open_regular
 from mjcompose.base.suggest import did_you_mean, exists_note
-from mjcompose.build.bundle.bundle import Place
+from mjcompose.build.bundle.bundle import Location
 from mjcompose.text.evaluate import evaluate, names
 from mjcompose.text.expression import ExpressionError, UnknownName, parse
 from mjcompose.text.expression_values import CONSTANTS, FUNCTIONS, Value
@@ -33,24 +33,24 @@ _FORMULA = tuple("=+-@\t\r\n＝＋－＠'")
 def write_rows(file: TextIO, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
     """Write a header and rows; numbers as the shortest text that reads back the same, nothing for None."""
     writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(map(guarded, columns))
+    writer.writerow(map(escape_formula, columns))
     for row in rows:
         writer.writerow([_text(each) for each in row])
 
 
-def guarded(text: str) -> str:
+def escape_formula(text: str) -> str:
     """Return a text as a table has it: no spreadsheet takes it for a formula.
 
-    >>> guarded("=1+1"), guarded("arm"), guarded("'arm'"), guarded("-0.5")
+    >>> escape_formula("=1+1"), escape_formula("arm"), escape_formula("'arm'"), escape_formula("-0.5")
     ("'=1+1", 'arm', "''arm'", '-0.5')
     """
     return f"'{text}" if text.startswith(_FORMULA) and not _is_number(text) else text
 
 
-def unguarded(text: str) -> str:
+def unescape_formula(text: str) -> str:
     """Return the text that a table has.
 
-    >>> all(unguarded(guarded(each)) == each for each in ("=1+1", "arm", "'arm'", "''", "-0.5", ""))
+    >>> all(unescape_formula(escape_formula(each)) == each for each in ("=1+1", "arm", "'arm'", "''", "-0.5", ""))
     True
     """
     return text.removeprefix("'")
@@ -66,7 +66,7 @@ def _is_number(text: str) -> bool:
 def _text(value: Any) -> Any:
     if isinstance(value, bool):
         return str(value).lower()
-    return "" if value is None else guarded(value) if isinstance(value, str) else value
+    return "" if value is None else escape_formula(value) if isinstance(value, str) else value
 
 
 MODELS = "models.csv"
@@ -90,7 +90,7 @@ class ListingError(DiagnosticError):
 class Row:
     """One model of an index: `file` is its bundle, `values` are the non-empty values by column."""
 
-    file: Place
+    file: Location
     values: Mapping[str, Value]
 
 
@@ -103,7 +103,7 @@ def column(name: str) -> str:
     return f"value {name}" if name in COLUMNS else name
 
 
-def rows(path: Place, shown: str) -> Iterator[Row]:
+def rows(path: Location, shown: str) -> Iterator[Row]:
     """Yield the models of an index, given as a folder, one of its parts, or the index itself. Raises ListingError.
 
     A folder or an index may be at an address.
@@ -117,10 +117,10 @@ def rows(path: Place, shown: str) -> Iterator[Row]:
 
 
 def _rows_at(address: str, shown: str) -> Iterator[Row]:
-    from mjcompose.build.bundle.remote import RemoteError, opened
+    from mjcompose.build.bundle.remote import RemoteError, open_remote
 
     try:
-        with opened(address) as (fs, path):
+        with open_remote(address) as (fs, path):
             found = (
                 [path]
                 if fs.isfile(path)
@@ -147,7 +147,7 @@ def _readable(file: str) -> Iterator[None]:
         raise ListingError("file-unreadable", f"`{file}` cannot be read: {reason}") from error
 
 
-def _rows(stream: IO[bytes], file: str, folder: Place) -> Iterator[Row]:
+def _rows(stream: IO[bytes], file: str, folder: Location) -> Iterator[Row]:
     for number, each in enumerate(_records(stream, file), 1):
         inside = PurePosixPath(each["path"])
         if not each["path"] or inside.is_absolute() or ".." in inside.parts:
@@ -163,9 +163,9 @@ def _records(stream: IO[bytes], file: str) -> Iterator[Mapping[str, Any]]:
         columns, records = _of_parquet(stream, file)
     else:
         reader = csv.DictReader(TextIOWrapper(stream, "utf-8", newline=""), strict=True)
-        reader.fieldnames = columns = list(map(unguarded, reader.fieldnames or ()))
+        reader.fieldnames = columns = list(map(unescape_formula, reader.fieldnames or ()))
         records = (
-            {name: unguarded(text) if isinstance(text, str) else text for name, text in each.items()}
+            {name: unescape_formula(text) if isinstance(text, str) else text for name, text in each.items()}
             for each in reader
         )
     if "path" not in columns:

@@ -311,7 +311,7 @@ class Draw(_Part):
     )
 
 
-class Made(_Part):
+class GeneratedShape(_Part):
     """What `collision` or `simplify` made of a mesh, and how far it is from it."""
 
     mesh: str
@@ -339,7 +339,7 @@ class Made(_Part):
     origin: str | None = Field(default=None, description="Where it is written, as FILE:LINE.")
 
 
-class LeftOut(_Part):
+class UnsupportedFeature(_Part):
     """What a target cannot express, and is not in its bundle, or is there in another way."""
 
     feature: str
@@ -349,11 +349,11 @@ class LeftOut(_Part):
     names: tuple[str, ...] = Field(default=(), description="Of those that have one.")
 
 
-class Aimed(_Part):
+class TargetRecord(_Part):
     """The program that a bundle was written for."""
 
     name: str
-    left_out: tuple[LeftOut, ...] = ()
+    left_out: tuple[UnsupportedFeature, ...] = ()
 
 
 class Manifest(_Part):
@@ -398,7 +398,7 @@ class Manifest(_Part):
         default=None,
         description="Of `--picture`: a picture of the model, beside the bundle; left out without one.",
     )
-    target: Aimed | None = Field(
+    target: TargetRecord | None = Field(
         default=None, description="Of `--target`: what the bundle was written for; left out without one."
     )
     union: int | None = Field(
@@ -406,7 +406,7 @@ class Manifest(_Part):
         ge=2,
         description="Of a union: how many models it has the parts of; left out for any other model.",
     )
-    made: tuple[Made, ...] = Field(
+    made: tuple[GeneratedShape, ...] = Field(
         default=(), description="What was made of meshes; left out where nothing was."
     )
     checks: tuple[Check, ...] = Field(default=(), description="What was checked, and held.")

@@ -161,9 +161,9 @@ def _read_folder(folder: Path, limits: ReadLimits, shown: str) -> dict[str, byte
     files = {path: read_regular(folder / path) for path in sizes}
     if b"../assets/" not in files.get(MANIFEST, b""):
         return files
-    from mjcompose.build.bundle.remote import gathered  # which needs a tree
+    from mjcompose.build.bundle.remote import with_shared_assets  # which needs a tree
 
-    return gathered(files, folder)
+    return with_shared_assets(files, folder)
 
 
 def _read_archive(file: Path | BytesIO, limits: ReadLimits, shown: str) -> dict[str, bytes]:

@@ -43,7 +43,7 @@ class RemoteError(Exception):
 
 
 @contextmanager
-def opened(address: str) -> Iterator[tuple[FileSystem, str]]:
+def open_remote(address: str) -> Iterator[tuple[FileSystem, str]]:
     """Yield the file system of an address and the path in it; its errors inside the block become RemoteError."""
     try:
         import fsspec
@@ -65,7 +65,7 @@ def opened(address: str) -> Iterator[tuple[FileSystem, str]]:
 @contextmanager
 def _writing(address: str) -> Iterator[tuple[FileSystem, str]]:
     try:
-        with opened(address) as found:
+        with open_remote(address) as found:
             yield found
     except RemoteError as error:
         help = "see that its file system is installed, and that you may write there"
@@ -121,7 +121,7 @@ def deliver_assets(folder: Path, address: str) -> None:
 def manifest_at(address: str) -> bytes:
     """Return the manifest of a bundle at an address. Raises OSError and the exceptions of `zipfile`."""
     try:
-        with opened(address) as (fs, path):
+        with open_remote(address) as (fs, path):
             if path.endswith((".zip", ".mjz")):
                 with fs.open(path) as stream, zipfile.ZipFile(stream) as archive:
                     return archive.read(MANIFEST)
@@ -134,7 +134,7 @@ def manifest_at(address: str) -> bytes:
 def stamps(address: str) -> list[list[object]]:
     """Return data that changes with the contents at an address; empty if there are none. Never raises."""
     try:
-        with opened(address) as (fs, path):
+        with open_remote(address) as (fs, path):
             found = fs.find(path, detail=True) if fs.isdir(path) else {path: fs.info(path)}
     except RemoteError:
         return []
@@ -147,7 +147,7 @@ def download(address: str, folder: Path, files: int, size: int) -> Path:
     Raises RemoteError, also for more than `files` files or `size` bytes.
     """
     name = PurePosixPath(address.rstrip("/")).name
-    with opened(address) as (fs, path):
+    with open_remote(address) as (fs, path):
         if not fs.isdir(path):
             _check(fs.info(path)["size"], 1, files, most=size)
             fs.get_file(path, str(folder / name))
@@ -218,7 +218,7 @@ def write_shared(bundle: Bundle, out: Path, above: int = 1) -> tuple[Path, ...]:
         raise OutputError(
             "output-kind", f"the folder `{out}` is that of the assets", "give the model another name"
         )
-    own, assets = share(bundle, above)
+    own, assets = split_shared_assets(bundle, above)
     folder = out.parents[above - 1] / ASSETS
     for name, content in assets.items():
         path = folder / name
@@ -236,7 +236,7 @@ def _is_there(path: Path, content: bytes) -> bool:
         return False
 
 
-def share(bundle: Bundle, above: int = 1) -> tuple[Bundle, dict[str, bytes]]:
+def split_shared_assets(bundle: Bundle, above: int = 1) -> tuple[Bundle, dict[str, bytes]]:
     """Return the bundle without its assets, and the assets by their names in the folder `above` levels up. No I/O."""
     beside = f"{'../' * above}{ASSETS}/"
     root = etree.fromstring(bundle.files[bundle.model])
@@ -255,7 +255,7 @@ def share(bundle: Bundle, above: int = 1) -> tuple[Bundle, dict[str, bytes]]:
     return Bundle(files, bundle.model), {name: bundle.files[path] for path, name in moved.items()}
 
 
-def gathered(files: Mapping[str, bytes], folder: Path) -> dict[str, bytes]:
+def with_shared_assets(files: Mapping[str, bytes], folder: Path) -> dict[str, bytes]:
     """Return the files of such a folder, with the shared assets in its manifest, as a self-contained bundle.
 
     If the manifest lists no shared assets, the files are unchanged. Raises OSError.

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 from mjcompose.base import files as sources
 from mjcompose.base.files import read_regular
 from mjcompose.base.scratch import locked_folder, scratch, sweep_once
-from mjcompose.build.bundle.bundle import LARGEST_MANIFEST, MANIFEST, Bundle, OutputError, unwritable
+from mjcompose.build.bundle.bundle import LARGEST_MANIFEST, MANIFEST, Bundle, OutputError, unwritable_error
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -46,18 +46,18 @@ def staged_file(
     file system become OutputError. `option` names the output in messages, `inputs` are sources besides those that were
     noted. Only what `rewrites` a source, as `fmt` does, may take its place.
     """
-    target = real(out)
+    target = resolved_output(out)
     check_kind(target, out, option)
     if not rewrites:
         check_is_no_source(out, option, inputs)
     try:
-        with parents(target), stage_beside(target) as stage:
+        with created_parents(target), stage_beside(target) as stage:
             yield stage
             if not rewrites:
                 check_is_no_source(out, option)  # it may have been read within the block
             stage.replace(target)
     except OSError as error:
-        raise unwritable(out, error) from error
+        raise unwritable_error(out, error) from error
     sources.current().wrote(str(target))
 
 
@@ -75,20 +75,20 @@ def staged_folder(
     It `replaces` an older output, or takes the place of an empty folder. Or the block moves single files `into` the
     folder, with `move`.
     """
-    target = real(out)
+    target = resolved_output(out)
     if not target.name:
         raise OutputError("output-unwritable", f"`{out}` cannot be replaced", "choose a folder below it")
     if not into:
         check_is_no_source(out, option, inputs)
     try:
-        with parents(target), stage_beside(target) as stage:
+        with created_parents(target), stage_beside(target) as stage:
             yield stage
             if not into:
                 check_is_no_source(out, option)
                 (_swap if replaces else os.replace)(stage, target)
                 sources.current().wrote(str(target))
     except OSError as error:
-        raise unwritable(out, error) from error
+        raise unwritable_error(out, error) from error
 
 
 def move(stage: Path, target: Path, paths: Iterable[str]) -> None:
@@ -158,7 +158,7 @@ def _swap(stage: Path, target: Path) -> None:
     if not os.path.exists(target):
         stage.replace(target)
         return
-    older = aside(stage)
+    older = backup_path(stage)
     target.replace(older)
     try:
         stage.replace(target)
@@ -167,7 +167,7 @@ def _swap(stage: Path, target: Path) -> None:
         raise
 
 
-def aside(stage: Path) -> Path:
+def backup_path(stage: Path) -> Path:
     """Return where an older output is kept while the new one replaces it; after a kill it is restored from there."""
     return stage.with_name(_OLD)
 
@@ -186,7 +186,7 @@ def _put_back(folder: Path) -> None:
 
 
 @contextlib.contextmanager
-def parents(target: Path) -> Iterator[None]:
+def created_parents(target: Path) -> Iterator[None]:
     """Create the folders above `target` for the block, and remove them again if it fails."""
     made: list[Path] = []
     missing = [folder for folder in target.parents if not os.path.exists(folder)]
@@ -202,7 +202,7 @@ def parents(target: Path) -> Iterator[None]:
         raise
 
 
-def real(out: Path) -> Path:
+def resolved_output(out: Path) -> Path:
     """Return `out` as absolute path with links resolved: the target of a link is replaced, not the link."""
     return Path(os.path.realpath(out))
 
@@ -234,9 +234,9 @@ def write_folder(
     inputs = tuple(inputs)
     check_is_no_source(out, option, inputs)
     try:
-        _check_replaceable(real(out), out)
+        _check_replaceable(resolved_output(out), out)
     except OSError as error:
-        raise unwritable(out, error) from error
+        raise unwritable_error(out, error) from error
     with staged_folder(out, option, inputs=inputs, replaces=True) as stage:
         stage.mkdir()
         write_files(bundle, stage)
@@ -320,7 +320,7 @@ def write_mjb(
                     Path(folder), bundle.model, mjb=stage, limits=limits, session=session
                 )
         except OSError as error:
-            raise unwritable("a temporary folder", error) from error
+            raise unwritable_error("a temporary folder", error) from error
         if not compiled.ok:
             raise OutputError("output-unwritable", f"cannot write `{out}`: {compiled.error}")
         if MANIFEST in bundle.files:

@@ -34,11 +34,11 @@ from mjcompose.build.bundle.bundle import (
     MANIFEST,
     MODEL,
     Bundle,
-    Form,
     OutputError,
+    OutputForm,
     form_of,
     moment_of,
-    unwritable,
+    unwritable_error,
     with_moment,
 )
 from mjcompose.build.bundle.staging import manifest_beside, staged_file, write_files, write_folder, write_mjb
@@ -59,7 +59,7 @@ class Packed(NamedTuple):
     data: bytes
 
 
-class PackedAhead:
+class BackgroundPacker:
     """The files of a bundle, compressed by a thread during MuJoCo's work.
 
     `find` returns a known compressed file by hash and level, or None.
@@ -115,17 +115,17 @@ def pack(content: bytes, level: int) -> Packed:
     return Packed(zlib.crc32(content), len(content), data)
 
 
-def packed_now(bundle: Bundle, path: str) -> Packed:
+def pack_file(bundle: Bundle, path: str) -> Packed:
     """Compress a file of a bundle without a cache."""
     return pack(bundle.files[path], level_of(path))
 
 
-def wrapped(packed: Packed) -> bytes:
+def packed_to_bytes(packed: Packed) -> bytes:
     """Serialize a compressed file for the store. No I/O."""
     return _HEAD.pack(packed.crc, packed.size) + packed.data
 
 
-def unwrapped(content: bytes) -> Packed:
+def packed_from_bytes(content: bytes) -> Packed:
     """Parse what `wrapped` returned. No I/O."""
     crc, size = _HEAD.unpack_from(content)
     return Packed(crc, size, content[_HEAD.size :])
@@ -137,7 +137,7 @@ _MODE = 0o100644
 
 
 def write_archive(
-    bundle: Bundle, out: Path, environment: Mapping[str, str], packing: Packing = packed_now
+    bundle: Bundle, out: Path, environment: Mapping[str, str], packing: Packing = pack_file
 ) -> None:
     """Write the bundle as a zip to `out`: the model first, then the other files sorted by path.
 
@@ -256,7 +256,7 @@ def write_usd(
                     content = target.read_bytes()
                     stage.write_bytes(with_moment(content, moment) if target.suffix == ".usdz" else content)
         except OSError as error:
-            raise unwritable("a temporary folder", error) from error
+            raise unwritable_error("a temporary folder", error) from error
         if exported.missing is not None:
             raise OutputError(
                 "usd-missing",
@@ -279,18 +279,18 @@ def write_usd(
 
 
 @dataclass(frozen=True, slots=True)
-class MadeOf:
+class OutputOrigin:
     """The recipe of a model and its options; `values` are parameters, variants, the cell and the sample."""
 
     recipe: str
     values: Mapping[str, Any]
 
-    def other_than(self, new: MadeOf) -> dict[str, Any]:
+    def other_than(self, new: OutputOrigin) -> dict[str, Any]:
         """Return what differs from the new model: the recipe, or the old values.
 
-        >>> MadeOf("a.yaml", {"x": 1, "y": 2}).other_than(MadeOf("a.yaml", {"x": 3, "y": 2}))
+        >>> OutputOrigin("a.yaml", {"x": 1, "y": 2}).other_than(OutputOrigin("a.yaml", {"x": 3, "y": 2}))
         {'x': 1}
-        >>> MadeOf("a.yaml", {}).other_than(MadeOf("b.yaml", {}))
+        >>> OutputOrigin("a.yaml", {}).other_than(OutputOrigin("b.yaml", {}))
         {'recipe': 'a.yaml'}
         """
         if self.recipe != new.recipe:
@@ -302,7 +302,7 @@ class MadeOf:
         }
 
 
-def made_of(out: Path | str) -> MadeOf | None:
+def origin_of_output(out: Path | str) -> OutputOrigin | None:
     """Return what the manifest of an output says, or None if there is no readable one."""
     try:
         manifest = json.loads(_manifest(out))
@@ -311,7 +311,7 @@ def made_of(out: Path | str) -> MadeOf | None:
             values["cell"] = manifest["cell"]
         if manifest["sample"] is not None:
             values["sample"] = manifest["sample"]
-        return MadeOf(str(manifest["recipe"]["path"]), values)
+        return OutputOrigin(str(manifest["recipe"]["path"]), values)
     except (
         OSError,
         ValueError,
@@ -345,9 +345,9 @@ def write(
     environment: Mapping[str, str],
     limits: engine.Limits | None = None,
     session: engine.Session | None = None,
-    packing: Packing = packed_now,
+    packing: Packing = pack_file,
     warn: Callable[[str], None] = lambda _: None,
-) -> Form:
+) -> OutputForm:
     """Write the bundle to `out` in the form for its name, and return the form.
 
     The output is complete, or OutputError is raised and everything is as before. `environment` may hold
@@ -357,14 +357,14 @@ def write(
     form = form_of(out)
     path = Path(out)
     match form:
-        case Form.FOLDER:
+        case OutputForm.FOLDER:
             write_folder(bundle, path)
-        case Form.ARCHIVE:
+        case OutputForm.ARCHIVE:
             write_archive(bundle, path, environment, packing=packing)
-        case Form.TEXT:
+        case OutputForm.TEXT:
             write_text(bundle, path)
-        case Form.MJB:
+        case OutputForm.MJB:
             write_mjb(bundle, path, limits=limits, session=session)
-        case Form.USD:
+        case OutputForm.USD:
             write_usd(bundle, path, environment, warn=warn, limits=limits, session=session)
     return form

@@ -17,9 +17,9 @@ from mjcompose.sources.blobs import key_of
 
 if TYPE_CHECKING:
     from mjcompose.base.diagnostic import Span
-    from mjcompose.build.bundle.bundle import Bundle, Place
+    from mjcompose.build.bundle.bundle import Bundle, Location
     from mjcompose.build.bundle.licences import Row
-    from mjcompose.build.bundle.write import Packed, PackedAhead
+    from mjcompose.build.bundle.write import BackgroundPacker, Packed
     from mjcompose.build.cache.cache import Answer, Cache, KeptFile, Record
     from mjcompose.build.cache.inputs import Inputs
     from mjcompose.build.compose.load import Library
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Made:
+class BuildResult:
     """A built model.
 
     `built` is set for a model that was built now, `record` for one from the cache. A model from the cache has only
@@ -72,19 +72,21 @@ class Made:
     excluded: int = 0
     is_new: bool = False
 
-    def summary(self) -> Made:
+    def summary(self) -> BuildResult:
         """Return the model without the data for writing it, small enough to pickle."""
         return replace(self, built=None, record=None, bundle=None, packed={}, text=None, key=None, inputs=())
 
 
-def fresh(built: Built, licences: Iterable[Row], why: tuple[str, ...], key: CacheKey | None) -> Made:
+def result_of_build(
+    built: Built, licences: Iterable[Row], why: tuple[str, ...], key: CacheKey | None
+) -> BuildResult:
     """Return a model that was built now."""
     from mjcompose.build.plan.describe import allowed_everywhere
 
     sizes = built.compiled.sizes if built.compiled else None
     mujoco = built.compiled.mujoco_version if built.compiled else None
     adopted = tuple(each.located() for each in built.composed.model.adopted)
-    return Made(
+    return BuildResult(
         built.plan.name, built.bundle.sha256, sizes, merged=built.merged, built=built, bundle=built.bundle, why=why,
         mujoco=mujoco, licences=tuple(licences), key=key, draws=_draws(built),
         cells=built.plan.cells, cells_at=built.plan.cells_at, adopted=adopted,
@@ -99,30 +101,30 @@ def _draws(built: Built) -> dict[str, Value] | None:
     return dict(column for each in built.composed.drawn for column in each.columns())
 
 
-def recalled(record: Record, inputs: tuple[str, ...]) -> Made:
+def result_from_cache(record: Record, inputs: tuple[str, ...]) -> BuildResult:
     """Return a model from the cache, without its files."""
-    return Made(record.name, record.sha256, record.sizes, merged=record.merged, record=record, inputs=inputs,
+    return BuildResult(record.name, record.sha256, record.sizes, merged=record.merged, record=record, inputs=inputs,
                 mujoco=record.mujoco, licences=record.licences, draws=record.draws,
                 cells=record.cells, cells_at=record.cells_at, adopted=record.adopted,
                 allowed=record.allowed, excluded=record.excluded)  # fmt: skip
 
 
-def files_of(made: Made | None, context: Context) -> set[str]:
+def shown_input_files(result: BuildResult | None, context: Context) -> set[str]:
     """Return the input files of a model, as messages name them."""
-    read = () if made is None else set(inputs_of(made))
+    read = () if result is None else set(input_files(result))
     return {context.shown(path) for path in read if os.path.isfile(context.folder / path)}
 
 
-def inputs_of(made: Made) -> Iterator[Path]:
+def input_files(result: BuildResult) -> Iterator[Path]:
     """Yield the files that a model is made from."""
-    if made.built is None:
-        yield from map(Path, made.inputs)
+    if result.built is None:
+        yield from map(Path, result.inputs)
         return
-    built = made.built
-    yield from files_read(built.plan, built.composed.model, built.composed.files)
+    built = result.built
+    yield from source_files(built.plan, built.composed.model, built.composed.files)
 
 
-def files_read(plan: Plan, model: Unit, uses: Iterable[FileUse]) -> Iterator[Path]:
+def source_files(plan: Plan, model: Unit, uses: Iterable[FileUse]) -> Iterator[Path]:
     """Yield the recipes, models and assets that a model is made from."""
     yield from (each.path for each in plan.plans())
     yield from (source.path for source in plan.sources())
@@ -156,11 +158,11 @@ def load_packed(record: Record, cache: Cache) -> dict[str, Packed] | None:
     return whole
 
 
-Placing = Callable[[str, "str | None"], "Place | None"]
+OutputLocator = Callable[[str, "str | None"], "Location | None"]
 """Returns the output's place by the model's name and its version of MuJoCo; None to write nothing."""
 
 
-def nowhere(name: str, mujoco: str | None) -> None:
+def no_output(name: str, mujoco: str | None) -> None:
     """Return None, for models that are not written."""
 
 
@@ -180,14 +182,14 @@ class Maker:
         cache: Cache | None,
         context: Context,
         form: str | None = None,
-        place: Placing = nowhere,
+        place: OutputLocator = no_output,
     ) -> None:
         self.recipe, self.options, self.cache, self.context = recipe, options, cache, context
         self.form, self.place = form, place
         self.library: Library = {}
         self._inputs: Inputs | None = None
         self._key: CacheKey | None = None
-        self._ahead: PackedAhead | None = None
+        self._ahead: BackgroundPacker | None = None
         self._since = now()
 
     def key(self, cell: str | None = None, values: Mapping[str, str] | None = None) -> CacheKey | None:
@@ -202,7 +204,7 @@ class Maker:
 
     def recall(
         self, key: CacheKey | None, context: Context, outcomes: list[Outcome] | None = None
-    ) -> tuple[Made | None, tuple[str, ...]]:
+    ) -> tuple[BuildResult | None, tuple[str, ...]]:
         """Return the model if the cache has it, before anything is read; or why it does not.
 
         The stored diagnostics go to the context's sink again, the outcomes of checks to `outcomes`.
@@ -232,7 +234,7 @@ class Maker:
         key: CacheKey | None = None,
         why: tuple[str, ...] = (),
         outcomes: list[Outcome] | None = None,
-    ) -> Made | None:
+    ) -> BuildResult | None:
         """Plan the model, and build it unless the cache has the plan; errors go to the context's sink."""
         from mjcompose.build import stages
 
@@ -271,27 +273,27 @@ class Maker:
             return None
         from mjcompose.build.bundle.licences import licence_rows
 
-        made = fresh(built, licence_rows(plan, context), why, key=key)
+        made = result_of_build(built, licence_rows(plan, context), why, key=key)
         if self.options.text_beside is None:
             self._keep(made, outcomes, context, cell=name)
         return made
 
-    def with_text(self, made: Made, text: bytes, context: Context) -> Made:
+    def with_text(self, result: BuildResult, text: bytes, context: Context) -> BuildResult:
         """Return the model with its text, which is written for this output and stored in the cache."""
-        self._keep(made, (), context, cell=None, text=text)
-        return replace(made, text=text)
+        self._keep(result, (), context, cell=None, text=text)
+        return replace(result, text=text)
 
-    def content(self, made: Made) -> str:
+    def content(self, result: BuildResult) -> str:
         """Return an identifier of an output's bytes."""
-        if made.text is not None:
-            return sha256(made.text).hexdigest()
-        return key_of([made.sha256, self.form, self.context.environment.get("SOURCE_DATE_EPOCH")])
+        if result.text is not None:
+            return sha256(result.text).hexdigest()
+        return key_of([result.sha256, self.form, self.context.environment.get("SOURCE_DATE_EPOCH")])
 
-    def note_written(self, made: Made, beside: Iterable[Path] = ()) -> None:
+    def note_written(self, result: BuildResult, beside: Iterable[Path] = ()) -> None:
         """Record the content of an output and of the files `beside` it."""
-        target = self.place(made.name, made.mujoco)
-        if self.cache is not None and target is not None and not made.is_written:
-            self.cache.note_written(target, self.content(made), beside)
+        target = self.place(result.name, result.mujoco)
+        if self.cache is not None and target is not None and not result.is_written:
+            self.cache.note_written(target, self.content(result), beside)
 
     def packing(self, bundle: Bundle, path: str) -> Packed:
         """Return a compressed file, compressed once for all models that have it."""
@@ -311,15 +313,15 @@ class Maker:
 
     def _pack_ahead(self, bundle: Bundle) -> None:
         """Compress the files of the output during MuJoCo's work."""
-        from mjcompose.build.bundle.write import PackedAhead
+        from mjcompose.build.bundle.write import BackgroundPacker
 
         if self.form == "archive":
-            self._ahead = PackedAhead(bundle, self._packed)
+            self._ahead = BackgroundPacker(bundle, self._packed)
 
-    def _with_files(self, record: Record, answer: Answer | None) -> Made | None:
+    def _with_files(self, record: Record, answer: Answer | None) -> BuildResult | None:
         """Return a stored model with the data that its output needs, or None if that is damaged."""
         assert self.cache is not None
-        made = recalled(record, tuple(each.path for each in answer.inputs) if answer else ())
+        made = result_from_cache(record, tuple(each.path for each in answer.inputs) if answer else ())
         target = self.place(record.name, record.mujoco)
         if record.text is not None:
             from mjcompose.build.cache.cache import KeptFile
@@ -348,9 +350,9 @@ class Maker:
 
     def _recall_planned(
         self, plan: Plan, cell: str | None, context: Context, key: CacheKey, outcomes: list[Outcome]
-    ) -> Made | None:
+    ) -> BuildResult | None:
         """Return a model that another state of the recipe file gave, with the diagnostics of this state."""
-        from mjcompose.build.cache.inputs import may_move, places
+        from mjcompose.build.cache.inputs import hash_of_positions, may_move
         from mjcompose.build.verify.checks import places as places_of_checks
 
         assert self.cache is not None
@@ -358,7 +360,7 @@ class Maker:
         record, answer = found.record, found.answer
         if record is None or (context.strict and _warns(record)):
             return None
-        if answer is None or (record.names_places and record.places != places(plan)):
+        if answer is None or (record.names_places and record.places != hash_of_positions(plan)):
             return None
         written = places_of_checks(plan)
         record = replace(
@@ -397,7 +399,7 @@ class Maker:
 
     def _keep(
         self,
-        made: Made,
+        result: BuildResult,
         outcomes: Sequence[Outcome],
         context: Context,
         cell: str | None,
@@ -407,9 +409,9 @@ class Maker:
         from mjcompose.build.bundle.assemble import portable
         from mjcompose.build.bundle.bundle import MANIFEST
         from mjcompose.build.cache.cache import KeptRecipe, Record
-        from mjcompose.build.cache.inputs import may_move, names_places, places
+        from mjcompose.build.cache.inputs import hash_of_positions, may_move, mentions_positions
 
-        cache, built, key = self.cache, made.built, made.key
+        cache, built, key = self.cache, result.built, result.key
         if cache is None or built is None or key is None:
             return
         names, files = self._names(), cache.files
@@ -430,28 +432,30 @@ class Maker:
             cache.keep_raw(digest, text)
         name = portable(built.plan, built.composed.model, context).name
         record = Record(
-            made.name,
+            result.name,
             built.bundle.model,
-            made.sha256,
-            sizes=made.sizes,
-            merged=made.merged,
+            result.sha256,
+            sizes=result.sizes,
+            merged=result.merged,
             files=self._kept(built.bundle, known) if text is None else (),
             text=digest,
-            mujoco=made.mujoco,
-            licences=made.licences,
+            mujoco=result.mujoco,
+            licences=result.licences,
             diagnostics=tuple(context.sink.diagnostics),
             checks=tuple(outcomes),
-            draws=made.draws,
+            draws=result.draws,
             recipes=tuple(KeptRecipe(each.path, name(Path(each.path)), each.state) for each in recipes),
-            places=places(built.plan),
+            places=hash_of_positions(built.plan),
             names_places=False,
             cells=built.plan.cells,
             cells_at=built.plan.cells_at,
-            adopted=made.adopted,
-            allowed=made.allowed,
-            excluded=made.excluded,
+            adopted=result.adopted,
+            allowed=result.allowed,
+            excluded=result.excluded,
         )
-        record = replace(record, names_places=names_places(built.plan, record, built.bundle.files[MANIFEST]))
+        record = replace(
+            record, names_places=mentions_positions(built.plan, record, built.bundle.files[MANIFEST])
+        )
         packages = list(names.packages(built.plan))
         if not may_move(context):
             cache.keep(key, record, [*recipes, *others], packages=packages)

@@ -27,7 +27,7 @@ from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Severity, Span
 from mjcompose.base.files import read_regular
 from mjcompose.build.bundle.bundle import is_address
 from mjcompose.build.bundle.licences import Row
-from mjcompose.build.cache.cache_key import CacheKey, Files, Seen, differences, seen, stamp_of
+from mjcompose.build.cache.cache_key import CacheKey, Files, FileState, differences, file_state, stamp_of
 from mjcompose.build.verify.outcome import Outcome
 from mjcompose.model.merged_settings import Adopted, known
 from mjcompose.sources import blobs
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from os import PathLike
 
     from mjcompose.base.sink import Sink
-    from mjcompose.build.bundle.bundle import Place
+    from mjcompose.build.bundle.bundle import Location
     from mjcompose.build.bundle.write import Packed
 
 
@@ -216,12 +216,12 @@ class Answer:
     """The name of a record, and its dependencies besides the key."""
 
     record: str
-    inputs: tuple[Seen, ...]
+    inputs: tuple[FileState, ...]
     packages: tuple[Package, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class Lookup:
     """A record and the answer that names it; or, in words, why there is none."""
 
     record: Record | None = None
@@ -241,9 +241,9 @@ class Cache:
     files: Files = field(default_factory=Files)
     broken: bool = False
     grown: bool = False
-    on_keep: Callable[[Record, Sequence[Seen]], None] | None = None
+    on_keep: Callable[[Record, Sequence[FileState]], None] | None = None
 
-    def find(self, key: CacheKey) -> Found:
+    def find(self, key: CacheKey) -> Lookup:
         """Return the record for a key, or why there is none."""
         answers = self._answers(key.digest)
         for answer in answers:
@@ -251,12 +251,12 @@ class Cache:
                 continue
             record = self._record(answer)
             if record is None:
-                return Found(why=(LOST,))
+                return Lookup(why=(LOST,))
             if answer != answers[0] or any(each.state and each.stamp is None for each in answer.inputs):
                 self._refresh(key, answer, answers)
             self._mark_used(answer)
-            return Found(record, answer)
-        return Found(why=self._why(key, answers))
+            return Lookup(record, answer)
+        return Lookup(why=self._why(key, answers))
 
     def _mark_used(self, answer: Answer) -> None:
         """Mark the fetched sources that the answer needs as used."""
@@ -269,7 +269,7 @@ class Cache:
                 os.utime(self.store.folder / folder / ENTRY)
 
     def keep(
-        self, key: CacheKey, record: Record, inputs: Iterable[Seen], packages: Iterable[Package]
+        self, key: CacheKey, record: Record, inputs: Iterable[FileState], packages: Iterable[Package]
     ) -> None:
         """Store the answer to a key."""
         text = to_json(record)
@@ -298,21 +298,21 @@ class Cache:
 
     def packed(self, sha256: str, level: int) -> Packed | None:
         """Return a file in compressed form."""
-        from mjcompose.build.bundle.write import unwrapped
+        from mjcompose.build.bundle.write import packed_from_bytes
 
         content = blobs.get(self.store.folder, "packed", packed_key(sha256, level))
-        return None if content is None else unwrapped(content)
+        return None if content is None else packed_from_bytes(content)
 
     def keep_packed(self, sha256: str, level: int, packed: Packed) -> None:
-        from mjcompose.build.bundle.write import wrapped
+        from mjcompose.build.bundle.write import packed_to_bytes
 
-        self._put("packed", packed_key(sha256, level), wrapped(packed))
+        self._put("packed", packed_key(sha256, level), packed_to_bytes(packed))
 
-    def is_written(self, out: Place, content: str) -> bool:
+    def is_written(self, out: Location, content: str) -> bool:
         """Return whether an output is unchanged since `note_written` recorded this content."""
         return is_written(self.store.folder, os.fspath(out), content)
 
-    def note_written(self, out: Place, content: str, beside: Iterable[Path] = ()) -> None:
+    def note_written(self, out: Location, content: str, beside: Iterable[Path] = ()) -> None:
         """Record an output; `beside` are files elsewhere that belong to it."""
         self._keep(lambda: note_written(self.store.folder, os.fspath(out), content, beside=beside))
 
@@ -327,7 +327,11 @@ class Cache:
         data = _read(self.store.folder, key)
         try:
             return [
-                Answer(each["record"], tuple(map(seen, each["inputs"])), tuple(map(tuple, each["packages"])))
+                Answer(
+                    each["record"],
+                    tuple(map(file_state, each["inputs"])),
+                    tuple(map(tuple, each["packages"])),
+                )
                 for each in data or ()
             ]
         except (TypeError, ValueError, KeyError):
@@ -407,7 +411,7 @@ class Cache:
             )
 
 
-def opened_cache(store: Store, sink: Sink) -> Cache:
+def open_cache(store: Store, sink: Sink) -> Cache:
     """Return the cache in a store; errors on writing become one warning."""
 
     def warn(message: str) -> None:
@@ -423,7 +427,7 @@ def packed_key(sha256: str, level: int) -> str:
     return key_of([sha256, level, zlib.ZLIB_RUNTIME_VERSION])
 
 
-def _change(before: Seen, now: Seen) -> str:
+def _change(before: FileState, now: FileState) -> str:
     below = f"{before.path}{os.sep}".startswith(os.getcwd() + os.sep)
     name = os.path.relpath(before.path) if below else before.path
     if os.path.isdir(before.path):

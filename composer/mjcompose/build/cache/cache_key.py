@@ -117,7 +117,7 @@ _SETTLED = 2_000_000_000
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class FileState:
     """The state of a path: the sha256 of a file, the names of a folder's licences, or `ABSENT`."""
 
     path: str
@@ -128,12 +128,12 @@ class Seen:
         return [self.path, self.state, self.stamp]
 
 
-def seen(data: list[object]) -> Seen:
+def file_state(data: list[object]) -> FileState:
     """Parse what `as_data` returned. Raises TypeError and ValueError for anything else."""
     path, state, stamp = data
     if not isinstance(path, str) or not isinstance(state, str):
         raise TypeError(data)
-    return Seen(path, state, tuple(stamp) if isinstance(stamp, list) else None)
+    return FileState(path, state, tuple(stamp) if isinstance(stamp, list) else None)
 
 
 @dataclass(slots=True)
@@ -143,23 +143,23 @@ class Files:
     _stamps: dict[str, tuple[Stamp, bool] | None] = field(default_factory=dict)
     _states: dict[tuple[str, Stamp], str] = field(default_factory=dict)
 
-    def look(self, path: str) -> Seen:
+    def look(self, path: str) -> FileState:
         """Return the current state."""
         stamped = self._stamp(path)
         if stamped is None:
-            return Seen(path, ABSENT, None)
+            return FileState(path, ABSENT, None)
         stamp, is_folder = stamped
         key = path, stamp
         if key not in self._states:
             self._states[key] = _licences(path) if is_folder else _sha256(path)
         settled = max(stamp[1], stamp[2]) + _SETTLED < time.time_ns()
-        return Seen(path, self._states[key], stamp if settled else None)
+        return FileState(path, self._states[key], stamp if settled else None)
 
     def forget(self) -> None:
         """Look at files again from now on."""
         self._stamps.clear()
 
-    def is_same(self, before: Seen) -> bool:
+    def is_same(self, before: FileState) -> bool:
         """Return whether the state is unchanged."""
         stamped = self._stamp(before.path)
         if stamped is None or before.stamp is None or stamped[0] != before.stamp:
@@ -237,7 +237,7 @@ class CacheKey:
     def of_plan(self, plan: Plan, cell: str | None, choices: Mapping[str, str]) -> CacheKey:
         """Return the key of a plan, independent of the recipe file; `choices` are part of the plan already."""
         parts = {name: value for name, value in self.parts.items() if name not in choices}
-        planned = {"cell": cell or "", "sample": str(plan.sample), "plan": key_of(concrete(plan))}
+        planned = {"cell": cell or "", "sample": str(plan.sample), "plan": key_of(plan_content(plan))}
         return CacheKey("", {**parts, **planned})
 
 
@@ -283,7 +283,7 @@ class BuildOptions:
         return CacheKey(os.path.abspath(folder / recipe), parts)
 
 
-def concrete(plan: Plan) -> list[object]:
+def plan_content(plan: Plan) -> list[object]:
     """Return everything that determines the result of a plan besides the contents of files, as JSON data. No I/O.
 
     Lines and columns in recipes are left out, but not the files, because paths are relative to them.

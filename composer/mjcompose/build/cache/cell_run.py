@@ -16,9 +16,15 @@ from mjcompose.base.limits import Limits, allow, in_force
 from mjcompose.base.processes import Died, Pool, cores
 from mjcompose.base.runtime import interruptible
 from mjcompose.base.sink import Sink
-from mjcompose.build.cache.builder import Made, Maker, Placing, files_of, recalled
-from mjcompose.build.cache.cache import Package, Record, opened_cache
-from mjcompose.build.cache.cache_key import BuildOptions, CacheKey, Seen
+from mjcompose.build.cache.builder import (
+    BuildResult,
+    Maker,
+    OutputLocator,
+    result_from_cache,
+    shown_input_files,
+)
+from mjcompose.build.cache.cache import Package, Record, open_cache
+from mjcompose.build.cache.cache_key import BuildOptions, CacheKey, FileState
 from mjcompose.build.verify.outcome import Outcome
 from mjcompose.language.expand import Cell
 from mjcompose.mujoco.engine import Session
@@ -29,22 +35,22 @@ from mjcompose.sources.store import Store
 if TYPE_CHECKING:
     from mjcompose.text.node import Node
 
-Finish = Callable[[Made, Maker, Context, Session], "Made | None"]
+Finish = Callable[[BuildResult, Maker, Context, Session], "BuildResult | None"]
 """Processes each model that is made, for example by writing it; returns None after a failure, which it reports."""
 
 
 @dataclass(frozen=True, slots=True)
-class MadeCell:
-    """The result of a cell: `made` is None if it failed.
+class CellResult:
+    """The result of a cell: `result` is None if it failed.
 
-    `found` are its diagnostics, `of_run` those of the run as a whole; `outcomes` are its checks, `files` its
+    `diagnostics` are its own, `of_run` those of the run as a whole; `outcomes` are its checks, `files` its
     inputs, and `timings` the time of each stage. Can be pickled.
     """
 
     cell: Cell
-    made: Made | None
+    result: BuildResult | None
     failed: bool
-    found: tuple[Diagnostic, ...]
+    diagnostics: tuple[Diagnostic, ...]
     outcomes: tuple[Outcome, ...] = ()
     files: frozenset[str] = frozenset()
     timings: tuple[tuple[str, float], ...] = ()
@@ -65,28 +71,33 @@ class CellMaker:
         if self.maker.options.verified:
             self.session.begin()
 
-    def make(self, cell: Cell) -> MadeCell:
+    def make(self, cell: Cell) -> CellResult:
         """Return the cell, from the cache or built, with its errors."""
         return self._made(cell, *self._recalled(cell))
 
-    def known(self, cell: Cell) -> MadeCell | None:
+    def known(self, cell: Cell) -> CellResult | None:
         """Return the cell if the cache has it."""
         own, made, outcomes, why = self._recalled(cell)
         return None if made is None else self._made(cell, own, made, outcomes=outcomes, why=why)
 
-    def _recalled(self, cell: Cell) -> tuple[Context, Made | None, list[Outcome], tuple[str, ...]]:
+    def _recalled(self, cell: Cell) -> tuple[Context, BuildResult | None, list[Outcome], tuple[str, ...]]:
         own = replace(self.maker.context, sink=Sink(), timings=[])
         outcomes: list[Outcome] = []
         made, why = self.maker.recall(self._key(cell), own, outcomes)
         return own, made, outcomes, why
 
     def _made(
-        self, cell: Cell, own: Context, made: Made | None, outcomes: list[Outcome], why: tuple[str, ...]
-    ) -> MadeCell:
-        if made is None:
+        self,
+        cell: Cell,
+        own: Context,
+        result: BuildResult | None,
+        outcomes: list[Outcome],
+        why: tuple[str, ...],
+    ) -> CellResult:
+        if result is None:
             values = {**self.given, **cell.given}
             with interruptible():
-                made = self.maker.make(
+                result = self.maker.make(
                     own,
                     self.session,
                     values,
@@ -96,33 +107,33 @@ class CellMaker:
                     why=why,
                     outcomes=outcomes,
                 )
-        files = files_of(made, own)
-        if made is not None and self.finish is not None:
-            made = self.finish(made, self.maker, own, self.session)
-        return MadeCell(
+        files = shown_input_files(result, own)
+        if result is not None and self.finish is not None:
+            result = self.finish(result, self.maker, own, self.session)
+        return CellResult(
             cell,
-            None if made is None else made.summary(),
-            made is None or own.sink.has_errors,
-            found=tuple(own.sink.diagnostics),
+            None if result is None else result.summary(),
+            result is None or own.sink.has_errors,
+            diagnostics=tuple(own.sink.diagnostics),
             outcomes=tuple(outcomes),
             files=frozenset(files),
             timings=tuple(own.timings),
         )
 
     def keep(
-        self, made: MadeCell, record: Record, inputs: Sequence[Seen], packages: Iterable[Package]
+        self, result: CellResult, record: Record, inputs: Sequence[FileState], packages: Iterable[Package]
     ) -> None:
         """Store what other processes made, if its inputs are the same here, and record that it is written."""
-        if made.made is not None:
-            self.keep_record(made.cell, record, inputs, packages=packages, made=made.made)
+        if result.result is not None:
+            self.keep_record(result.cell, record, inputs, packages=packages, result=result.result)
 
     def keep_record(
         self,
         cell: Cell,
         record: Record,
-        inputs: Sequence[Seen],
+        inputs: Sequence[FileState],
         packages: Iterable[Package],
-        made: Made | None = None,
+        result: BuildResult | None = None,
     ) -> None:
         """Store the record of a cell that was written elsewhere, if its inputs are the same here."""
         cache, key = self.maker.cache, self._key(cell)
@@ -131,20 +142,20 @@ class CellMaker:
         here = [cache.files.look(each.path) for each in inputs]
         if all(mine.state == each.state for mine, each in zip(here, inputs, strict=True)):
             cache.keep(key, record, here, packages=packages)
-            self.maker.note_written(recalled(record, ()) if made is None else made)
+            self.maker.note_written(result_from_cache(record, ()) if result is None else result)
 
     def _key(self, cell: Cell) -> CacheKey | None:
-        from mjcompose.build.cache.cells import text_of  # a known recipe without cells needs no reader
+        from mjcompose.build.cache.cells import pick_text  # a known recipe without cells needs no reader
 
-        values = {f"`{name}`": text_of(node) for name, node in cell.given.items()}
+        values = {f"`{name}`": pick_text(node) for name, node in cell.given.items()}
         return self.maker.key(cell.name, {**values, "the sample": str(cell.sample)})
 
 
 @dataclass(frozen=True, slots=True)
-class MadeRecipe:
+class RecipeResult:
     """The result of a recipe of which one model is made: `checks` is their number, `cells` that of its matrix."""
 
-    found: tuple[Diagnostic, ...]
+    diagnostics: tuple[Diagnostic, ...]
     outcomes: tuple[Outcome, ...]
     files: frozenset[str]
     timings: tuple[tuple[str, float], ...]
@@ -153,7 +164,7 @@ class MadeRecipe:
     cells_at: Span | None = None
 
 
-def make_recipe(maker: Maker, session: Session, given: dict[str, Node]) -> MadeRecipe:
+def make_recipe(maker: Maker, session: Session, given: dict[str, Node]) -> RecipeResult:
     """Make the model of a recipe with its default values and these, unless the cache has it."""
     context, outcomes = maker.context, list[Outcome]()
     key = maker.key()
@@ -161,10 +172,10 @@ def make_recipe(maker: Maker, session: Session, given: dict[str, Node]) -> MadeR
     if made is None:
         with interruptible():
             made = maker.make(context, session, given, key=key, why=why, outcomes=outcomes)
-    return MadeRecipe(
+    return RecipeResult(
         tuple(context.sink.diagnostics),
         tuple(outcomes),
-        frozenset(files_of(made, context)),
+        frozenset(shown_input_files(made, context)),
         timings=tuple(context.timings),
         failed=made is None,
         cells=made.cells if made else 0,
@@ -172,7 +183,7 @@ def make_recipe(maker: Maker, session: Session, given: dict[str, Node]) -> MadeR
     )
 
 
-def handed_over(context: Context) -> Context:
+def context_for_worker(context: Context) -> Context:
     """Return a context for another process: it knows the files read and fetched here, and has its own sink."""
     how = context.fetching
     return replace(
@@ -189,7 +200,7 @@ class Job:
     options: BuildOptions
     store: Store | None
     form: str | None
-    place: Placing
+    place: OutputLocator
     given: dict[str, Node]
     finish: Finish | None
     context: Context
@@ -198,7 +209,7 @@ class Job:
 
     @classmethod
     def of(cls, making: CellMaker) -> Job:
-        maker, context = making.maker, handed_over(making.maker.context)
+        maker, context = making.maker, context_for_worker(making.maker.context)
         return cls(
             maker.recipe, maker.options, None if maker.cache is None else maker.cache.store, maker.form, maker.place,
             making.given, making.finish, context, in_force(), files.current().noted(),
@@ -206,11 +217,11 @@ class Job:
 
     @contextmanager
     def opened(
-        self, on_keep: Callable[[Record, Sequence[Seen]], None] | None = None
-    ) -> Iterator[Callable[[Cell], MadeCell]]:
+        self, on_keep: Callable[[Record, Sequence[FileState]], None] | None = None
+    ) -> Iterator[Callable[[Cell], CellResult]]:
         """Yield, in a worker, the function that makes a cell; `on_keep` gets everything that the cache stores."""
         sink = self.context.sink
-        cache = None if self.store is None else opened_cache(self.store, sink)
+        cache = None if self.store is None else open_cache(self.store, sink)
         if cache is not None:
             cache.on_keep = on_keep
         maker = Maker(
@@ -236,14 +247,14 @@ class RecipeJob:
 
     @contextmanager
     def opened(
-        self, on_keep: Callable[[Record, Sequence[Seen]], None] | None = None
-    ) -> Iterator[Callable[[Path], MadeRecipe]]:
+        self, on_keep: Callable[[Record, Sequence[FileState]], None] | None = None
+    ) -> Iterator[Callable[[Path], RecipeResult]]:
         """Yield, in a worker, the function that makes a recipe."""
-        cache = None if self.store is None else opened_cache(self.store, self.context.sink)
+        cache = None if self.store is None else open_cache(self.store, self.context.sink)
         if cache is not None:
             cache.on_keep = on_keep
 
-        def make(recipe: Path) -> MadeRecipe:
+        def make(recipe: Path) -> RecipeResult:
             own = replace(self.context, sink=Sink(), timings=[], concrete={})
             return make_recipe(Maker(recipe, self.options, cache, context=own), session, self.given)
 
@@ -262,12 +273,12 @@ _MODULES = (
 )
 
 
-class Crew(Protocol):
+class RemoteWorkers(Protocol):
     """Makes cells elsewhere than in processes of this machine: `cluster/crew.py`."""
 
-    def results(self, making: CellMaker, cells: Sequence[Cell]) -> Iterator[MadeCell | Died]: ...
+    def results(self, making: CellMaker, cells: Sequence[Cell]) -> Iterator[CellResult | Died]: ...
 
-    def finished(self) -> Iterator[MadeCell]: ...
+    def finished(self) -> Iterator[CellResult]: ...
 
 
 class CellRun:
@@ -277,9 +288,9 @@ class CellRun:
     instead. Diagnostics of the run as a whole go to the maker's context. Use it as a context manager.
     """
 
-    def __init__(self, making: CellMaker, jobs: int | None = None, crew: Crew | None = None) -> None:
+    def __init__(self, making: CellMaker, jobs: int | None = None, crew: RemoteWorkers | None = None) -> None:
         self.making, self.jobs, self.crew = making, jobs, crew
-        self._pool: Pool[Cell, MadeCell] | None = None
+        self._pool: Pool[Cell, CellResult] | None = None
         self._held = ExitStack()
 
     def __enter__(self) -> CellRun:
@@ -290,7 +301,7 @@ class CellRun:
     ) -> None:
         self._held.close()
 
-    def made(self, cells: Sequence[Cell]) -> Iterator[MadeCell]:
+    def made(self, cells: Sequence[Cell]) -> Iterator[CellResult]:
         """Yield the result of each cell, in order."""
         for place, cell in enumerate(cells):
             known = self.making.known(cell)
@@ -299,26 +310,26 @@ class CellRun:
                 return
             yield self._taken(known)
 
-    def finished(self) -> Iterator[MadeCell]:
+    def finished(self) -> Iterator[CellResult]:
         """Yield the results that exist but were not yielded, after an interruption. Makes no more cells."""
         ended = self.crew or self._pool
         for each in ended.finished() if ended is not None else ():
             yield self._taken(each)
 
-    def _made(self, cells: Sequence[Cell]) -> Iterator[MadeCell]:
+    def _made(self, cells: Sequence[Cell]) -> Iterator[CellResult]:
         if self.crew is not None:
             self._fetch(cells[0])
             yield from self._all_taken(cells, self.crew.results(self.making, cells))
             return
         self.making.begin()
         count = min(len(cells), self.jobs or min(cores(), max(1, len(cells) // _CELLS_A_PROCESS)))
-        self._pool = self._held.enter_context(Pool[Cell, MadeCell](count - 1, _MODULES))
+        self._pool = self._held.enter_context(Pool[Cell, CellResult](count - 1, _MODULES))
         if count > 1:
             self._fetch(cells[0])
         results = self._pool.results(Job.of(self.making).opened, cells, self.making.make)
         yield from self._all_taken(cells, results)
 
-    def _all_taken(self, cells: Sequence[Cell], results: Iterator[MadeCell | Died]) -> Iterator[MadeCell]:
+    def _all_taken(self, cells: Sequence[Cell], results: Iterator[CellResult | Died]) -> Iterator[CellResult]:
         for cell, result in zip(cells, results, strict=True):
             yield self._taken(_lost(cell, result) if isinstance(result, Died) else result)
 
@@ -331,14 +342,14 @@ class CellRun:
         with interruptible():
             stages.planned(request, replace(maker.context, sink=Sink()))
 
-    def _taken(self, made: MadeCell) -> MadeCell:
+    def _taken(self, result: CellResult) -> CellResult:
         maker = self.making.maker
-        _add_up(maker.context.timings, made.timings)
-        for each in made.of_run:
+        _add_up(maker.context.timings, result.timings)
+        for each in result.of_run:
             maker.context.sink.add(each)
-        if maker.cache is not None and made.made is not None and made.made.is_new:
+        if maker.cache is not None and result.result is not None and result.result.is_new:
             maker.cache.grown = True
-        return made
+        return result
 
 
 def _add_up(whole: list[tuple[str, float]], more: Iterable[tuple[str, float]]) -> None:
@@ -349,7 +360,9 @@ def _add_up(whole: list[tuple[str, float]], more: Iterable[tuple[str, float]]) -
     whole[:] = seconds.items()
 
 
-def _lost(cell: Cell, died: Died) -> MadeCell:
+def _lost(cell: Cell, died: Died) -> CellResult:
     message = f"the process that made this model {died.how}, twice"
     help = "if memory ran out, give `--jobs` a smaller number; with `--jobs 1` no other process is used"
-    return MadeCell(cell, None, True, found=(Diagnostic("worker-died", message, cell.span, help=help),))
+    return CellResult(
+        cell, None, True, diagnostics=(Diagnostic("worker-died", message, cell.span, help=help),)
+    )

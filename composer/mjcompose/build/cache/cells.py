@@ -131,7 +131,7 @@ def cells_of(recipe: Path, context: Context, given: dict[str, Node] | None = Non
     return with_samples(context.folder / recipe, matrix, given or {}, context=context)
 
 
-def picked(every: Sequence[Cell], picks: Iterable[str], sink: Sink, recipe: str) -> list[Cell]:
+def select_cells(every: Sequence[Cell], picks: Iterable[str], sink: Sink, recipe: str) -> list[Cell]:
     """Return the picked cells, each once, in the order of the picks; a pick that matches nothing is an error.
 
     A pick is the name of a sample, of a cell (which selects all its samples), or `AXIS=VALUE[,AXIS=VALUE...]`: all
@@ -158,12 +158,12 @@ def of_samples(cells: Iterable[Cell], samples: Iterable[int], sink: Sink) -> lis
     return [cell for cell in cells if cell.is_sample and cell.sample in wanted]
 
 
-def picked_one(every: Sequence[Cell], pick: str, sample: int | None, sink: Sink, recipe: str) -> Cell | None:
+def select_cell(every: Sequence[Cell], pick: str, sample: int | None, sink: Sink, recipe: str) -> Cell | None:
     """Return the one picked cell; if it has samples, the nominal model or the given `sample`.
 
     Anything else is an error.
     """
-    chosen = picked(every, [pick], sink, recipe=recipe)
+    chosen = select_cells(every, [pick], sink, recipe=recipe)
     if sample is not None:
         chosen = of_samples(chosen, [sample], sink)
     if len({each.cell for each in chosen}) > 1:
@@ -190,13 +190,13 @@ def _with_values(every: Sequence[Cell], pick: str) -> list[Cell]:
     return [
         cell
         for cell in every
-        if all(axis in cell.given and text_of(cell.given[axis]) == value for axis, _, value in wanted)
+        if all(axis in cell.given and pick_text(cell.given[axis]) == value for axis, _, value in wanted)
     ]
 
 
 def _report_none(every: Sequence[Cell], pick: str, sink: Sink, recipe: str) -> None:
     axis, equals, value = pick.partition("=")
-    values = list(dict.fromkeys(text_of(cell.given[axis]) for cell in every if axis in cell.given))
+    values = list(dict.fromkeys(pick_text(cell.given[axis]) for cell in every if axis in cell.given))
     if equals and values and "," not in value:
         sink.error("unknown-name", f"no cell of `{recipe}` has `{axis}` = `{value}`",
                    notes=(exists_note("value", values, value),),
@@ -207,6 +207,6 @@ def _report_none(every: Sequence[Cell], pick: str, sink: Sink, recipe: str) -> N
                notes=(exists_note("cell", names, pick),), help=did_you_mean(pick, names, "--pick {}"))  # fmt: skip
 
 
-def text_of(node: Node) -> str:
+def pick_text(node: Node) -> str:
     """Return a value in the syntax of a pick."""
     return node.text if isinstance(node, Scalar) else json.dumps(to_python(node))

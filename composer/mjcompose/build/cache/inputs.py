@@ -26,7 +26,7 @@ from mjcompose.sources.reference import Source
 from mjcompose.text.node import spans
 
 
-def places(plan: Plan) -> str:
+def hash_of_positions(plan: Plan) -> str:
     """Return a hash of all positions in the recipes of a plan. No I/O."""
     whole = hashlib.sha256()
     for each in plan.plans():
@@ -36,7 +36,7 @@ def places(plan: Plan) -> str:
     return whole.hexdigest()
 
 
-def names_places(plan: Plan, record: Record, manifest: bytes) -> bool:
+def mentions_positions(plan: Plan, record: Record, manifest: bytes) -> bool:
     """Return whether diagnostics or a manifest contain lines of the plan's recipes. No I/O."""
     files = {span.file for each in plan.plans() for span in spans(each.document)}
     files |= {each.file for each in plan.plans()}

@@ -11,31 +11,31 @@ from pathlib import Path, PurePosixPath
 from typing import IO, Any
 
 from mjcompose.base.scratch import scratch
-from mjcompose.build.bundle.bundle import OutputError, Place
+from mjcompose.build.bundle.bundle import Location, OutputError
 from mjcompose.build.bundle.listing import SIZES, column, write_rows
 from mjcompose.build.bundle.staging import staged_file
-from mjcompose.build.cache.builder import Made
+from mjcompose.build.cache.builder import BuildResult
 from mjcompose.language.expand import Cell
 from mjcompose.text.expression_values import Value
 
 Row = tuple[list[Value | None], dict[str, Value]]
 
 
-def index_row(cell: Cell, made: Made, path: str, checks: int) -> Row:
+def index_row(cell: Cell, result: BuildResult, path: str, checks: int) -> Row:
     """Return the values of the columns that every model has (`bundle/listing.py`), and the other columns by name.
 
     The latter are the values of the matrix and of draws, with one column for each number of a vector.
     """
-    sizes = made.sizes or {}
+    sizes = result.sizes or {}
     sample = cell.sample if cell.is_sample else None
-    about = [cell.name, cell.cell, sample, path.replace(os.sep, "/"), made.sha256, made.mujoco, checks]
-    return [*about, *(sizes.get(name) for name in SIZES)], _values(cell, made)
+    about = [cell.name, cell.cell, sample, path.replace(os.sep, "/"), result.sha256, result.mujoco, checks]
+    return [*about, *(sizes.get(name) for name in SIZES)], _values(cell, result)
 
 
-def _values(cell: Cell, made: Made) -> dict[str, Value]:
+def _values(cell: Cell, result: BuildResult) -> dict[str, Value]:
     given = {name: value for name, value in cell.values().items() if value is not None}
     found: dict[str, Value] = {}
-    for name, value in {**given, **(made.draws or {})}.items():
+    for name, value in {**given, **(result.draws or {})}.items():
         if isinstance(value, tuple):
             found |= {f"{column(name)}[{number}]": each for number, each in enumerate(value)}
         else:
@@ -66,7 +66,7 @@ class RunTable:
         self._rows.write(json.dumps([*first, dict(row)]) + "\n")
         self.count += 1
 
-    def write(self, path: Place, option: str | None = None) -> None:
+    def write(self, path: Location, option: str | None = None) -> None:
         """Write all rows, as Parquet if the name says so, completely or not at all. Raises OutputError."""
         if not isinstance(path, Path):
             from mjcompose.build.bundle.remote import deliver_file

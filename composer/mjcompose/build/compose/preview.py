@@ -8,7 +8,7 @@ from pathlib import Path
 
 from mjcompose.base.files import read_regular
 from mjcompose.base.sink import Sink
-from mjcompose.build.bundle.bundle import unwritable
+from mjcompose.build.bundle.bundle import unwritable_error
 from mjcompose.build.bundle.staging import staged_file
 from mjcompose.build.compose.actuators import models_in
 from mjcompose.build.compose.compose import Composed, Composer, adopted_settings
@@ -127,4 +127,4 @@ def write_beside(folder: Path, shapes: Mapping[str, bytes]) -> None:
         if not shapes and not any(folder.iterdir()):
             folder.rmdir()
     except OSError as error:
-        raise unwritable(str(folder), error) from error
+        raise unwritable_error(str(folder), error) from error

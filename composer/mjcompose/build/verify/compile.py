@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Diagnostic, Span
 from mjcompose.base.scratch import scratch
-from mjcompose.build.bundle.bundle import MANIFEST, Bundle, OutputError, unwritable
+from mjcompose.build.bundle.bundle import MANIFEST, Bundle, OutputError, unwritable_error
 from mjcompose.build.bundle.read import outside
 from mjcompose.build.bundle.staging import write_files
 from mjcompose.model.classes import ORIENTATIONS
@@ -264,7 +264,7 @@ def verify(
                 session=session,
             )
     except OSError as error:
-        raise unwritable("a temporary folder", error) from error
+        raise unwritable_error("a temporary folder", error) from error
     warnings = tuple(parse(text) for text in compiled.warnings)
     if compiled.crash is not None:
         return Verified(compiled, Fault(compiled.error or compiled.crash), compiled.crash, warnings=warnings)

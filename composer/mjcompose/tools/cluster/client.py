@@ -20,9 +20,9 @@ from typing import Any, TypeAlias
 from mjcompose.base.limits import in_force
 from mjcompose.base.processes import Died, Undone
 from mjcompose.base.scratch import scratch
-from mjcompose.build.bundle.bundle import Place, unwritable
+from mjcompose.build.bundle.bundle import Location, unwritable_error
 from mjcompose.build.bundle.staging import stage_beside
-from mjcompose.build.cache.cell_run import CellMaker, Finish, Job, MadeCell
+from mjcompose.build.cache.cell_run import CellMaker, CellResult, Finish, Job
 from mjcompose.build.cache.inputs import PACKAGES
 from mjcompose.language.expand import Cell
 from mjcompose.tools.cluster import probe
@@ -212,7 +212,7 @@ class Stations:
         self,
         making: CellMaker,
         cells: Sequence[Cell],
-        out: Place | None,
+        out: Location | None,
         away: Finish | None,
         held: ExitStack,
     ) -> None:
@@ -229,7 +229,7 @@ class Stations:
         try:
             out_seen = _token(out, held) if isinstance(out, Path) else None
         except OSError as error:
-            raise unwritable(str(out), error) from error
+            raise unwritable_error(str(out), error) from error
         self.order = Order(
             os.urandom(8).hex(),
             pickle.dumps(Job.of(making)),
@@ -260,7 +260,7 @@ class Stations:
                 elif answer is not None and not isinstance(answer, OSError):  # an OSError: it is gone
                     raise ClusterError("cluster-worker", f"the worker `{worker}` cannot begin: {answer}")
 
-    def known(self, cell: Cell) -> MadeCell | None:
+    def known(self, cell: Cell) -> CellResult | None:
         """Return a cell that the cache has, or that an earlier run has written whole on another machine."""
         self._has_written(cell)
         return self._making.known(cell)
@@ -278,16 +278,16 @@ class Stations:
         with contextlib.suppress(Exception):  # workers that are gone have nothing to close
             client.run(station.close, self.order.run, on_error="ignore")
 
-    def home(self, result: Any, tell: Tell) -> MadeCell | Died:
+    def home(self, result: Any, tell: Tell) -> CellResult | Died:
         """Return the result of a cell, made here if no worker could; results from elsewhere go to the cache here."""
         if isinstance(result, Undone):
             return self._making.make(result.task)
         if not isinstance(result, Away):
-            assert isinstance(result, MadeCell | Died)
+            assert isinstance(result, CellResult | Died)
             return result
-        if result.cell.made is None:  # perhaps because a file exists only on this machine
+        if result.cell.result is None:  # perhaps because a file exists only on this machine
             made = self._making.make(result.cell.cell)
-            if made.made is not None:
+            if made.result is not None:
                 tell(f"`{made.cell.name}` was made here: its worker does not have all files of this machine")
             return made
         if result.record is not None:
@@ -302,7 +302,7 @@ class Stations:
         for contents in batches({digest: paths[digest] for digest in lacks.contents}):
             client.run(station.receive, contents, workers=[worker])
         if not self.order.is_tried:
-            made = replace(self._making, finish=None).make(self._first).made
+            made = replace(self._making, finish=None).make(self._first).result
             canary = None if made is None else Canary(self._first, made.sha256)
             self.order = replace(self.order, canary=canary, is_tried=True)
 
@@ -336,7 +336,7 @@ class Crew:
     """
 
     def __init__(
-        self, address: str, workers: int, out: Place | None, tell: Tell, away: Finish | None = None
+        self, address: str, workers: int, out: Location | None, tell: Tell, away: Finish | None = None
     ) -> None:
         self._address, self._count, self._out, self._tell, self._away = address, workers, out, tell, away
         self._held = ExitStack()
@@ -359,7 +359,7 @@ class Crew:
         self._end_run()
         self._held.close()
 
-    def results(self, making: CellMaker, cells: Sequence[Cell]) -> Iterator[MadeCell | Died]:
+    def results(self, making: CellMaker, cells: Sequence[Cell]) -> Iterator[CellResult | Died]:
         """Yield the result of each cell.
 
         If no worker can make one, it is made here, so that exceptions are raised here.
@@ -376,7 +376,7 @@ class Crew:
             yield stations.home(self._ready.pop(taken), self._tell)
         self._count_threads()  # to say which workers died
 
-    def finished(self) -> Iterator[MadeCell]:
+    def finished(self) -> Iterator[CellResult]:
         """End the work of an interrupted run, and yield the results that were not taken."""
         running, self._running = self._running, {}
         taken = {number for part in (*running.values(), *self._again) for number in part.numbers}
@@ -395,10 +395,12 @@ class Crew:
                 self._ready[number] = known
         for number in sorted(self._ready):
             result = self._ready.pop(number)
-            if isinstance(result, MadeCell) or (isinstance(result, Away) and result.cell.made is not None):
+            if isinstance(result, CellResult) or (
+                isinstance(result, Away) and result.cell.result is not None
+            ):
                 assert self._stations is not None
                 found = self._stations.home(result, self._tell)
-                assert isinstance(found, MadeCell)
+                assert isinstance(found, CellResult)
                 yield found
 
     def _parts(self, stations: Stations, cells: Sequence[Cell]) -> Iterator[Part]:
@@ -479,7 +481,7 @@ class Crew:
         self._ready.update(zip(part.numbers, answer, strict=True))
         for each in answer:
             cell = each.cell if isinstance(each, Away) else each
-            if isinstance(cell, MadeCell):
+            if isinstance(cell, CellResult):
                 took = sum(seconds for _, seconds in cell.timings)
                 self._pace = max(0.9 * self._pace + 0.1 * took, _SECONDS / _MOST_CELLS)
 

@@ -20,7 +20,7 @@ from mjcompose.base.files import read_regular
 from mjcompose.base.sink import Sink
 from mjcompose.build import stages
 from mjcompose.build.cache.cache import Package
-from mjcompose.build.cache.cache_key import Files, Seen
+from mjcompose.build.cache.cache_key import Files, FileState
 from mjcompose.build.cache.cell_run import CellMaker, Finish, Job
 from mjcompose.build.cache.inputs import Inputs
 from mjcompose.language.expand import Cell
@@ -177,7 +177,7 @@ _AT_ONCE = 16 << 20
 class Freight:
     """The files of all cells that are known beforehand, and the packages that these cells depend on."""
 
-    files: tuple[Seen, ...]
+    files: tuple[FileState, ...]
     layout: Layout
     packages: tuple[Package, ...]
 

@@ -40,8 +40,8 @@ from mjcompose.build.bundle.read import ReadError, read
 from mjcompose.build.bundle.remote import check_writable
 from mjcompose.build.bundle.staging import staged_file
 from mjcompose.build.cache.cache import Record, from_json, to_json
-from mjcompose.build.cache.cache_key import Files, Seen, seen
-from mjcompose.build.cache.cell_run import MadeCell
+from mjcompose.build.cache.cache_key import Files, FileState, file_state
+from mjcompose.build.cache.cell_run import CellResult
 from mjcompose.language.expand import Cell
 from mjcompose.sources import blobs
 from mjcompose.sources.kinds import KINDS
@@ -65,7 +65,7 @@ class Journal:
     run: str
     key: bytes
 
-    def note(self, cell: str, record: Record, inputs: Sequence[Seen]) -> None:
+    def note(self, cell: str, record: Record, inputs: Sequence[FileState]) -> None:
         """Note a model that is written whole; if that fails, it may be built twice."""
         data = [self.run, cell, to_json(record).decode(), [each.as_data() for each in inputs]]
         text = json.dumps(data, ensure_ascii=True).encode()
@@ -86,7 +86,7 @@ class Journal:
                 return False
             if making.maker.form not in _READABLE or read(target).sha256 != record.sha256:
                 return False
-            making.keep_record(cell, record, [seen(each) for each in inputs], packages=packages)
+            making.keep_record(cell, record, [file_state(each) for each in inputs], packages=packages)
         except (OSError, ReadError, ValueError, TypeError, KeyError, RecursionError):
             return False
         self.forget(cell.name)
@@ -149,7 +149,7 @@ class Order:
     away: bytes | None
     folder: str
     memory: int
-    files: tuple[Seen, ...]
+    files: tuple[FileState, ...]
     layout: Layout
     store: str | None = None
     out: str | None = None
@@ -172,9 +172,9 @@ class Part:
 class Away:
     """A result from a worker that does not share the disk of this machine, and the data for the cache here."""
 
-    cell: MadeCell
+    cell: CellResult
     record: Record | None
-    inputs: tuple[Seen, ...]
+    inputs: tuple[FileState, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,18 +221,18 @@ def opened_away(
         if environment.get(name, "").startswith("/") and os.path.isdir(path):
             environment[name] = path
     here = replace(here, context=replace(context, environment=environment), store=Store(Path(store)))
-    kept: list[tuple[Record, tuple[Seen, ...]]] = []
+    kept: list[tuple[Record, tuple[FileState, ...]]] = []
     trial = replace(here, finish=None, store=None)  # the run does not find in a cache what was only tried
     with here.opened(lambda *each: kept.append(each)) as make, trial.opened() as try_out:
 
         def made(task: Any) -> Any:
             if isinstance(task, Canary):
                 found = try_out(task.cell)
-                return None if found.made is None else found.made.sha256
+                return None if found.result is None else found.result.sha256
             kept.clear()
             cell = without_root(make(task), root)
-            if not is_cached and cell.made is not None:  # the store is of this run: you have no cache
-                cell = replace(cell, made=replace(cell.made, is_new=True))
+            if not is_cached and cell.result is not None:  # the store is of this run: you have no cache
+                cell = replace(cell, result=replace(cell.result, is_new=True))
             # Kept for the cell, with its recipes, and then for its plan; of sources that may move, for the plan alone.
             record, inputs = kept[0] if len(kept) > 1 else (None, ())
             away = Away(cell, without_root(record, root), without_root(inputs, root))
@@ -272,7 +272,7 @@ class Station:
         threading.Thread(target=self._watch, args=(run,), daemon=True).start()
 
     def made(self, cells: Sequence[Any]) -> list[Any]:
-        """Return the result of each cell: a MadeCell, Died or Undone."""
+        """Return the result of each cell: a CellResult, Died or Undone."""
         with self._helper() as helper:
             return [helper.result(self._opening, cell) for cell in cells]
 

@@ -27,8 +27,8 @@ from mjcompose.build.bundle.assemble import assemble
 from mjcompose.build.bundle.bundle import MANIFEST, MODEL, Bundle, OutputError
 from mjcompose.build.bundle.collect import collect
 from mjcompose.build.bundle.read import ReadError, read
-from mjcompose.build.cache.builder import files_read
-from mjcompose.build.cache.cells import cells_of, check_axes_are_free, picked_one
+from mjcompose.build.cache.builder import source_files
+from mjcompose.build.cache.cells import cells_of, check_axes_are_free, select_cell
 from mjcompose.build.compose.compose import Composer
 from mjcompose.build.plan.describe import acknowledge
 from mjcompose.build.plan.matrix import check_sample, read_matrix
@@ -455,7 +455,7 @@ def load_cell(
     matrix = read_matrix(operand.path, context, given)
     cells = len(matrix.cells) if matrix else 0
     name = None if cell is None else cell.name
-    inputs = tuple(files_read(plan, composed.model, composed.files))
+    inputs = tuple(source_files(plan, composed.model, composed.files))
     return Side(
         operand,
         kept,
@@ -486,7 +486,7 @@ def _cell(operand: Operand, given: Given, pick: str, sample: int | None) -> Cell
     every = cells_of(operand.path, operand.context, dict(given))
     if sink.has_errors:
         return None
-    cell = picked_one(every, pick, sample, sink=sink, recipe=operand.label)
+    cell = select_cell(every, pick, sample, sink=sink, recipe=operand.label)
     if cell is not None:
         check_axes_are_free([cell], given, sink, instead="compare without `--pick`")
     return None if sink.has_errors else cell

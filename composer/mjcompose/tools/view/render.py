@@ -20,7 +20,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, unknown_name
 from mjcompose.build.bundle.bundle import OutputError
 from mjcompose.build.bundle.staging import staged_file
-from mjcompose.build.cache.cell_run import handed_over
+from mjcompose.build.cache.cell_run import context_for_worker
 from mjcompose.build.compose.load import Library
 from mjcompose.build.plan.read import Given
 from mjcompose.language.expand import Cell
@@ -263,7 +263,11 @@ def render_sheet(
     with ExitStack() as held:
         folder = held.enter_context(scratch("pictures"))
         job = _Job(
-            replace(operand, context=handed_over(context)), wish, given, folder=folder, limits=in_force()
+            replace(operand, context=context_for_worker(context)),
+            wish,
+            given,
+            folder=folder,
+            limits=in_force(),
         )
         pool = held.enter_context(Pool[tuple[int, Cell], Drawn](workers, _MODULES))
         results = pool.results(job.opened, enumerate(cells), partial(job.draw, session, {}))

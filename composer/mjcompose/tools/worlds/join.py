@@ -19,7 +19,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import WORLDS, Bundle
 from mjcompose.build.bundle.listing import SIZES
 from mjcompose.build.bundle.staging import write_folder
-from mjcompose.build.cache.builder import Made, Maker
+from mjcompose.build.cache.builder import BuildResult, Maker
 from mjcompose.build.plan.read import read_recipe
 from mjcompose.language.expand import Cell
 from mjcompose.mujoco.arrays import with_trait
@@ -335,22 +335,24 @@ class Shelf:
         """Return the folder of a model, for `Maker`."""
         return self.folder / name.replace("/", "_")
 
-    def put(self, made: Made, maker: Maker, context: Context, session: Session | None) -> Made | None:
+    def put(
+        self, result: BuildResult, maker: Maker, context: Context, session: Session | None
+    ) -> BuildResult | None:
         """Write a model, for `CellMaker`."""
-        bundle = made.bundle
+        bundle = result.bundle
         assert isinstance(bundle, Bundle)
-        write_folder(bundle, self.place(made.name, made.mujoco))
-        return made
+        write_folder(bundle, self.place(result.name, result.mujoco))
+        return result
 
-    def take(self, made: Made, cell: Cell) -> Joined:
+    def take(self, result: BuildResult, cell: Cell) -> Joined:
         """Load a model, with its worlds if it has some. Raises LoadError."""
-        folder = self.place(made.name, made.mujoco)
+        folder = self.place(result.name, result.mujoco)
         loaded, table = load(folder), None
         if os.path.exists(folder / WORLDS):
             table = read(read_regular(folder / WORLDS))
         named = {"name": cell.cell or loaded.manifest.name}
         return Joined(
-            loaded, made.name, {**named, **cell.values()}, sample=cell.sample, table=table, folder=folder
+            loaded, result.name, {**named, **cell.values()}, sample=cell.sample, table=table, folder=folder
         )
 
     def clear(self, each: Joined) -> None:

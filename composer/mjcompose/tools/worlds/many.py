@@ -8,7 +8,7 @@ from os import PathLike
 from pathlib import Path
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.build.bundle.bundle import Place, is_address
+from mjcompose.build.bundle.bundle import Location, is_address
 from mjcompose.build.bundle.listing import Condition, ListingError, Row, rows
 from mjcompose.text.expression_values import Value
 from mjcompose.tools.worlds.load import Loaded, load
@@ -23,7 +23,7 @@ class Listed:
     """
 
     name: str
-    path: Place
+    path: Location
     values: Mapping[str, Value]
 
     def load(self, *, allow_changes: bool = False) -> Loaded:
