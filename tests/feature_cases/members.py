@@ -64,13 +64,13 @@ def _members(recipe: Path, prefix: str, place: Place, keys: tuple[str, ...] | No
     if base is not None:
         if isinstance(base, str):
             base = {"model": base}
-        own = None if base.get("keyframes") == "none" else keys
+        own = None if "key" in base.get("drop", ()) else keys
         yield from _source(recipe.parent / base["model"], prefix, place, own)
     for name, part in (given.get("attach") or {}).items():
         inner = part.get("prefix", name)
         inner += separator if inner else ""
-        policy = part.get("keyframes", "merge")
-        kept = None if keys is None or policy == "none" else ((inner,) if policy == "prefix" else ()) + keys
+        apart = (inner,) if part.get("keys") == "prefix" else ()
+        kept = None if keys is None or "key" in part.get("drop", ()) else apart + keys
         where = _place(recipe, given, part, prefix, prefix + inner, place)
         added = frozenset(
             prefix + inner + each["name"] for each in part.get("joint", ()) if isinstance(each, dict)

@@ -51,7 +51,7 @@ def _part(attachment: Attachment, separator: str, folder: Path) -> tuple[str, di
         part["pos"] = [float(x) for x in attachment.pos]
     if attachment.quat != (1.0, 0.0, 0.0, 0.0):
         part["quat"] = [float(x) for x in attachment.quat]
-    part["keyframes"] = "prefix"
+    part["keys"] = "prefix"
     if not attachment.prefix:
         part["prefix"] = ""
     return attachment.prefix.removesuffix(separator), part

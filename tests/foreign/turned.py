@@ -50,7 +50,7 @@ def _recipe(model: Path, folder: Path) -> Path:
             "model": os.fspath(model),
             "pos": list(pos),
             "quat": list(quat),
-            "keyframes": "prefix",
+            "keys": "prefix",
         }
         for prefix, (pos, quat) in PLACES.items()
     }

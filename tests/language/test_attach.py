@@ -16,7 +16,7 @@ def test_order_and_defaults(recipe: Callable[[str], Recipe]) -> None:
     read = recipe("attach: {b: {model: ./b.xml}, a: {model: ./a.xml}}")
     assert list(read.attach) == ["b", "a"]
     part = read.attach["b"]
-    assert (part.model, part.site, part.joint, part.prefix, part.keyframes) == (
+    assert (part.model, part.site, part.joint, part.prefix, part.key_policy) == (
         "./b.xml",
         None,
         None,
@@ -101,7 +101,7 @@ def test_type_of_a_joint_in_a_class_is_not_guessed(recipe: Callable[[str], Recip
         ("{model: m, prefix: base}", "reserved-prefix"),
         ("{model: m, prefix: a/b}", "bad-name"),
         ("{model: m, prefix: 3}", "wrong-type"),
-        ("{model: m, keyframes: all}", "wrong-keyword"),
+        ("{model: m, keys: all}", "wrong-keyword"),
         ("{model: m, with: [reach]}", "wrong-type"),
         ("{model: m, colour: red}", "unknown-key"),
     ],

@@ -81,7 +81,11 @@ def _recipe(draw: Any, random: Random, files: dict[str, str], stem: str, *, nest
                 ("ball", {"type": "slide", "axis": [0, 1, 0]}, [{"name": "added", "type": "hinge"}])
             )
         if make.chance(30):
-            part["keyframes"] = make.pick(("prefix", "none", "merge"))
+            policy = make.pick(("prefix", "none", "merge"))
+            if policy == "none":
+                part["drop"] = [{"key": "**", "optional": True}]
+            else:
+                part["keys"] = policy
         recipe["attach"][key] = part
     files[f"{stem}recipe.yaml"] = yaml.safe_dump(recipe, sort_keys=False)
     return base

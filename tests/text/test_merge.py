@@ -72,7 +72,7 @@ def merged(lower: str, upper: str) -> Any:
         ),
         ("params: {x: {default: 1, min: 0}}", "params: {x: 2}", {"params": {"x": {"default": 2, "min": 0}}}),
         ("params: {x: 1}", "params: {x: {max: 3}}", {"params": {"x": {"default": 1, "max": 3}}}),
-        ("base: m", "base: {keyframes: none}", {"base": {"model": "m", "keyframes": "none"}}),
+        ("base: m", "base: {drop: [key]}", {"base": {"model": "m", "drop": ["key"]}}),
         (
             "variants: {g: {a: {add: [1]}}}",
             "variants: {g: {a: {add: [2]}, b: {}}}",

@@ -244,6 +244,7 @@ _BY_NAME: dict[str, str] = {
     "drop": "remove exclude without omit ignore",
     "edit": "modify patch override change overlay",
     "attach": "part component attachment child",
+    "keys": "keyframe",
     "extends": "extend inherit inherits parent import",
     "params": "variable parameter arg argument",
     "matrix": "sweep grid",

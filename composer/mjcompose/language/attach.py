@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import (
     ConfigDict,
@@ -50,7 +50,7 @@ from mjcompose.language.placing import (
     SenseField,
     fault_of_inline_recipe,
 )
-from mjcompose.language.used_model import Allowed, Drop, Drops, Edit, Edits, KeyPolicy, UsedModel
+from mjcompose.language.used_model import Allowed, Drop, Drops, Edit, Edits, KeyPolicy, UsedModel, key_policy
 from mjcompose.language.value import bare_angle, read_value
 from mjcompose.model.grammar import GRAMMAR
 
@@ -197,14 +197,20 @@ class Attachment(UsedModel):
     """What stands before the part's names in place of the key; empty for no prefix and no separator."""
     replicate: Annotated[tuple[Axis, ...], Axes()] = ()
     """Copies in rows, one axis an entry: `PREFIX0/`, `PREFIX1/`, … or `PREFIX0_0/`, …"""
-    keyframes: Annotated[KeyPolicy, Choice("keyframes")] = "merge"
-    """What becomes of the part's keyframes: merged by name, kept apart as `PREFIX/NAME`, or left out."""
+    keys: Annotated[Literal["merge", "prefix"], Choice("keys")] = "merge"
+    """How the part's keyframes are called: merged by name, or kept apart as `PREFIX/NAME`. `drop: [key]` leaves them
+    out."""
     before: Annotated[str | None, Text("before")] = None
     """The part right before which this one stands among its siblings."""
     after: Annotated[str | None, Text("after")] = None
     """The part right after which this one stands among its siblings."""
     allow: Annotated[tuple[str, ...], Allowed()] = ()
     """The codes of warnings about this part that are meant to be there."""
+
+    @property
+    def key_policy(self) -> KeyPolicy:
+        """What becomes of the part's keyframes."""
+        return key_policy(self.drop, self.keys)
 
     @property
     def place(self) -> tuple[str, str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import field, replace
 from typing import Annotated, Any, Literal
 
@@ -190,6 +190,14 @@ class Drop:
             return self.section
         assert self.select is not None
         return self.select.tag if self.select == Selector(self.select.tag, EVERYTHING) else str(self.select)
+
+    @property
+    def leaves_keys(self) -> bool:
+        """Whether it leaves out all keys. Keyframes of the recipe may read them nevertheless."""
+        return self.expect is None and (self.section == "keyframe" or self.select in _ALL_KEYS)
+
+
+_ALL_KEYS = (Selector("key", EVERYTHING), Selector("keyframe/key", EVERYTHING))
 
 
 @dataclass(frozen=True, slots=True)
@@ -451,6 +459,11 @@ def _unknown(value: dict[str, Any], at: Path) -> Iterator[Fault]:
 KeyPolicy = Literal["merge", "prefix", "none"]
 
 
+def key_policy(drop: Iterable[Drop], keys: Literal["merge", "prefix"]) -> KeyPolicy:
+    """Return what becomes of the keys of a model."""
+    return "none" if any(each.leaves_keys for each in drop) else keys
+
+
 class Base(UsedModel):
     """The model to start from, which keeps its own names; a reference alone is its `model`."""
 
@@ -458,8 +471,8 @@ class Base(UsedModel):
     """What to leave out, with all that refers to it: sections, tags and selectors."""
     edit: Annotated[tuple[Edit, ...], Edits()] = ()
     """Ordered changes to the model, before anything is attached to it."""
-    keyframes: Annotated[KeyPolicy, Choice("keyframes")] = "merge"
-    """What becomes of its keyframes: merged by name with those of the parts, kept apart, or left out."""
+    keys: Annotated[Literal["merge", "prefix"], Choice("keys")] = "merge"
+    """How its keyframes are called: merged by name with those of the parts, or kept apart."""
     allow: Annotated[tuple[str, ...], Allowed()] = ()
     """The codes of warnings about it that are meant to be there."""
 

@@ -31,7 +31,7 @@ from mjcompose.text.node import Sequence as List
 # Without these, nothing else in the recipe can be judged.
 _INDISPENSABLE = ("recipe", "separator", "base")
 # Without these, a part is another one, or is attached in another way.
-_MAKING = ("subtree", "joint", "sense", "drop", "edit", "prefix", "replicate", "with", "keyframes")
+_MAKING = ("subtree", "joint", "sense", "drop", "edit", "prefix", "replicate", "with", "keys")
 # Sections in which parts may disagree, as `conflict` allows.
 _AGREED = ("option", "size", "statistic", "visual")
 _ROUNDS = 8

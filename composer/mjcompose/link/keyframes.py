@@ -144,7 +144,7 @@ def _check_copies_part_keys(
             "`<replicate>`, which makes several of each",
             key.span(vector),
             notes=(Note("the `<replicate>`", linking.span(linking.base, replicate)),),
-            help="leave the keys out: `keyframes: none`",
+            help="leave the keys out: `drop: [key]`",
             subjects=(part.called,),
         )
 
@@ -162,7 +162,7 @@ def _check_flexes(
                 f"`{vector}` of {called(key.element)} has the vertices of a flex, which `{part.called}` turns",
                 key.span(vector),
                 notes=(Note("the flex", linking.span(part.unit, block)),),
-                help="leave the keys out, `keyframes: none`, or put the `<flexcomp>` into a body",
+                help="leave the keys out, `drop: [key]`, or put the `<flexcomp>` into a body",
                 subjects=(part.called,),
             )
 
@@ -323,7 +323,7 @@ def _check_copies(linking: Linking, key: Key, reference: Reference) -> None:
             f"{f'`{name}`' if name else f'a `<{element.tag}>`'}, which an edit takes out of its `<replicate>`",
             key.span(vector),
             notes=(Note("it is written here", linking.span(linking.base, element)),),
-            help="leave the keys out, `keyframes: none`, and write the key in the recipe",
+            help="leave the keys out, `drop: [key]`, and write the key in the recipe",
         )
     reference.disagreeing.clear()
 
@@ -420,7 +420,7 @@ def _times_differ(linking: Linking, key: Key, other: Key) -> None:
         f"the keys `{key.name}` of two parts have different times: {other.time.text} and {key.time.text}",
         other.span("time"),
         notes=(Note("the other one is here", key.span("time")),),
-        help="write `keyframes: prefix` in one of the parts to keep its keys apart",
+        help="write `keys: prefix` in one of the parts to keep its keys apart",
         cause=Cause(
             f"times in {key.span('time').file} and {other.span('time').file}", f"the key `{key.name}`"
         ),
@@ -437,9 +437,7 @@ def _not_apart(
         help = rename if apart is not None and apart.prefix else "give the part a `prefix`, or " + rename
     else:
         apart, other = its_part, second_part
-        help = (
-            rename if apart is not None else "write `keyframes: prefix` at the part: the base has no prefix"
-        )
+        help = rename if apart is not None else "write `keys: prefix` at the part: the base has no prefix"
     linking.sink.error(
         "keyframe-conflict",
         f"the key `{first.name}` of {_owner(apart)} is to be kept apart, "
@@ -474,7 +472,7 @@ def _check_attached(linking: Linking) -> None:
             "not-supported",
             f"the model attached here has keys that say where its free bodies are, and `{part.called}` moves it",
             linking.span(part.unit, attach),
-            help=f"write `keyframes: none` for `{part.called}`, or attach that model in the recipe",
+            help=f"write `drop: [key]` for `{part.called}`, or attach that model in the recipe",
             subjects=(part.called,),
         )
 
@@ -490,6 +488,6 @@ def _check_kept(linking: Linking) -> None:
                     "not-supported",
                     f"`plastic` of {called(key)} cannot be carried over yet",
                     linking.span(unit, key, "plastic"),
-                    help="leave the keys out: `keyframes: none`",
+                    help="leave the keys out: `drop: [key]`",
                     cause=Cause(f"plastic in {unit.file}", called(key)),
                 )

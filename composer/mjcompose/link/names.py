@@ -168,7 +168,7 @@ def _refer_to_keys(linking: Linking, unit: Unit, prefix: str, part: Part | None)
         ):  # else it may be one that the recipe writes
             linking.sink.error(
                 "unknown-name",
-                f"a tuple refers to the key `{name}`, which `keyframes: none` leaves out",
+                f"a tuple refers to the key `{name}`, which `drop: [key]` leaves out",
                 linking.span(unit, element, "objname"),
                 help="leave out the tuple, too: `drop: [tuple]`",
                 subjects=(name,),

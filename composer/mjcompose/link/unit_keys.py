@@ -501,7 +501,7 @@ def _slots(linking: Linking) -> dict[Node, Slot]:
 def not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
     """Report that the keys of a unit cannot be laid out."""
     tag = unknown.element.tag
-    leave_out = "leave the keys out: `keyframes: none`"
+    leave_out = "leave the keys out: `drop: [key]`"
     if linking.request.requested_keys is not None:
         leave_out += ", and no `keyframe` in the recipe"
     linking.sink.error(

@@ -20,7 +20,7 @@ Entry = tuple[str, Array, Array, float]
 
 
 class Keys(StrEnum):
-    """How a part's keys are composed (`keyframes:` of a recipe)."""
+    """How a part's keys are composed (`keys:` and `drop` of a recipe)."""
 
     MERGE = "merge"
     """Keys of the same name in several parts become one key of that name."""

@@ -54,4 +54,4 @@ def test_a_key_that_is_not_there(ask) -> None:
 def test_keys_that_were_left_out(ask) -> None:
     (finding,) = ask(BALL, "stable: {key: high}", keys=None)
     assert finding.code == "unknown-name"
-    assert notes(finding) == ("the recipe around it says `keyframes: none`",)
+    assert notes(finding) == ("the recipe around it leaves them out: `drop: [key]`",)

@@ -383,7 +383,7 @@ MEMBERS_PART = """<mujoco><worldbody><site name="origin"/>
 INNER = """recipe: 1
 base: ./p.xml
 attach:
-  tool: {model: ./p.xml, site: s, pos: [0, 0, 1], euler: [30deg, 0, 0], keyframes: prefix}
+  tool: {model: ./p.xml, site: s, pos: [0, 0, 1], euler: [30deg, 0, 0], keys: prefix}
 add: [{to: b, frame: {name: mount, pos: [1, 0, 0], euler: [0, 0, 50deg]}}]
 """
 

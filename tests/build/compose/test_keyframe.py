@@ -141,9 +141,9 @@ def test_keys_of_parts_and_of_their_parts_the_deepest_wins(built: Built) -> None
 
 def test_keys_that_are_left_out_may_be_used(built: Built) -> None:
     model = built(
-        "base: {model: ./arm.xml, keyframes: none}\nattach:\n"
-        "  hand: {model: ./hand.xml, site: flange, keyframes: none}\n"
-        "  other: {model: ./arm.yaml, keyframes: none}\n"
+        "base: {model: ./arm.xml, drop: [key]}\nattach:\n"
+        "  hand: {model: ./hand.xml, site: flange, drop: [key]}\n"
+        "  other: {model: ./arm.yaml, drop: [key]}\n"
         "keyframe: {mine: {from: {base: up, hand: open, other/gripper: open}}}\n"
     )
     assert names(model) == ["mine"]
@@ -154,14 +154,14 @@ def test_keys_that_are_left_out_may_be_used(built: Built) -> None:
 
 
 def test_keys_that_are_left_out_and_not_asked_for_are_gone(built: Built) -> None:
-    model = built("base: {model: ./arm.xml, keyframes: none}\nkeyframe: {mine: {qpos: {slide: 3}}}\n")
+    model = built("base: {model: ./arm.xml, drop: [key]}\nkeyframe: {mine: {qpos: {slide: 3}}}\n")
     assert names(model) == ["mine"]
     assert Reset(model, "mine").qpos("slide") == [3]
 
 
 def test_a_written_key_replaces_the_automatic_one_in_its_place(built: Built) -> None:
     model = built(
-        "base: ./arm.xml\nattach: {hand: {model: ./hand.xml, site: flange, keyframes: prefix}}\n"
+        "base: ./arm.xml\nattach: {hand: {model: ./hand.xml, site: flange, keys: prefix}}\n"
         "keyframe: {home: {from: {base: up}}, hand/home: {qpos: {hand/finger: 0.25rad}}}\n"
     )
     assert names(model) == ["home", "up", "hand/open", "hand/home"]
@@ -186,7 +186,7 @@ def test_free_joints_and_mocap_bodies_move_through_two_compositions(built: Built
         "</mujoco>",
         '<keyframe><key name="home" qpos="1 0 0 1 0 0 0" mpos="1 0 0"/></keyframe></mujoco>',
     )
-    inner = "recipe: 1\nattach: {loose: {model: ./keyed.xml, pos: [0, 0, 1], keyframes: prefix}}\n"
+    inner = "recipe: 1\nattach: {loose: {model: ./keyed.xml, pos: [0, 0, 1], keys: prefix}}\n"
     model = built(
         "attach: {outer: {model: ./inner.yaml, euler: [0, 0, 90deg]}}\n"
         "keyframe: {mine: {from: {outer/loose: home}}}\n",
@@ -201,7 +201,7 @@ def test_free_joints_and_mocap_bodies_move_through_two_compositions(built: Built
 
 def test_keys_of_a_subtree_of_a_nested_recipe(built: Built) -> None:
     model = built(
-        "attach: {part: {model: ./arm.yaml, subtree: upper, keyframes: none}}\n"
+        "attach: {part: {model: ./arm.yaml, subtree: upper, drop: [key]}}\n"
         "keyframe: {mine: {from: {part: home, part/gripper: open}}}\n"
     )
     key = Reset(model, "mine")
@@ -211,7 +211,7 @@ def test_keys_of_a_subtree_of_a_nested_recipe(built: Built) -> None:
 
 def test_times(compose: Compose) -> None:
     files = {"arm__xml": ARM, "hand__xml": HAND.replace('time="2"', 'time="3"')}
-    parts = "recipe: 1\nattach: {a: {model: ./arm.xml, keyframes: none}, h: {model: ./hand.xml, keyframes: none}}\n"
+    parts = "recipe: 1\nattach: {a: {model: ./arm.xml, drop: [key]}, h: {model: ./hand.xml, drop: [key]}}\n"
     assert compose(parts + "keyframe:\n  k:\n    from: {a: home, h: home}\n", **files) == [
         "5:5 keyframe-conflict"
     ]
@@ -579,7 +579,7 @@ ROD = """
     [
         "base: ./rod.xml\nattach: {t: {model: {add: [{to: world, body: {name: b, joint: {name: tj}, geom: {size: 1}}}]}, body: holder}}",
         "base: ./hand.xml\nattach: {t: {model: ./rod.xml, body: palm}}",
-        "attach: {t: {model: ./rod.xml}, u: {model: ./rod.xml, pos: [0, 0, 2], keyframes: none}}",
+        "attach: {t: {model: ./rod.xml}, u: {model: ./rod.xml, pos: [0, 0, 2], drop: [key]}}",
         "base: ./rod.xml\nadd: [{to: in, body: {name: flag, joint: {name: new}, geom: {size: 0.02}}}]",
     ],
 )

@@ -30,12 +30,12 @@ def test_paths(tmp_path: Path) -> None:
 def test_places_of_a_walk(tmp_path: Path) -> None:
     (tmp_path / "robot.xml").write_text(ROBOT)
     (tmp_path / "arm.yaml").write_text(
-        "recipe: 1\nbase: ./robot.xml\nattach: {gripper: {model: ./robot.xml, keyframes: prefix}}\n"
+        "recipe: 1\nbase: ./robot.xml\nattach: {gripper: {model: ./robot.xml, keys: prefix}}\n"
     )
     (tmp_path / "cell.yaml").write_text(
         "recipe: 1\nbase: ./arm.yaml\nattach:\n"
-        "  left: {model: ./arm.yaml, keyframes: prefix, body: base}\n"
-        "  bare: {model: ./arm.yaml, prefix: '', keyframes: none}\n"
+        "  left: {model: ./arm.yaml, keys: prefix, body: base}\n"
+        "  bare: {model: ./arm.yaml, prefix: '', drop: [key]}\n"
     )
     plan = make_plan(Path("cell.yaml"), Context(environment={}, folder=tmp_path))
     assert plan is not None

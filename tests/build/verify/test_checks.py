@@ -58,7 +58,7 @@ FILES = {
 recipe: 1
 base: ./base.xml
 attach:
-  w: {model: ./cube.xml, site: s, joint: weld, pos: [0.1, 0, 0], keyframes: prefix}
+  w: {model: ./cube.xml, site: s, joint: weld, pos: [0.1, 0, 0], keys: prefix}
 check:
   inside: {unchanged: {part: w}}
 """,
@@ -70,9 +70,9 @@ attach:
   weld: {model: ./cube.xml, site: s, joint: weld, pos: [0.1, 0, 0]}
   weld2: {model: ./cube2.xml, frame: inner, joint: weld, euler: [0, 20deg, 0]}
   free: {model: ./cube.xml, pos: [3, 0, 0], euler: [0, 20deg, 0]}
-  nokeys: {model: ./cube.xml, pos: [3, 0, 0], keyframes: none}
+  nokeys: {model: ./cube.xml, pos: [3, 0, 0], drop: [key]}
   nest: {model: ./inner.yaml, pos: [7, 0, 0], euler: [0, 0, 1rad]}
-  nest2: {model: ./inner.yaml, pos: [9, 0, 0], keyframes: prefix}
+  nest2: {model: ./inner.yaml, pos: [9, 0, 0], keys: prefix}
   mated: {model: ./cube.xml, joint: weld, body: nest/b, mate: tip}
   bare: {model: ./tool.xml, prefix: "", body: b}
   hinged: {model: ./tool.xml, body: b, joint: {type: hinge, axis: [0, 0, 1]}}

@@ -68,14 +68,14 @@ def wrong(tmp_path: Path, session: Session) -> Wrong:
 
 
 IN_REPLICATE = (
-    "base: ./posts.xml\nattach: {t: {model: ./posts.xml, drop: [actuator], site: hook, keyframes: prefix}}"
+    "base: ./posts.xml\nattach: {t: {model: ./posts.xml, drop: [actuator], site: hook, keys: prefix}}"
 )
 EVERYTHING = """
 base: ./posts.xml
 attach:
   t: {model: ./tool.xml, pos: [1, 2, 3], euler: [10deg, 20deg, 30deg]}
-  u: {model: {base: ./tool.xml, attach: {v: {model: ./tool.xml, pos: [0, 1, 0]}}}, pos: [0, 0, 5], keyframes: prefix}
-  w: {model: ./tool.xml, euler: [0deg, 0deg, 90deg], keyframes: none}
+  u: {model: {base: ./tool.xml, attach: {v: {model: ./tool.xml, pos: [0, 1, 0]}}}, pos: [0, 0, 5], keys: prefix}
+  w: {model: ./tool.xml, euler: [0deg, 0deg, 90deg], drop: [key]}
 add: [{to: post, body: {name: flag, joint: {name: new, type: ball}, geom: {size: 0.02}}}]
 edit:
   - {select: {actuator: t/m}, convert: {to: position, kp: 4}}
@@ -92,7 +92,7 @@ keyframe:
 NESTED = """
 attach:
   t:
-    keyframes: prefix
+    keys: prefix
     model:
       base: ./tool.xml
       edit: [{select: {actuator: m}, convert: {to: position, kp: 4}}]
@@ -101,7 +101,7 @@ keyframe: {mine: {from: {t: held}}, other: {from: {t: k}, qpos: {t/j: 0.1rad}}}
 """
 IN_ROWS = """
 attach:
-  r: {model: {base: ./posts.xml, attach: {t: {model: ./posts.xml, drop: [actuator], site: hook}}}, keyframes: prefix}
+  r: {model: {base: ./posts.xml, attach: {t: {model: ./posts.xml, drop: [actuator], site: hook}}}, keys: prefix}
   s: {model: ./posts.xml, pos: [9, 0, 0], replicate: [{count: 2, offset: [0, 5, 0]}]}
 """
 # The key `short` says nothing of this body.

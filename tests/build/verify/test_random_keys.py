@@ -89,7 +89,7 @@ recipe: 1
 base: ./base.xml
 attach:
   t: {{model: ./part.xml, {at}, keyframes: {policy}, edit: [{own}]}}
-  u: {{model: ./part.xml, pos: [0, 0, 9], keyframes: none}}
+  u: {{model: ./part.xml, pos: [0, 0, 9], drop: [key]}}
 edit: [{whole}]
 {added}
 keyframe: {{mine: {{from: {{base: k, t: k}}}}}}

@@ -262,7 +262,7 @@ def test_a_key_that_the_recipe_does_not_write_is_still_compared(folder: Path, ch
 def test_the_time_of_a_key_that_is_kept_apart_is_compared(folder: Path, check: Check) -> None:
     timed = PART.replace('name="home"', 'name="home" time="1.5"')
     (folder / "parts" / "part.xml").write_text(timed)
-    _again(folder, "recipe: 1\nattach: {one: {model: ./parts/part.xml, keyframes: prefix}}\n")
+    _again(folder, "recipe: 1\nattach: {one: {model: ./parts/part.xml, keys: prefix}}\n")
     assert check()[1] == []
     model = folder / "out" / "model.xml"
     model.write_text(model.read_text().replace('time="1.5"', 'time="2.5"'))

@@ -102,7 +102,7 @@ def test_of_parts_that_hang_elsewhere_and_of_none(tmp_path: Path) -> None:
     traced = _explained(
         tmp_path,
         "base: arm.xml\nattach:\n  left: {model: cube.xml, pos: [0, 0, 1]}\n"
-        "  more: {model: arm.xml, keyframes: none}\n",
+        "  more: {model: arm.xml, drop: [key]}\n",
     )
     assert _rows(traced, "qpos") == [
         ("joint j", "0.3", "file", "arm.xml:6"),

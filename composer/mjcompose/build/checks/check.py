@@ -177,7 +177,7 @@ class Scope:
                 "unknown-name",
                 f"the keyframe `{key}` does not exist: those of this recipe were left out",
                 ("key",),
-                notes=(Note("the recipe around it says `keyframes: none`"),),
+                notes=(Note("the recipe around it leaves them out: `drop: [key]`"),),
             )
         index = self.roster.ids["key"].get(self.keys + key)
         if index is None:

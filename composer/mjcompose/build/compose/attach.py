@@ -62,8 +62,8 @@ def copy_pose(step: AttachPart, making: ElementBuilder) -> Pose:
 _MASSES = frozenset({"boundmass", "boundinertia", "settotalmass"})
 # With these a part has fewer bodies or geoms than its source alone, so that there is nothing to compare.
 _RESHAPING = frozenset({"fusestatic", "discardvisual"})
-# What `drop` leaves out of a part without making it another: settings, of which a model has one, and its keys.
-_WITHOUT_ELEMENTS = frozenset({"option", "visual", "statistic", "size", "keyframe"})
+# What `drop` leaves out of a part without making it another: settings, of which a model has one.
+_WITHOUT_ELEMENTS = frozenset({"option", "visual", "statistic", "size"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,9 +101,7 @@ def unplaced_records(
 def _own(each: UnplacedRecord, wanted: PartRequest) -> UnplacedRecord:
     """Return a member with the changes that the edits of its part, and the elements left out, make."""
     member = with_edits(each.member, wanted.edit)
-    dropped = {each.section for each in wanted.drop}
-    if "keyframe" in dropped:
-        member = replace(member, keys=None)
+    dropped = {each.section for each in wanted.drop if not each.leaves_keys}
     if not dropped <= _WITHOUT_ELEMENTS:
         member = replace(member, reduced="the recipe leaves out elements")
     return UnplacedRecord(member, each.content)
@@ -249,7 +247,7 @@ def part_of(step: AttachPart, unit: Unit, making: ElementBuilder) -> Part:
         place = _computed(place, offset, "replicate", step=step, making=making)
     if step.attachment.mate is not None:
         place = _mated(place, step, unit, making=making)
-    keyframes = step.attachment.keyframes
+    keyframes = step.attachment.key_policy
     return Part(unit, step.prefix, place, keyframes=keyframes, span=step.span, key=str(step.at[-1]))
 
 

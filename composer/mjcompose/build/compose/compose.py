@@ -407,13 +407,15 @@ class Composer:
             return None
         if isinstance(wanted.model, Source):
             self.keys.read(unit)
+        if not wanted.check_dropped_keys(unit, plan.document, self.context.sink):
+            return None
         if wanted.body is not None:
             subtree = wanted.take(unit, self.context.sink, self.measure)
             if subtree is None:
                 return None
             self.watch([unit], subtree)
             self.subtrees[plan.place_of(wanted.at)] = subtree
-        if wanted.drop or wanted.edit:
+        if wanted.drops_elements or wanted.edit:
             from mjcompose.build.compose.edits import PartEdits  # few recipes need it
 
             edits = PartEdits(
@@ -431,7 +433,7 @@ class Composer:
             dropped = edits.carry_out()
             if dropped is None:
                 return None
-            if wanted.drop:
+            if wanted.drops_elements:
                 from mjcompose.link.subtree import Subtree
 
                 known = self.subtrees.get(plan.place_of(wanted.at), Subtree(None, ()))

@@ -139,7 +139,7 @@ class PartEdits:
         # First of all: the numbers of the keys belong to joints and actuators as the source has them.
         layouts(linking)
         editing = self._editing(linking)
-        gone = self._dropped(editing) if self.wanted.drop else []
+        gone = self._dropped(editing) if self.wanted.drops_elements else []
         steps = [EditElements(each, locate(self.plan.document, each.at)) for each in self.wanted.edit]
         self._edited([step for step in steps if not is_of_keys(step)], editing)
         if self.context.sink.error_count == before:
@@ -166,8 +166,9 @@ class PartEdits:
 
     def _dropped(self, editing: Editing) -> list[Left]:
         at = (*self.wanted.at, "drop")
-        gone = drop(self.wanted.drop, editing, at)
-        self.watch([self.unit], DropElements(self.wanted.drop, locate(self.plan.document, at)))
+        entries = tuple(each for each in self.wanted.drop if not each.leaves_keys)
+        gone = drop(entries, editing, at)
+        self.watch([self.unit], DropElements(entries, locate(self.plan.document, at)))
         return gone
 
     def _edited(self, steps: list[EditElements], editing: Editing) -> None:

@@ -24,7 +24,7 @@ from mjcompose.mujoco.messages import parse, report, translate
 from mjcompose.sources.context import Context
 from mjcompose.sources.reference import Source
 from mjcompose.sources.ros import UrdfChoices
-from mjcompose.text.node import locate
+from mjcompose.text.node import Mapping, locate
 
 if TYPE_CHECKING:
     from mjcompose.link.subtree import Subtree
@@ -143,6 +143,24 @@ class PartRequest:
     drop: tuple[Drop, ...] = ()
     edit: tuple[Edit, ...] = ()
 
+    @property
+    def drops_elements(self) -> bool:
+        """Whether it leaves out more than its keys, which stay in the unit for keyframes that the recipe writes."""
+        return not all(each.leaves_keys for each in self.drop)
+
+    def check_dropped_keys(self, unit: Unit, document: Mapping, sink: Sink) -> bool:
+        """Report a `drop` of keys that the unit does not have. Return whether all is well."""
+        needless = [each for each in self.drop if each.leaves_keys and not each.optional]
+        if not needless or any(True for _ in unit.root.iterfind("keyframe/key")) or _may_have_keys(unit):
+            return True
+        sink.error(
+            "selector",
+            f"`{unit.label}` has no keyframes that could be left out",
+            locate(document, (*self.at, "drop", needless[0].index)),
+            help=f"take `{needless[0]}` out of `drop`",
+        )
+        return False
+
     def take(self, unit: Unit, sink: Sink, measure: Measure | None) -> Subtree | None:
         """Reduce the unit to the body. Return None after a reported error if that is impossible."""
         from mjcompose.link.subtree import take_subtree  # few recipes need it
@@ -152,6 +170,12 @@ class PartRequest:
         if found is not None and found.cut:
             _report_cut(unit, found, sink, span=self.span)
         return found
+
+
+def _may_have_keys(unit: Unit) -> bool:
+    """Return whether MuJoCo makes keys: as many as `nkey` says, or those of models that it attaches."""
+    asks = any(size.get("nkey") for size in unit.root.iterchildren("size"))
+    return asks or next(unit.root.iter("attach"), None) is not None
 
 
 def part_requests(plan: Plan, stands: bool) -> Iterator[PartRequest]:
@@ -176,7 +200,7 @@ def part_requests(plan: Plan, stands: bool) -> Iterator[PartRequest]:
     for step in plan.parts:
         part = step.attachment
         span = locate(document, (*step.at, "subtree"))
-        keyframes = "merge" if part_name(step, plan.separator) in key_sources else part.keyframes
+        keyframes = "merge" if part_name(step, plan.separator) in key_sources else part.key_policy
         inside = stands and stands_in_world(part)
         yield PartRequest(
             step.model,

@@ -479,7 +479,7 @@ def _walk(place: Place) -> Iterator[Place]:
         )
     )
     for part in plan.parts:
-        policy = part.attachment.keyframes
+        policy = part.attachment.key_policy
         keys = None if policy == "none" or place.keys is None else place.keys
         yield from _walk(
             Place(

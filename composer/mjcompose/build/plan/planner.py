@@ -32,7 +32,7 @@ from mjcompose.language.expand import Concrete
 from mjcompose.language.placing import with_inherited
 from mjcompose.language.randomize import DrawField, Randomize
 from mjcompose.language.recipe import Recipe
-from mjcompose.language.used_model import Base
+from mjcompose.language.used_model import Base, key_policy
 from mjcompose.language.validate import validate_what_remains
 from mjcompose.sources import ros
 from mjcompose.sources.context import Context, as_text
@@ -274,7 +274,14 @@ class _Planner:
         if model is None:
             return None
         base = recipe.base
-        return LoadBase(model, base.keyframes, span, subtree=base.subtree, drop=base.drop, edit=base.edit)
+        return LoadBase(
+            model,
+            key_policy(base.drop, base.keys),
+            span,
+            subtree=base.subtree,
+            drop=base.drop,
+            edit=base.edit,
+        )
 
     def _parts(self, found: _Found, inside: Outer) -> Iterator[AttachPart]:
         recipe, document = found.recipe, found.document

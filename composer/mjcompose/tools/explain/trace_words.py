@@ -128,7 +128,7 @@ def _by_plan(plan: Plan, attribute: str | None) -> Reason:
         named = find(plan.document, ("name",)) is not None
         words = "`name` of the recipe" if named else "the name of the recipe's file"
         return Reason(words, locate(plan.document, ("name",)) if named else None)
-    return Reason("the recipe leaves it out", locate(plan.document, ("base", "keyframes")))
+    return Reason("the recipe leaves it out", locate(plan.document, ("base", "drop")))
 
 
 def _summary(done: object) -> str:

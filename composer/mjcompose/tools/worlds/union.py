@@ -90,7 +90,7 @@ def compose_union(
             continue
         place = {} if each.part.parent == "world" else {"body": each.part.parent}
         model = f"./{folders[each.source].name}/model.xml"
-        part = {"model": model, "subtree": each.part.body, "keyframes": "none", **place}
+        part = {"model": model, "subtree": each.part.body, "drop": [{"key": "**", "optional": True}], **place}
         attach[each.prefix.rstrip("/")] = part
     recipe = {
         "recipe": 1, "name": name, "separator": separator, "base": f"./{folders[0].name}/model.xml",
