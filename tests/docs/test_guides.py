@@ -63,14 +63,6 @@ def context(folder: Path, menagerie: Path) -> Context:
     return Context(folder=folder, environment={**os.environ, "MENAGERIE_ROOT": str(menagerie)})
 
 
-def test_the_readme_leads_to_every_page() -> None:
-    linked = {
-        (ROOT / each).resolve() for each in LINK.findall((ROOT / "README.md").read_text(encoding="utf-8"))
-    }
-    pages = {path for path in (ROOT / "docs").glob("*.md") if path.name != "index.md"}
-    assert pages | set((ROOT / "docs" / "explanations").glob("*.md")) <= linked
-
-
 def test_every_command_is_in_the_list() -> None:
     from mjcompose.cli.main import main
 
