@@ -4,7 +4,9 @@
 #   PYTEST_ARGS="-k arm -x"          other arguments for pytest
 
 VENV ?= .venv
-PYTEST_ARGS ?= -n auto
+PYTEST_ARGS ?= -n auto --dist worksteal
+# A container often sets this, and every program that tests start would compile all of mjcompose anew.
+unexport PYTHONDONTWRITEBYTECODE
 ifeq ($(OS),Windows_NT)
 BIN := $(VENV)/Scripts
 else
@@ -17,7 +19,7 @@ LIGHT := $(VENV)/.light$(if $(MUJOCO),-mujoco-$(MUJOCO))
 # With what slow tests alone need.
 SLOW := $(VENV)/.slow$(if $(MUJOCO),-mujoco-$(MUJOCO))
 
-.PHONY: demo test test-slow test-all test-usd test-worlds test-targets foreign fuzz kills audit lint format docs wheel bench fidelity schemas constraints vscode clean
+.PHONY: demo setup test test-slow test-all test-usd test-worlds test-targets foreign fuzz kills audit lint lint-style lint-types format docs wheel bench fidelity schemas constraints vscode clean
 .DELETE_ON_ERROR:
 
 demo: $(if $(wildcard $(STAMP)),$(STAMP),$(LIGHT))
@@ -27,6 +29,9 @@ demo: $(if $(wildcard $(STAMP)),$(STAMP),$(LIGHT))
 	@$(BIN)/mjcompose render recipes/demo.yaml -o build/demo.png || echo "Without OpenGL there is no picture; the page needs none."
 	@echo "Look at it:  $(BIN)/mjcompose view recipes/demo.yaml     or open build/demo.html"
 
+# All that `make test-all` and `make lint` need.
+setup: $(SLOW)
+
 # The tests that take at most a few seconds each.
 test: $(STAMP)
 	@$(BIN)/python -m pytest $(PYTEST_ARGS) -m "not slow"
@@ -35,7 +40,9 @@ test: $(STAMP)
 test-slow: $(SLOW)
 	@$(BIN)/python -m pytest $(PYTEST_ARGS) -m slow
 
-test-all: test test-slow
+# All, in one go: workers start once, and those that are done take over from the others.
+test-all: $(SLOW)
+	@$(BIN)/python -m pytest $(PYTEST_ARGS)
 
 # The tests of USD, in an environment of their own: the converter wants an older MuJoCo and Python 3.12 or older.
 test-usd:
@@ -74,13 +81,17 @@ foreign: $(STAMP)
 fuzz: $(STAMP)
 	@$(BIN)/python tests/fuzz/run.py $(FUZZ_ARGS)
 
-lint: $(STAMP)
+lint: lint-style lint-types
+
+lint-style: $(STAMP)
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
-	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo
 	$(BIN)/bandit --quiet --configfile pyproject.toml --recursive composer
 	@$(BIN)/python .ci/prose
+
+lint-types: $(STAMP)
+	$(BIN)/mypy
 
 # Known weaknesses of what mjcompose needs, by pip-audit, in an environment of its own. It asks PyPI, and fails without an answer.
 audit: $(STAMP)

@@ -65,6 +65,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     start = time.monotonic()
     with ThreadPoolExecutor(4) as fetching:
         list(fetching.map(lambda name: _prefetch(name, options.cache), pins()))
+    if options.fetch:
+        return 0
     rows: list[str] = []
     surprises: list[str] = []
     for part in (_tests, _models, _compositions):
@@ -99,6 +101,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="N",
         help="of each suite at most N models, evenly spread; all where it is not given",
     )
+    parser.add_argument("--fetch", action="store_true", help="fetch the packages, and no more")
     parser.add_argument("--write", action="store_true", help="put the numbers into docs/fidelity.md")
     return parser
 
