@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import json
 import os
 import shutil
 import subprocess
@@ -10,21 +11,25 @@ import sys
 import sysconfig
 import tempfile
 import venv
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 from mjcompose.sources.context import Context
+from mjcompose.tools.migrate import environments
 from mjcompose.tools.migrate.changes import ORDERED, TABLE, between
 from mjcompose.tools.migrate.editing import RELEASED
-from mjcompose.tools.migrate.environments import Other, OtherError, make, open_python
+from mjcompose.tools.migrate.environments import Compiled, Other, OtherError, make, open_python
 from mjcompose.tools.migrate.migrate import Migrated, Prover, installed, measured, migrate, read
 from tools.migrate.features import FEATURES, Feature
 
 PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8BQDwAEhQGAhKmMIQAAAABJRU5ErkJggg=="
 )
+DUMP = Path(environments.__file__).with_name("dump.py")
 MADE = Path(__file__).parents[3] / "build" / "mujocos"
 IDS = [f"{index}-{each.name}" for index, each in enumerate(FEATURES)]
 
@@ -119,6 +124,41 @@ def _install(version: str) -> Path:
     return folder
 
 
+_SERVES = """
+import io, json, sys
+sys.path.insert(0, sys.argv[1])
+import dump
+for line in sys.stdin:
+    sys.argv = ["dump.py", *json.loads(line)]
+    out, sys.stdout = sys.stdout, io.StringIO()
+    dump.main()
+    text, sys.stdout = sys.stdout.getvalue(), out
+    print(text, flush=True)
+"""
+
+
+@pytest.fixture(scope="module")
+def kept() -> Iterator[Callable[[Path, list[str]], dict[str, Any]]]:
+    """Runs `dump.py` in one process for each Python: to start one takes longer than to compile these models."""
+    started: dict[Path, subprocess.Popen[str]] = {}
+
+    def run(python: Path, arguments: list[str]) -> dict[str, Any]:
+        if python not in started:
+            words = [str(python), "-B", "-c", _SERVES, str(DUMP.parent)]
+            pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+            started[python] = subprocess.Popen(words, text=True, cwd=DUMP.parent, **pipes)  # type: ignore[call-overload]
+        process = started[python]
+        assert process.stdin is not None and process.stdout is not None
+        process.stdin.write(json.dumps(arguments) + "\n")
+        process.stdin.flush()
+        said: dict[str, Any] = json.loads(process.stdout.readline())
+        return said
+
+    yield run
+    for process in started.values():
+        process.communicate()
+
+
 def mujoco(version: str) -> Other:
     """The MuJoCo of a version, or the test is skipped."""
     found = _other(version)
@@ -130,15 +170,22 @@ def mujoco(version: str) -> Other:
 @pytest.mark.slow
 @pytest.mark.parametrize("feature", [each for each in FEATURES if not each.refuses],
                          ids=[name for name, each in zip(IDS, FEATURES, strict=True) if not each.refuses])  # fmt: skip
-def test_the_compiled_model_is_the_same(feature: Feature, tmp_path: Path) -> None:
+def test_the_compiled_model_is_the_same(
+    feature: Feature,
+    kept: Callable[[Path, list[str]], dict[str, Any]],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """By the MuJoCo of its version, and the other one; and with `shows` it is not without the change."""
     model = written(feature, tmp_path)
     others = {version: mujoco(version) for version in (feature.before, feature.after)}
+    monkeypatch.setattr("mjcompose.tools.migrate.environments._run", kept)
     folders = [tmp_path / name for name in ("with", "without")]
     outcomes = []
+    known: dict[str, Compiled] = {}
     for folder, adopt in zip(folders, ((), (feature.change,)), strict=True):
         folder.mkdir()
-        prover = Prover(folder, others, lambda words: None)
+        prover = Prover(folder, others, lambda words: None, known)
         values = measured(prover.original(feature.before, model))
         result, _ = migrated(feature, model, adopt, values)
         if result is None:  # without the change there is a word that the other version does not know
