@@ -46,7 +46,6 @@ add:
 randomize:
   seed: 11
   samples: "${{worlds}}"
-  emit: worlds
   fields:
     payload: {{select: {{body: payload}}, attr: mass, uniform: [0.1, 3]}}
     place: {{select: {{body: payload}}, attr: pos, offset: {{normal: {{std: 0.01}}}}}}
@@ -100,11 +99,11 @@ def _worlds() -> Iterator[Row]:
         f"{ours * 1e6:.0f} us against {theirs * 1e6:.0f} us of mj_resetData + mj_setConst on the same model;"
     )
     said = f"{said} a draw of {_NUMBERS} numbers, the table and all files are ours alone"
-    yield Row("a world of `emit: worlds` / MuJoCo's constants", ours / theirs, _WORLD, said)
+    yield Row("a world of `--as worlds` / MuJoCo's constants", ours / theirs, _WORLD, said)
     note = f"{whole:.1f} of {_ALL_WORLDS:.0f} s; three worlds are built and compared"
     yield Row(f"{_WORLDS[-1]:,} worlds of {_NUMBERS} numbers", whole / _ALL_WORLDS, 1.0, note)
     series = {
-        "mjcompose build, emit: worlds": took,
+        "mjcompose build --as worlds": took,
         "mj_resetData + mj_setConst": {count: theirs * count for count in _WORLDS},
     }
     title = f"Worlds with {_NUMBERS} drawn numbers: processor time"
@@ -112,7 +111,7 @@ def _worlds() -> Iterator[Row]:
 
 
 def _build_worlds(count: int) -> None:
-    words = "--set", f"worlds={count}", "--limit", "edits=1000000", "-o", f"worlds-{count}/"
+    words = "--as", "worlds", "--set", f"worlds={count}", "--limit", "edits=1000000", "-o", f"worlds-{count}/"
     _command("build", "worlds.yaml", *words)
 
 

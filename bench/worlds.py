@@ -21,7 +21,7 @@ _BYTES, _SECONDS = 200.0, 0.3
 def rows() -> list[Row]:
     from mjcompose import worlds
 
-    command = ["build", str(_RECIPE), "--no-cache", "-o", "worlds/", "-q"]
+    command = ["build", str(_RECIPE), "--as", "worlds", "--no-cache", "-o", "worlds/", "-q"]
     subprocess.run([sys.executable, "-m", "mjcompose", *command], check=True)
     study = worlds.load("worlds/")
     columns = json.loads(Path("worlds/randomize.json").read_text())["columns"]

@@ -2,7 +2,7 @@
 
     from mjcompose import worlds
 
-    study = worlds.load("build/study/")                 # built from a recipe with `randomize: {emit: worlds}`
+    study = worlds.load("build/study/")                 # built with `--as worlds`
     batch = worlds.mujoco(study, nthread=8)             # a mujoco.batch.Batch with the numbers of every world
     model = study.model(17)                             # one world as a mujoco.MjModel
 

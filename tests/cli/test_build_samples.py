@@ -23,6 +23,7 @@ randomize:
     friction: {select: {geom: g}, attr: friction, uniform: [0.5, 1]}
     size: {param: size, scale: {uniform: [0.5, 2]}}
 """
+OF_ATTRIBUTES = DRAWS.replace("    size: {param: size, scale: {uniform: [0.5, 2]}}\n", "")
 HEAD = "recipe: 1\nname: ball\nbase: ./model.xml\nparams: {size: 1}\n"
 MATRIX = "matrix: {axes: {size: [1, 2]}}\n"
 
@@ -155,16 +156,15 @@ def test_check_looks_at_every_sample(folder: Path) -> None:
 
 
 def test_worlds_are_one_model(folder: Path) -> None:
-    draws = DRAWS.replace("samples: 3", "samples: 3\n  emit: worlds").replace(
-        "    size: {param: size, scale: {uniform: [0.5, 2]}}\n", ""
-    )
-    (folder / "r.yaml").write_text(HEAD + draws)
-    assert run("build", "r.yaml", "--all", "-o", "{name}/").exit_code == 0
+    (folder / "r.yaml").write_text(HEAD + OF_ATTRIBUTES)
+    assert run("build", "r.yaml", "--as", "worlds", "--all", "-o", "{name}/").exit_code == 0
     assert len(table(folder / "ball" / "samples.csv")) == 4
-    assert not (folder / "samples.csv").exists()
-    result = run("build", "r.yaml", "-o", "ball.xml")
+    assert not (folder / "samples.csv").exists() and (folder / "ball" / "worlds.npz").exists()
+    assert run("build", "r.yaml", "-o", "ball/").exit_code == 0  # the cache has both
+    assert not (folder / "ball" / "worlds.npz").exists()
+    result = run("build", "r.yaml", "--as", "worlds", "-o", "ball.xml")
     assert result.exit_code == 1 and "`ball.xml` has no room for the worlds" in result.stderr
-    result = run("build", "r.yaml", "-o", "other/", "--no-verify")
+    result = run("build", "r.yaml", "--as", "worlds", "-o", "other/", "--no-verify")
     assert result.exit_code == 1 and "only MuJoCo knows" in result.stderr
 
 
@@ -178,10 +178,9 @@ def test_a_second_run_builds_nothing_and_has_the_same_table(folder: Path) -> Non
 
 
 def test_known_worlds_are_not_lost_in_a_form_without_room(folder: Path) -> None:
-    (folder / "r.yaml").write_text(HEAD.replace("params: {size: 1}\n", "") + DRAWS.replace(
-        "    size: {param: size, scale: {uniform: [0.5, 2]}}\n", "").replace("  fields:", "  emit: worlds\n  fields:"))  # fmt: skip
-    assert run("build", "r.yaml").exit_code == 0
-    refused = run("build", "r.yaml", "-o", "ball.mjb")
+    (folder / "r.yaml").write_text(HEAD + OF_ATTRIBUTES)
+    assert run("build", "r.yaml", "--as", "worlds").exit_code == 0
+    refused = run("build", "r.yaml", "--as", "worlds", "-o", "ball.mjb")
     assert refused.exit_code == 1 and "has no room for the worlds" in refused.stderr
     assert not list(folder.glob("*.mjb"))
 

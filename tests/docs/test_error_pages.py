@@ -173,7 +173,7 @@ def lay_out(code: str, folder: Path) -> None:
         (folder / name).write_text(text, encoding="utf-8")
 
 
-def codes(text: str, folder: Path, menagerie: Path) -> set[str]:
+def codes(text: str, code: str, folder: Path, menagerie: Path) -> set[str]:
     recipe = folder / "page.yaml"
     if text.startswith("<"):
         model = "page.urdf" if text.startswith("<robot") else "page.xml"
@@ -181,7 +181,8 @@ def codes(text: str, folder: Path, menagerie: Path) -> set[str]:
         text = f"recipe: 1\nbase: ./{model}\n"
     recipe.write_text(text, encoding="utf-8")
     context = Context(folder=folder, environment={**os.environ, "MENAGERIE_ROOT": str(menagerie)})
-    build(Request(recipe), context, limits=Limits(seconds=60))
+    request = Request(recipe, worlds=code == "draw-at-run-time")
+    build(request, context, limits=Limits(seconds=60))
     return {found.code for found in context.sink.diagnostics}
 
 
@@ -206,13 +207,13 @@ def test_the_example_has_the_error_and_no_other(
     code: str, text: str, tmp_path: Path, menagerie_root: Path
 ) -> None:
     lay_out(code, tmp_path)
-    assert codes(text, tmp_path, menagerie_root) == {code}
+    assert codes(text, code, tmp_path, menagerie_root) == {code}
 
 
 @pytest.mark.parametrize(("code", "text"), MENDED, ids=[code for code, _ in MENDED])
 def test_what_mends_it_builds(code: str, text: str, tmp_path: Path, menagerie_root: Path) -> None:
     lay_out(code, tmp_path)
-    assert codes(text, tmp_path, menagerie_root) == set()
+    assert codes(text, code, tmp_path, menagerie_root) == set()
 
 
 @pytest.mark.slow

@@ -41,6 +41,8 @@ def test_held_payload(tmp_path: Path) -> None:
         "mjcompose",
         "build",
         str(recipe),
+        "--as",
+        "worlds",
         "--set",
         "worlds=40",
         "-o",

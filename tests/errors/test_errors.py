@@ -2,7 +2,8 @@
 
 A case is a text file, as `tests/cases.py` says, in the folder of its topic. Its settings: `errors`, how many there are
 (1 where it does not say; with 0 the model is built, and something is told of it); `place: none` where there is no file to
-point at; `needs`, an optional package; `mujoco`, the only version that says so.
+point at; `as: worlds`,
+the output of the build; `needs`, an optional package; `mujoco`, the only version that says so.
 
 `UPDATE_EXPECTED=1 pytest tests/errors` writes the texts anew; read what changed.
 """
@@ -23,7 +24,7 @@ from mjcompose.sources.context import Context
 
 HERE = Path(__file__).resolve().parent
 CASES = cases(HERE)
-SETTINGS = {"errors", "place", "needs", "mujoco"}
+SETTINGS = {"as", "errors", "place", "needs", "mujoco"}
 MUJOCO = "4.0"
 
 
@@ -50,7 +51,8 @@ def test_error(case: Case, tmp_path: Path) -> None:
         pytest.skip("another MuJoCo builds this, or says something else of it")
     folder = case.lay(tmp_path / case.path.stem)
     context = Context(environment={}, folder=folder)
-    built = build(Request(folder / "recipe.yaml"), context)
+    request = Request(folder / "recipe.yaml", worlds=settings.get("as") == "worlds")
+    built = build(request, context)
     text = told(context).replace(f"{folder}{os.sep}", "FOLDER/").replace(f"{folder}", "FOLDER")
     expected = case.check(text)
     errors = int(settings.get("errors", 1))  # one cause is one error

@@ -80,7 +80,7 @@ def test_wrong_recipe_is_marked(yaml_server: YamlServer, case: str, line: int, m
         ("recipe: 1\nparams:\n  reach:\n    |\n", {"default", "min", "unit", "choices"}),
         ("recipe: 1\nvariants:\n  light:\n    dim:\n      |\n", {"visual", "attach", "params", "edit"}),
         ("recipe: 1\nmatrix:\n  |\n", {"axes", "exclude", "include", "name"}),
-        ("recipe: 1\nrandomize:\n  |\n", {"seed", "samples", "emit", "fields"}),
+        ("recipe: 1\nrandomize:\n  |\n", {"seed", "samples", "fields"}),
         (
             "recipe: 1\nrandomize:\n  fields:\n    f:\n      |\n",
             {"select", "attr", "param", "truncnormal", "per"},

@@ -19,10 +19,7 @@ from targets.models import RECIPES, SELDOM
 from targets.writing import codes, compiled, written
 
 GONE = ("frame", "default", "replicate", "include", "attach", "flexcomp", "composite")
-# Worlds are one model and a table for batched simulation, which no other program reads.
-SHIPPED = sorted(
-    path.stem for path in RECIPES.glob("*.yaml") if "emit: worlds" not in path.read_text(encoding="utf-8")
-)
+SHIPPED = sorted(path.stem for path in RECIPES.glob("*.yaml"))
 CORPUS = os.environ.get("MJCOMPOSE_CORPUS")
 MODELS = sorted(Path(CORPUS, "feature-cases").glob("*/*.xml")) if CORPUS else []
 OWN = sorted((Path(__file__).parents[1] / "feature_cases").glob("*/*.xml"))

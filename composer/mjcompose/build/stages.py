@@ -65,7 +65,7 @@ class Request:
     `given` are values of parameters and variants; `name` is that of a cell of the matrix or of a `sample`, whose
     draws the model has. `verified` says whether MuJoCo compiles it, `deduplicated` whether equal assets are merged,
     `pictured` whether the manifest names a picture next to the bundle. `target` is the program that it is written
-    for, None for MuJoCo.
+    for, None for MuJoCo. `worlds` says whether the samples become worlds of the model.
     """
 
     recipe: Path
@@ -76,6 +76,7 @@ class Request:
     deduplicated: bool = False
     pictured: bool = False
     target: str | None = None
+    worlds: bool = False
 
 
 def build(
@@ -112,7 +113,12 @@ def planned(request: Request, context: Context) -> Plan | None:
     with context.timed("plan"):
         return planned_whole(
             lambda: plan_what_remains(
-                request.recipe, context, request.given, name=request.name, sample=request.sample
+                request.recipe,
+                context,
+                request.given,
+                name=request.name,
+                sample=request.sample,
+                worlds=request.worlds,
             ),
             context,
         )
@@ -271,8 +277,8 @@ class Build:
 
         plan, context = self.plan, self.context
         if compiled is None:
-            help = "build without `--no-verify`, or write `emit: models`"
-            span = locate(plan.document, ("randomize", "emit"))
+            help = "build without `--no-verify`, or without `--as worlds`"
+            span = locate(plan.document, ("randomize",), key=True)
             message = "only MuJoCo knows where in the model the draws of worlds go"
             context.sink.error(CODE, message, span, help=help)
             return draft.bundle

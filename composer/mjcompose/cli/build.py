@@ -55,6 +55,14 @@ from mjcompose.cli.watching import session_of_run, watch_option
     metavar="FILE",
     help="Write drawn values to this table, *.csv or *.parquet. Default with --all: samples.csv next to the models.",
 )
+@click.option(
+    "--as",
+    "output",
+    type=click.Choice(["models", "worlds", "union"]),
+    default="models",
+    help="models, the default: each sample is a model. worlds: one model, and a table in it of the numbers that"
+    " differ between the samples. union: with --worlds, one model with the parts of all cells and samples.",
+)
 @click.option("--worlds", "table", type=click.Path(path_type=Path), metavar="FILE",
               help="Build every cell and sample as one model and this table of the numbers that differ, *.npz or"
               " *.parquet.")  # fmt: skip
@@ -93,6 +101,7 @@ def command(
     cluster: str | None,
     shard: Shard | None,
     samples: str | None,
+    output: str,
     table: Path | None,
     parquet: bool,
     shared_assets: bool,
@@ -118,6 +127,10 @@ def command(
         "--shared-assets": shared_assets, "--picture": picture,
     }.items() if given), None)):  # fmt: skip
         raise click.UsageError(f"{left} is not for --worlds, which gives one bundle and one table.")
+    if output == "union" and table is None:
+        raise click.UsageError("--as union also needs --worlds FILE, the table of the numbers that differ.")
+    if output == "worlds" and only_samples:
+        raise click.UsageError("--sample selects a model, and with --as worlds all samples are in one.")
     if samples is not None and not samples.lower().endswith((".csv", ".parquet")):
         help = "`--sample NUMBER` builds one, and `randomize: {samples: NUMBER}` in the recipe says how many there are"
         raise click.UsageError(
@@ -152,7 +165,7 @@ def command(
     )
     order = BuildOptions(
         wanted.verified, dedup, wanted.text_beside(context.folder), choices=choices.named(context),
-        locked=how.locked, offline=how.offline, pictured=picture, target=target,
+        locked=how.locked, offline=how.offline, pictured=picture, target=target, worlds=output == "worlds",
     )  # fmt: skip
     with caching(context, no_cache) as cache, ExitStack() as opened:
         if picture:
@@ -184,6 +197,7 @@ def command(
                         context=context,
                         session=session,
                         jobs=jobs,
+                        unites=output == "union",
                     )
                 )
             if not one:

@@ -40,7 +40,7 @@ from mjcompose.cli.reporting import (
     say_details,
 )
 from mjcompose.tools.worlds import worlds
-from mjcompose.tools.worlds.join import Joined, Joining, Shelf, is_united
+from mjcompose.tools.worlds.join import Joined, Joining, Shelf
 from mjcompose.tools.worlds.names import LoadError
 from mjcompose.tools.worlds.worlds import Worlds
 
@@ -81,7 +81,9 @@ def build_cells(
     Draws are written to `table`, or by default next to the models if all are built.
     """
     recipe = maker.recipe
-    chosen, code = chosen_cells(recipe, picks, only_samples, given=given, context=context, verb="build")
+    chosen, code = chosen_cells(
+        recipe, picks, only_samples, given=given, context=context, verb="build", worlds=maker.options.worlds
+    )
     if code:
         report(context, wanted.form)
         return code
@@ -300,9 +302,21 @@ def build_worlds(
     context: Context,
     session: Session,
     jobs: int | None,
+    unites: bool,
 ) -> int:
-    """Build all models into `table`, and their common model if it is wanted. Return the exit code."""
-    chosen, code = chosen_cells(maker.recipe, picks, only_samples, given=given, context=context, verb="build")
+    """Build all models into `table`, and their common model if it is wanted. Return the exit code.
+
+    If it `unites` them, this is one model with the parts of all.
+    """
+    chosen, code = chosen_cells(
+        maker.recipe,
+        picks,
+        only_samples,
+        given=given,
+        context=context,
+        verb="build",
+        worlds=maker.options.worlds,
+    )
     if not code and wanted.kind not in (OutputForm.FOLDER, OutputForm.ARCHIVE):
         help = "write a folder or an archive, such as `-o build/{name}.zip`"
         context.sink.error("output-kind", f"worlds are of a bundle, and `{wanted.out}` is none", help=help)
@@ -319,7 +333,7 @@ def build_worlds(
     run = _Run(maker, wanted, given, table=table, context=context, session=session)
     with scratch("worlds") as folder:
         try:
-            study, bundle = run.worlds(chosen, Shelf(folder), jobs)
+            study, bundle = run.worlds(chosen, Shelf(folder), jobs, unites=unites)
         except LoadError as error:
             for each in error.diagnostics:
                 context.sink.add(replace(each, span=each.span or run.last))
@@ -350,10 +364,12 @@ class _Run:
         self.tally = Tally(maker.recipe, 0)
         self.last: Span | None = None
 
-    def worlds(self, chosen: list[Cell], shelf: Shelf, jobs: int | None) -> tuple[Worlds, Bundle | None]:
+    def worlds(
+        self, chosen: list[Cell], shelf: Shelf, jobs: int | None, *, unites: bool
+    ) -> tuple[Worlds, Bundle | None]:
         """Return all models as worlds, and the bundle of their union if they form one. Raises LoadError."""
         self.tally.total = len(chosen)
-        joining = Joining(len(chosen), is_united(self.maker.recipe, self.context))
+        joining = Joining(len(chosen), unites)
         unwritten = Maker(
             self.maker.recipe,
             self.maker.options,

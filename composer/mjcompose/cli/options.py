@@ -385,6 +385,7 @@ def chosen_cells(
     given: dict[str, Node],
     context: Context,
     verb: str,
+    worlds: bool = False,
 ) -> tuple[list[Cell], int]:
     """Return the selected cells, none if the recipe is one model, and the exit code, 0 without errors.
 
@@ -392,7 +393,7 @@ def chosen_cells(
     """
     from mjcompose.build.cache.cells import cells_of, check_axes_are_free, of_samples, select_cells
 
-    every = cells_of(recipe, context, given)
+    every = cells_of(recipe, context, given, worlds=worlds)
     if context.sink.has_errors:
         return [], exit_code(context.folder, [recipe])
     if not every and (picks or samples):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from collections.abc import Mapping as Map
+from dataclasses import replace
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import CellName, Note, Span
@@ -275,11 +276,10 @@ KEYS = {
     "exclude": "Combinations that are not built.",
     "include": "More combinations.",
     "name": "What a combination is called, with `${…}` for its values.",
-    "emit": "What `build --worlds` makes of combinations that have different parts: nothing, which is an error"
-    " (`models`), or one model with the parts of all (`union`).",
 }
 """The keys of a matrix with their meaning, in the order in which `fmt` writes them."""
-EMITS = ("models", "union")
+NO_EMIT = "remove it, and choose the output when you build: `--as models`, `--as worlds` or `--as union`"
+"""What to write instead of `emit`, which `matrix` and `randomize` had."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -337,10 +337,8 @@ class _Matrix:
         for each, _ in self.node.entries.values():
             if each.name not in KEYS:
                 message = f"`matrix` has no key `{each.name}`"
-                sink.add(unknown_key(each.name, KEYS, each.span, message=message))
-        emit = self.node.entries.get("emit")
-        if emit is not None and not (isinstance(emit[1], Scalar) and emit[1].value in EMITS):
-            sink.error("unknown-name", "`emit` of a matrix is `models` or `union`", emit[1].span)
+                fault = unknown_key(each.name, KEYS, each.span, message=message)
+                sink.add(replace(fault, help=NO_EMIT) if each.name == "emit" else fault)
         self.around: dict[str, Node] = {}
         self.axes = self._axes()
 

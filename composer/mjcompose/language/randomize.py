@@ -25,7 +25,6 @@ from mjcompose.language.element import path_of
 from mjcompose.language.form import (
     COUNT,
     EXCLUSIVE,
-    Choice,
     Form,
     Schema,
     Settings,
@@ -385,7 +384,6 @@ def distribution(kind: str) -> Schema:
 
 
 MAX_SEED = 2**64 - 1
-_FORMER = (("table", "worlds"),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -451,19 +449,8 @@ class Randomize(Model):
     """What makes these draws differ from those of another seed: a whole number below 2**64."""
     samples: Annotated[int, Whole("samples", 1, "samples")]
     """How many samples there are, besides sample 0, the model without any draw."""
-    emit: Annotated[Literal["models", "worlds", "union"], Choice("emit", chosen=True, former=_FORMER)] = (
-        "models"
-    )
-    """What `build --all` writes: a model for each sample, or with `worlds` one and a table of all numbers of mjModel
-    that differ between the samples. With `union` it writes models, and `build --worlds`
-    makes one with the parts of all where these draw different ones."""
     fields: Annotated[tuple[DrawField, ...], Fields()]
     """What is drawn: a mapping from a name, which is part of the seed, to a distribution and what it is for."""
-
-    @property
-    def at_run_time(self) -> bool:
-        """Return whether only one model is built, and its draws are used at run time."""
-        return self.emit == "worlds"
 
     @property
     def of_parameters(self) -> tuple[DrawField, ...]:

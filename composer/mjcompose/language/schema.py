@@ -14,8 +14,8 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from mjcompose.language.attach import Attachment
-from mjcompose.language.expand import EMITS, SETTLED
 from mjcompose.language.expand import KEYS as MATRIX_KEYS
+from mjcompose.language.expand import SETTLED
 from mjcompose.language.form import REFERENCE, Schema, check_rows, define, definition_key
 from mjcompose.language.parameters import KEYS as PARAMETER_KEYS
 from mjcompose.language.parameters import NO_PIECE, TYPES
@@ -146,7 +146,6 @@ _MATRIX: Schema = {
             "exclude": {"type": "array", "items": _CELL},
             "include": {"type": "array", "items": _CELL},
             "name": {"type": "string"},
-            "emit": {"enum": list(EMITS)},
         },
     ),
     "required": ["axes"],

@@ -17,7 +17,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import advised, closest, exists_note
 from mjcompose.language.attach import Attachment
 from mjcompose.language.element import raw
-from mjcompose.language.expand import SETTLED
+from mjcompose.language.expand import NO_EMIT, SETTLED
 from mjcompose.language.form import Settings, kind_of, shown
 from mjcompose.language.placing import faults_in_place
 from mjcompose.language.recipe import VERSION, Recipe, sections_of
@@ -236,6 +236,8 @@ def _extra(loc: Path, meant: Any | None, data: Any, parts: AbcMapping[str, Any])
     help, fix = advised(name, known if meant is None else [str(meant["loc"][-1])])
     if model is Recipe and len(loc) == 1 and (elsewhere := advice_at_top(name, data[name], parts)):
         help, fix = elsewhere, None
+    if name == "emit" and loc[0] == "randomize":
+        help, fix = NO_EMIT, None
     note = exists_note("key", known, name)
     return Fault(
         "unknown-key", f"{owner} has no key `{name}`", loc, key=True, notes=(note,), help=help, fix=fix

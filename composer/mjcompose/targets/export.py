@@ -95,7 +95,7 @@ def aimed(
     """
     if WORLDS in bundle.files:
         message = f"`{target}` has no room for worlds"
-        context.sink.error(CANNOT, message, at, help="write `emit: models` in `randomize`")
+        context.sink.error(CANNOT, message, at, help="build without `--as worlds`")
         return None
     with scratch("target") as folder:
         source, out = Path(folder, "in"), Path(folder, "out")

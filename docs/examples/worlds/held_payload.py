@@ -1,6 +1,6 @@
 """Which commands hold the arm of `recipes/held_payload.yaml` up, whatever it carries? Learnt in 10,000 worlds.
 
-mjcompose build recipes/held_payload.yaml -o build/held/
+mjcompose build recipes/held_payload.yaml --as worlds -o build/held/
 python docs/examples/worlds/held_payload.py build/held/
 
 Payloads pull the arm down, in each world by another angle. Learnt are commands that are right for the average of the

@@ -1,4 +1,4 @@
-"""`samples.csv` and `randomize.json` of `emit: worlds`: what was drawn, and which numbers of mjModel it changes.
+"""`samples.csv` and `randomize.json` of `--as worlds`: what was drawn, and which numbers of mjModel it changes.
 
 Numbers that follow from a drawn pose, compared with what MuJoCo compiles from the pose itself.
 """
@@ -77,19 +77,18 @@ FIELDS = [
 ]
 
 
-def recipe(
-    folder: Path, fields: list[str], emit: str = "worlds", model: str = MODEL, samples: int = 5
-) -> Path:
+def recipe(folder: Path, fields: list[str], model: str = MODEL, samples: int = 5) -> Path:
     (folder / "model.xml").write_text(model)
     lines = "".join(f"    {field}\n" for field in fields)
-    text = f"recipe: 1\nname: m\nbase: ./model.xml\nrandomize:\n  seed: 7\n  samples: {samples}\n  emit: {emit}\n  fields:\n{lines}"
-    (folder / f"{emit}.yaml").write_text(text)
-    return folder / f"{emit}.yaml"
+    text = f"recipe: 1\nname: m\nbase: ./model.xml\nrandomize:\n  seed: 7\n  samples: {samples}\n  fields:\n{lines}"
+    path = folder / "r.yaml"
+    path.write_text(text)
+    return path
 
 
 def built(path: Path, sample: int = 0) -> tuple[Built | None, Context]:
     context = Context(folder=path.parent, environment={})
-    return build(Request(path, sample=sample), context), context
+    return build(Request(path, sample=sample, worlds=sample == 0), context), context
 
 
 @pytest.fixture(scope="module")

@@ -25,8 +25,7 @@ RECIPES = [
     *(
         path
         for path in sorted((REPOSITORY / "recipes").glob("*.yaml"))
-        # Where in a model the numbers of worlds go, only MuJoCo knows: nothing is built without it.
-        if not path.name.startswith("menagerie") and "emit: worlds" not in path.read_text(encoding="utf-8")
+        if not path.name.startswith("menagerie")
     ),
 ]
 

@@ -42,7 +42,6 @@ DRAWN = """\
 randomize:
   seed: 7
   samples: {samples}
-  emit: {emit}
   fields:
     {field}
     friction: {{select: {{geom: "**"}}, attr: "friction[0]", scale: {{uniform: [0.5, 2]}}}}
@@ -88,16 +87,16 @@ def test_numbers_of_a_matrix(tmp_path: Path, jobs: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("emit", "field", "of_sample"), [("models", PARAM, 0), ("worlds", DAMPING, 1)])
+@pytest.mark.parametrize(("output", "field", "of_sample"), [("models", PARAM, 0), ("worlds", DAMPING, 1)])
 def test_32_random_worlds_are_what_their_samples_are(
-    tmp_path: Path, emit: str, field: str, of_sample: int
+    tmp_path: Path, output: str, field: str, of_sample: int
 ) -> None:
-    text = MATRIX + DRAWN.format(samples=12, emit=emit, field=field)
-    found = study(tmp_path, text)
-    built = all_built(tmp_path, MATRIX + DRAWN.format(samples=12, emit="models", field=field))
+    text = MATRIX + DRAWN.format(samples=12, field=field)
+    found = study(tmp_path, text, "study.npz", "--as", output)
+    built = all_built(tmp_path, text)
     axes = ("payload", "step")
     by_identity = {(*map(each.manifest.params.get, axes), each.manifest.sample): each.model for each in built}
-    assert len(found) == len(built) - (6 if emit == "worlds" else 0) and found.table.seed == 7
+    assert len(found) == len(built) - (6 if output == "worlds" else 0) and found.table.seed == 7
     for world in Random(5).sample(range(len(found)), 32):
         cell = found.table.cells[found.table.cell[world]]
         wanted = by_identity[*map(cell.get, axes), int(found.table.sample[world])]
@@ -166,8 +165,9 @@ def test_a_table_of_another_model(tmp_path: Path) -> None:
         (MATRIX, ("--worlds", "study.csv"), 2, "error[output-kind]: no table of worlds is called `*.csv`"),
         (MATRIX, ("--shard", "1/2"), 2, "--shard is not for --worlds"),
         (MATRIX, ("--samples", "s.csv"), 2, "--samples is not for --worlds"),
-        (MATRIX + DRAWN.format(samples=2, emit="table", field=DAMPING), (), 1, "help: write `emit: worlds`"),
-        (MATRIX + DRAWN.format(samples=2, emit="worlds", field=PARAM), (), 1, "error[draw-at-run-time]"),
+        (MATRIX, ("--as", "worlds"), 1, "error[missing-key]: `r.yaml` has no `randomize`, so it has no worlds"),
+        (MATRIX + DRAWN.format(samples=2, field=PARAM), ("--as", "worlds"), 1, "error[draw-at-run-time]"),
+        (MATRIX, ("--as", "worlds", "--sample", "1"), 2, "with --as worlds all samples are in one"),
         (MATRIX.replace("0.1, 0.2", "-1, 0.2"), (), 1, "error["),
     ],
 )  # fmt: skip

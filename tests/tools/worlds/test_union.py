@@ -1,4 +1,4 @@
-"""`emit: union`: each world of one model with all parts behaves as the model that is built with its parts alone."""
+"""`build --as union`: each world of one model with all parts behaves as the model that is built with its parts alone."""
 
 from __future__ import annotations
 
@@ -72,12 +72,10 @@ variants: {tool: {hammer: {}, hook: {}, none: {}}}
 """
 MATRIX = f"""{RECIPE}matrix:
   axes: {{tool: [hammer, hook], prop: [./box.xml, ./ball.xml], friction: [1, 0.3]}}
-  emit: union
 """
 DRAWN = f"""{RECIPE}randomize:
   seed: 7
   samples: 9
-  emit: union
   fields:
     prop: {{param: prop, choice: [./box.xml, ./ball.xml]}}
     tool: {{param: tool, choice: [hammer, hook, none]}}
@@ -107,7 +105,7 @@ def both(
     lay_out(folder)
     text: str = request.param
     shutil.copytree(RECIPES / "models", folder / "models")
-    result = run(folder, text, "--worlds", "study.npz", "-o", "out/", model=ARM)
+    result = run(folder, text, "--as", "union", "--worlds", "study.npz", "-o", "out/", model=ARM)
     assert result.exit_code == 0, result.output
     found = worlds.load(folder / "out", folder / "study.npz")
     result = run(folder, text, "--all", "-o", "each/{name}/", model=ARM)
@@ -218,7 +216,7 @@ def test_one_structure_needs_no_union(tmp_path: Path) -> None:
     text = MATRIX.replace("[hammer, hook]", "[hook]").replace(
         "[./box.xml, ./ball.xml], friction", "[./box.xml], friction"
     )
-    result = run(tmp_path, text, "--worlds", "study.npz", "-o", "out/", model=ARM)
+    result = run(tmp_path, text, "--as", "union", "--worlds", "study.npz", "-o", "out/", model=ARM)
     assert result.exit_code == 0, result.output
     found = worlds.load(tmp_path / "out", tmp_path / "study.npz")
     assert found.table.parts == () and len(found) == 2
@@ -247,7 +245,7 @@ def test_what_no_part_can_be(tmp_path: Path, more: str, said: str) -> None:
         "variants: {tool: {hammer: {}, hook: {}, none: {}}}\n",
         f"variants:\n tool:\n  hammer: {{}}\n  none: {{}}\n{more}",
     )
-    result = run(tmp_path, text, "--worlds", "study.npz", "-o", "out/", model=ARM)
+    result = run(tmp_path, text, "--as", "union", "--worlds", "study.npz", "-o", "out/", model=ARM)
     assert result.exit_code == 1 and "error[not-a-world]" in result.output and said in result.output, (
         result.output
     )
@@ -258,16 +256,14 @@ def test_what_would_act_on_others(tmp_path: Path) -> None:
     """An equality of the first cell that acts on what all have."""
     lay_out(tmp_path)
     text = MATRIX.replace("hammer: {}, hook", "hammer: {equality: {e: {type: joint, joint1: hinge}}}, hook")
-    result = run(tmp_path, text, "--worlds", "study.npz", "-o", "out/", model=ARM)
+    result = run(tmp_path, text, "--as", "union", "--worlds", "study.npz", "-o", "out/", model=ARM)
     assert result.exit_code == 1 and "lacks the equality `e`, which would act in its world" in result.output
 
 
-def test_what_emit_of_a_matrix_can_be(tmp_path: Path) -> None:
+def test_a_union_has_a_table(tmp_path: Path) -> None:
     lay_out(tmp_path)
-    result = run(
-        tmp_path, MATRIX.replace("emit: union", "emit: worlds"), "--all", "-o", "each/{name}/", model=ARM
-    )
-    assert result.exit_code == 1 and "`emit` of a matrix is `models` or `union`" in result.output
+    result = run(tmp_path, MATRIX, "--as", "union", "--all", "-o", "each/{name}/", model=ARM)
+    assert result.exit_code == 2 and "--as union also needs --worlds FILE" in result.output
 
 
 def test_what_elements_refer_to_is_what_is_written() -> None:

@@ -75,28 +75,27 @@ FIELDS = [
 SAMPLES = 80
 
 
-def recipe(
-    folder: Path, emit: str, fields: list[str] = FIELDS, samples: int = SAMPLES, model: str = MODEL
-) -> Path:
+def recipe(folder: Path, fields: list[str] = FIELDS, samples: int = SAMPLES, model: str = MODEL) -> Path:
     (folder / "model.xml").write_text(model)
     lines = "".join(f"    {field}\n" for field in fields)
-    text = f"recipe: 1\nname: m\nbase: ./model.xml\nrandomize:\n  seed: 7\n  samples: {samples}\n  emit: {emit}\n  fields:\n{lines}"
-    (folder / f"{emit}.yaml").write_text(text)
-    return folder / f"{emit}.yaml"
+    text = f"recipe: 1\nname: m\nbase: ./model.xml\nrandomize:\n  seed: 7\n  samples: {samples}\n  fields:\n{lines}"
+    path = folder / "r.yaml"
+    path.write_text(text)
+    return path
 
 
-def built(path: Path, sample: int = 0, verified: bool = True) -> tuple[Built | None, Context]:
+def built(path: Path, sample: int | None = None, verified: bool = True) -> tuple[Built | None, Context]:
     context = Context(folder=path.parent, environment={})
-    return build(Request(path, sample=sample, verified=verified), context), context
+    request = Request(path, sample=sample or 0, verified=verified, worlds=sample is None)
+    return build(request, context), context
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     found = tmp_path_factory.mktemp("worlds")
-    made, context = built(recipe(found, "worlds"))
+    made, context = built(recipe(found))
     assert made is not None, [(each.message, each.notes) for each in context.sink.diagnostics]
     write_folder(made.bundle, found / "out")
-    recipe(found, "models")
     return found
 
 
@@ -107,7 +106,7 @@ def study(folder: Path) -> worlds.Worlds:
 
 def sample(folder: Path, number: int) -> mujoco.MjModel:
     """The sample as a build makes it."""
-    made, context = built(folder / "models.yaml", number, verified=False)
+    made, context = built(folder / "r.yaml", number, verified=False)
     assert made is not None, context.sink.diagnostics
     out = folder / f"sample{number}"
     write_folder(made.bundle, out)
@@ -167,7 +166,7 @@ def test_a_batch_steps_as_the_samples_do(folder: Path, study: worlds.Worlds) -> 
 
 
 def test_the_same_worlds_whatever_their_number(folder: Path, study: worlds.Worlds, tmp_path: Path) -> None:
-    made, _ = built(recipe(tmp_path, "worlds", samples=5))
+    made, _ = built(recipe(tmp_path, samples=5))
     assert made is not None
     write_folder(made.bundle, tmp_path / "out")
     few = worlds.load(tmp_path / "out")
@@ -246,14 +245,14 @@ def test_where_no_file_can_be(study: worlds.Worlds, tmp_path: Path) -> None:
 def test_what_a_build_makes_otherwise_is_an_error(tmp_path: Path) -> None:
     model = MODEL.replace('ctrlrange="-1 1"', 'inheritrange="1"')
     field = "range: {select: {joint: hinge}, attr: range, offset: {normal: {std: 2deg}}}"
-    found, context = built(recipe(tmp_path, "worlds", [field], model=model))
+    found, context = built(recipe(tmp_path, [field], model=model))
     assert found is None
     (told,) = context.sink.diagnostics
     assert told.code == "draw-at-run-time" and "`actuator_ctrlrange`" in told.message
 
 
 def test_a_bundle_without_worlds(folder: Path, tmp_path: Path) -> None:
-    made, _ = built(folder / "models.yaml")
+    made, _ = built(folder / "r.yaml", 0)
     assert made is not None
     write_folder(made.bundle, tmp_path / "out")
     with pytest.raises(mjcompose.LoadError, match="has no worlds"):

@@ -96,7 +96,7 @@ def result_of_build(
 
 def _draws(built: Built) -> dict[str, Value] | None:
     wanted = built.plan.randomize
-    if wanted is None or wanted.at_run_time:
+    if wanted is None or built.plan.worlds:
         return None
     return dict(column for each in built.composed.drawn for column in each.columns())
 
@@ -248,6 +248,7 @@ class Maker:
             deduplicated=self.options.deduplicated,
             pictured=self.options.pictured,
             target=self.options.target,
+            worlds=self.options.worlds,
         )
         plan = stages.planned(request, context)
         if plan is None:

@@ -258,6 +258,7 @@ class BuildOptions:
     offline: bool = False
     pictured: bool = False
     target: str | None = None
+    worlds: bool = False
 
     def key(self, recipe: Path, folder: Path, environment: Mapping[str, str], store: Path) -> CacheKey:
         """Return the key of the model of a recipe file, with these options."""
@@ -267,6 +268,7 @@ class BuildOptions:
             "`--locked`": self.locked,
             "`--offline`": self.offline,
             "`--picture`": self.pictured,
+            "`--as worlds`": self.worlds,
         }
         parts = {name: GIVEN for name, given in flags.items() if given}
         if self.target is not None:

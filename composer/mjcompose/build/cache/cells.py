@@ -52,7 +52,7 @@ def sample_name(name: str, sample: int) -> str:
 def with_samples(path: Path, matrix: Matrix, given: dict[str, Node], context: Context) -> list[Cell]:
     """Return every cell, or the recipe if it has no matrix, as its samples, the nominal model first.
 
-    A cell stays as it is if it draws nothing, or if a single model with worlds is wanted.
+    A cell that draws nothing stays as it is.
     """
     document, cells, sink = matrix.document, matrix.cells, context.sink
     if not {"randomize", "variants"} & document.entries.keys() or (
@@ -83,10 +83,10 @@ def with_samples(path: Path, matrix: Matrix, given: dict[str, Node], context: Co
 
 
 def _samples(concrete: Mapping, cell: Cell) -> Iterator[Cell]:
-    written, emit = find(concrete, ("randomize", "samples")), find(concrete, ("randomize", "emit"))
+    written = find(concrete, ("randomize", "samples"))
     count = written.value if isinstance(written, Scalar) else None
     whole = isinstance(count, int | float) and not isinstance(count, bool) and 0 < count <= in_force().samples
-    if not whole or (isinstance(emit, Scalar) and emit.value == "worlds"):
+    if not whole:
         yield cell  # planning reports its errors
         return
     assert isinstance(count, int | float)
@@ -117,17 +117,21 @@ def _check_names(found: Iterable[Cell], sink: Sink) -> None:
         seen.add(cell.name)
 
 
-def cells_of(recipe: Path, context: Context, given: dict[str, Node] | None = None) -> list[Cell]:
+def cells_of(
+    recipe: Path, context: Context, given: dict[str, Node] | None = None, *, worlds: bool = False
+) -> list[Cell]:
     """Return what `--all` builds, in order, with all names and values checked.
 
-    These are the cells of the matrix, each with its samples if the recipe draws some. The result is empty after
-    errors, which go to the sink.
+    These are the cells of the matrix, each with its samples if the recipe draws some and they are not `worlds` of
+    one model. The result is empty after errors, which go to the sink.
     """
     if use_lock(recipe, context) is None:
         return []
     matrix = read_matrix(recipe, context, given)
     if matrix is None:
         return []
+    if worlds:
+        return matrix.cells or [Cell(matrix.name, {}, matrix.document.span)]
     return with_samples(context.folder / recipe, matrix, given or {}, context=context)
 
 

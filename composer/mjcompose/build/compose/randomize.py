@@ -133,7 +133,10 @@ class _Draws:
                 counts = " and ".join(map(str, sorted(lengths)))
                 message = f"the values have {counts} numbers, and each of a table has as many"
                 self._fault(
-                    "wrong-length", message, node, help="write `emit: models`, which builds every sample"
+                    "wrong-length",
+                    message,
+                    node,
+                    help="build without `--as worlds`: each sample is a model then",
                 )
             chosen = [stated[id(each)] for each in self._all_drawn(node, samples, 0)]
             return tuple(zip(*chosen, strict=True)) if isinstance(chosen[0], tuple) else (chosen,)

@@ -339,9 +339,7 @@ def _draws_data(plan: Plan) -> dict[str, Any]:
         return {}
     wanted = plan.randomize
     fields = {field.name: field.words for field in wanted.fields}
-    return {
-        "randomize": {"seed": wanted.seed, "samples": wanted.samples, "emit": wanted.emit, "fields": fields}
-    }
+    return {"randomize": {"seed": wanted.seed, "samples": wanted.samples, "fields": fields}}
 
 
 def _own_data(plan: Plan, wanted: LoadBase | Attachment, foreseen: Foreseen) -> dict[str, Any]:

@@ -315,6 +315,8 @@ class Plan:
     randomize: Randomize | None = None
     sample: int = 0
     """The number of the sample; 0 is the nominal model."""
+    worlds: bool = False
+    """Whether the samples are worlds of this model."""
     drawn: tuple[Drawn, ...] = ()
     """The parameters that were drawn for the sample."""
     variants: Mapping[str, str] = field(default_factory=dict)

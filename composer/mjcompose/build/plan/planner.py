@@ -30,7 +30,7 @@ from mjcompose.build.plan.steps import (
 from mjcompose.language.attach import Attachment
 from mjcompose.language.expand import Concrete
 from mjcompose.language.placing import with_inherited
-from mjcompose.language.randomize import DrawField, Randomize
+from mjcompose.language.randomize import Randomize
 from mjcompose.language.recipe import Recipe
 from mjcompose.language.used_model import Base, key_policy
 from mjcompose.language.validate import validate_what_remains
@@ -58,18 +58,24 @@ def make_plan(
 
 
 def plan_what_remains(
-    recipe: Path, context: Context, given: Given | None = None, *, name: str | None = None, sample: int = 0
+    recipe: Path,
+    context: Context,
+    given: Given | None = None,
+    *,
+    name: str | None = None,
+    sample: int = 0,
+    worlds: bool = False,
 ) -> Plan | None:
     """Return the plan without its faulty pieces, so that later stages can find more errors; None without a base.
 
     `name` is that of a cell of the matrix; without it, the recipe's own, and the matrix is checked too. `sample`
-    selects the draws; 0 has none.
+    selects the draws; 0 has none. With `worlds`, all samples become worlds of the model.
     """
     if use_lock(recipe, context) is None:
         return None
     path = context.folder / recipe
     try:
-        plan = _Planner(context).plan(path, (), given=given or {}, name=name, sample=sample)
+        plan = _Planner(context, worlds).plan(path, (), given=given or {}, name=name, sample=sample)
     except RecursionError:  # if the limit `nesting` was raised
         context.sink.error(
             "not-supported", f"recipes that `{recipe}` leads to stand too deep inside one another"
@@ -97,8 +103,8 @@ class _Found:
 
 
 class _Planner:
-    def __init__(self, context: Context) -> None:
-        self.context = context
+    def __init__(self, context: Context, worlds: bool = False) -> None:
+        self.context, self.worlds = context, worlds
         self.sink = context.sink
         self.nested = 0
         self.sources: dict[tuple[str, Path], Source] = {}
@@ -136,9 +142,8 @@ class _Planner:
         recipe, document, concrete = read
         randomize = recipe.randomize if not outer else None
         drawn: tuple[Drawn, ...] = ()
-        if randomize is not None and randomize.at_run_time:
-            for field in randomize.of_parameters:
-                self._no_table(field, document)
+        if self.worlds and not outer:
+            self._check_worlds(path, recipe, document)
         elif randomize is not None and randomize.of_parameters and concrete is not None:
             values, drawn = drawn_parameters(randomize, sample, concrete, document=document, sink=self.sink)
             if values:
@@ -179,7 +184,7 @@ class _Planner:
         parts = without_rings(tuple(self._parts(found, inside)), recipe.separator, self.sink)
         if base is None:
             return None
-        steps = tuple(steps_of(StepInput(recipe, document, randomize, sample=sample)))
+        steps = tuple(steps_of(StepInput(recipe, document, randomize, sample=sample, worlds=self.worlds)))
         plan = Plan(
             name=name,
             description=recipe.description,
@@ -201,6 +206,7 @@ class _Planner:
             motors=recipe.motors,
             randomize=randomize,
             sample=sample,
+            worlds=self.worlds,
             drawn=drawn,
             source=source,
             extended=extended,
@@ -237,14 +243,20 @@ class _Planner:
     def _size_of(self, model: Source | Plan | None) -> int:
         return self.sizes[id(model)][1] if isinstance(model, Plan) else 0
 
-    def _no_table(self, field: DrawField, document: Mapping) -> None:
-        self.sink.error(
-            "draw-at-run-time",
-            f"field `{field.name}` draws a parameter, which a model that is compiled does not have any more",
-            locate(document, (*field.at, "param")),
-            help="write `emit: models`, which builds every sample",
-            subjects=(field.name,),
-        )
+    def _check_worlds(self, path: Path, recipe: Recipe, document: Mapping) -> None:
+        """Report a recipe whose samples cannot be worlds: it draws nothing, or parameters."""
+        if recipe.randomize is None:
+            message = f"`{path.name}` has no `randomize`, so it has no worlds"
+            self.sink.error("missing-key", message, document.span, help="build without `--as worlds`")
+            return
+        for field in recipe.randomize.of_parameters:
+            self.sink.error(
+                "draw-at-run-time",
+                f"field `{field.name}` draws a parameter, and a compiled model has no parameters",
+                locate(document, (*field.at, "param")),
+                help="build without `--as worlds`: `--worlds FILE` makes worlds of any samples",
+                subjects=(field.name,),
+            )
 
     def _read(self, path: Path, given: Given) -> tuple[Recipe, Mapping, Concrete | None] | None:
         found = validated(path, given, self.context)

@@ -92,6 +92,7 @@ class StepInput:
     document: Mapping
     randomize: Randomize | None
     sample: int
+    worlds: bool = False
 
     def span(self, at: Path, key: bool = False) -> Span:
         """Return the place of a value in the recipe, or of its key."""
@@ -255,8 +256,7 @@ class DrawValues(Step):
         for field in randomize.fields if randomize is not None else ():
             if randomize is not None and field.select is not None:
                 span = given.span(field.drawn_at)
-                tabled = randomize.at_run_time
-                yield cls(field, randomize.seed, given.sample, randomize.samples, span, tabled)
+                yield cls(field, randomize.seed, given.sample, randomize.samples, span, given.worlds)
 
     @property
     def words(self) -> str:

@@ -119,7 +119,9 @@ class DrawTable:
             self.columns[name]["targets"] += [{**of, **target} for target in found["targets"][component]]
 
     def _fault(self, field: DrawField, message: str, instead: str = "") -> None:
-        help = "write `emit: models`, which builds every sample" + (f", {instead}" if instead else "")
+        help = "build without `--as worlds`" + (
+            f", {instead}" if instead else ": each sample is a model then"
+        )
         self.context.sink.error(CODE, message, locate(self.plan.document, (*field.at, "attr")), help=help)
 
     def crashed(self, answer: engine.Called) -> None:
@@ -290,8 +292,8 @@ def _fault(table: DrawTable, sample: int, arrays: list[str]) -> None:
     table.context.sink.error(
         CODE,
         f"world {sample - 1} is not what a build makes of sample {sample}: {listed}",
-        locate(table.plan.document, ("randomize", "emit")),
-        help="leave the fields out that change these, or write `emit: models`, which builds every sample",
+        locate(table.plan.document, ("randomize",), key=True),
+        help="remove the fields that change these, or build without `--as worlds`",
     )
 
 

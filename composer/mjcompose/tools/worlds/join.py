@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import field
 from hashlib import sha256
 from os import PathLike
 from pathlib import Path
@@ -15,12 +15,10 @@ import numpy as np
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import read_regular
-from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import WORLDS, Bundle
 from mjcompose.build.bundle.listing import SIZES
 from mjcompose.build.bundle.staging import write_folder
 from mjcompose.build.cache.builder import BuildResult, Maker
-from mjcompose.build.plan.read import read_recipe
 from mjcompose.language.expand import Cell
 from mjcompose.mujoco.arrays import with_trait
 from mjcompose.mujoco.attributes import KINDS, ON_BODIES, Model, NameTable, names
@@ -28,7 +26,6 @@ from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.varying import Differences, arrays, flat
 from mjcompose.sources.context import Context
 from mjcompose.text.expression_values import Value
-from mjcompose.text.node import Scalar, find
 from mjcompose.tools.worlds.load import Loaded, load
 from mjcompose.tools.worlds.many import load_many
 from mjcompose.tools.worlds.worlds import Table, Varying, Worlds, failure, model_sha256, read
@@ -292,7 +289,9 @@ def join(found: Iterable[Joined], expected: int) -> Worlds:
 
 def _other(first: Joined, other: Joined) -> Exception:
     why = unlike(first.loaded.model, other.loaded.model)
-    help = "build these cells by themselves with `--pick`, or let one model have the parts of all: write `emit: union`"
+    help = (
+        "build these cells by themselves with `--pick`, or add `--as union`: one model has the parts of all"
+    )
     message = f"`{other.name}` cannot be a world of `{first.name}`: it is another model"
     return failure(CODE, message, help, notes=why or ())
 
@@ -359,10 +358,3 @@ class Shelf:
         """Remove the files of a model."""
         assert each.folder is not None
         shutil.rmtree(each.folder, ignore_errors=True)
-
-
-def is_united(recipe: Path, context: Context) -> bool:
-    """Return whether a recipe requests one model with the parts of all: `emit: union` in `matrix` or `randomize`."""
-    document = read_recipe(context.folder / recipe, replace(context, sink=Sink()))
-    found = [find(document, (section, "emit")) for section in ("matrix", "randomize")] if document else []
-    return any(isinstance(each, Scalar) and each.value == "union" for each in found)

@@ -307,7 +307,7 @@ class Worlds:
 
 
 def load(bundle: str | PathLike[str], file: str | PathLike[str] | None = None) -> Worlds:
-    """Load the worlds of a bundle, a folder or an archive, that was built from a recipe with `emit: worlds`.
+    """Load the worlds of a bundle, a folder or an archive, that was built from a recipe with `--as worlds`.
 
     With a `file`, the worlds are those that `mjcompose build --worlds` or `Worlds.save` wrote there. Files are
     checked against the manifest and arrays against the model, as in `mjcompose.load`. Raises LoadError; warns with
@@ -322,7 +322,7 @@ def load(bundle: str | PathLike[str], file: str | PathLike[str] | None = None) -
     except OSError as error:
         raise failure("file-unreadable", f"`{file}` cannot be read: {error.strerror or error}") from error
     if content is None:
-        help = "write `randomize: {emit: worlds}` in its recipe, and build it"
+        help = "build its recipe with `--as worlds`"
         raise failure("file-not-found", f"`{shown}` has no worlds: the file `{WORLDS}` does not exist", help)
     called = file or WORLDS
     try:
