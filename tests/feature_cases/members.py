@@ -90,7 +90,7 @@ def _place(
     recipe: Path, given: Mapping[str, Any], part: Mapping[str, Any], outer: str, prefix: str, world: Place
 ) -> Place:
     """`outer` is the prefix of the recipe, `prefix` that of the part, `world` where the recipe's world stands."""
-    if part.get("joint") not in (None, "weld"):
+    if part.get("joint") not in (None, "none"):
         return Place("body", prefix)  # the body that the joint brings
     offset = None if "mate" in part else _offset(part, given)
     kind = next((kind for kind in PLACES if kind in part), None)

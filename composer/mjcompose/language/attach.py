@@ -190,7 +190,7 @@ class Attachment(UsedModel):
     """Rotation in the frame of that place, as the z axis of the part, turned the shortest way."""
     joint: Annotated[JointWord | Element | tuple[Element, ...] | None, JointField()] = None
     """What stands between the place and the part. Without it nothing is added, and a free joint of the part's
-    root is kept where it may be; `weld` removes it."""
+    root is kept where it may be; `none` removes it."""
     sense: Annotated[Sense | None, SenseField()] = None
     """What the place carries is measured there: force and torque between the place and the part, by sensors."""
     prefix: Annotated[str | None, Prefix()] = None

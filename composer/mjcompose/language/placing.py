@@ -143,8 +143,8 @@ def _models(node: Located) -> Iterator[tuple[Path, Located]]:
 
 OWNER = "an attached part"
 ORIENTATIONS = ("quat", "euler", "axisangle", "xyaxes", "zaxis")
-WORDS = ("weld", "free", "ball", "mocap")
-JointWord = Literal["weld", "free", "ball", "mocap"]
+WORDS = ("none", "free", "ball", "mocap")
+JointWord = Literal["none", "free", "ball", "mocap"]
 JointType = ("hinge", "slide", "ball")
 TINY = 1e-10
 """Axes shorter than this are none to MuJoCo."""
@@ -282,7 +282,7 @@ def _joint(reader: Reader, value: Any, at: Path) -> Element | None:
 
 
 def _no_joint(value: Any) -> Fault:
-    help = "write one of `weld`, `free`, `ball`, `mocap`, or `{type: hinge, axis: [0, 0, 1]}`"
+    help = "write one of `none`, `free`, `ball`, `mocap`, or `{type: hinge, axis: [0, 0, 1]}`"
     if not isinstance(value, str):
         return Fault(
             "wrong-type", f"`joint` expects a word, a mapping or a list, got {kind_of(value)}", help=help

@@ -132,7 +132,7 @@ def _free_joint(linking: Linking, part: Part, joint: Node, called: str, alone: b
             if alone
             else f"leave `{part.place.kind}` out to let it float in the world"
         )
-        help = f"write `joint: weld` to fix it there, or {away}"
+        help = f"write `joint: none` to fix it there, or {away}"
     if part.joints or part.mocap:
         drop = "drop: [freejoint]" if joint.tag == "freejoint" else "drop: [{joint: NAME}]"
         help = f"write `{drop}` so that it moves by the `joint` that is added alone, or {help.removeprefix('write ')}"

@@ -362,7 +362,7 @@ def test_ten_tools_on_each_of_ten_arms_weigh_what_they_weigh(tmp_path: Path, arm
     parts = ""
     for number, tool in enumerate(TOOLS):
         pose = f"pos: {rng.normal(size=3).tolist()}, quat: {rng.normal(size=4).tolist()}"
-        parts += f"  t{number}: {{model: {folder / tool}.xml, {ARMS[arm]}, {pose}, joint: weld, {SENSE}}}\n"
+        parts += f"  t{number}: {{model: {folder / tool}.xml, {ARMS[arm]}, {pose}, joint: none, {SENSE}}}\n"
     recipe = tmp_path / "recipe.yaml"
     recipe.write_text(f"recipe: 1\nconflict: warning\nbase: {folder / arm}.xml\nattach:\n{parts}")
     context = Context(environment={}, folder=tmp_path)
@@ -558,7 +558,7 @@ def test_a_part_may_hang_on_a_copy_and_keys_go_with_the_copies(tmp_path: Path) -
     model = models(
         tmp_path,
         cube,
-        "recipe: 1\nattach:\n  lid: {model: ./part.xml, joint: weld, site: cube1/top}\n"
+        "recipe: 1\nattach:\n  lid: {model: ./part.xml, joint: none, site: cube1/top}\n"
         "  cube: {model: ./part.xml, replicate: [{count: 3, offset: [1, 0, 0], euler: [0, 0, 90deg]}]}\n",
     )
     assert model.body("lid/b").parentid[0] == model.body("cube1/b").id

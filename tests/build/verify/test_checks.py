@@ -58,7 +58,7 @@ FILES = {
 recipe: 1
 base: ./base.xml
 attach:
-  w: {model: ./cube.xml, site: s, joint: weld, pos: [0.1, 0, 0], keys: prefix}
+  w: {model: ./cube.xml, site: s, joint: none, pos: [0.1, 0, 0], keys: prefix}
 check:
   inside: {unchanged: {part: w}}
 """,
@@ -67,13 +67,13 @@ EVERYTHING = """
 recipe: 1
 base: ./base.xml
 attach:
-  weld: {model: ./cube.xml, site: s, joint: weld, pos: [0.1, 0, 0]}
-  weld2: {model: ./cube2.xml, frame: inner, joint: weld, euler: [0, 20deg, 0]}
+  weld: {model: ./cube.xml, site: s, joint: none, pos: [0.1, 0, 0]}
+  weld2: {model: ./cube2.xml, frame: inner, joint: none, euler: [0, 20deg, 0]}
   free: {model: ./cube.xml, pos: [3, 0, 0], euler: [0, 20deg, 0]}
   nokeys: {model: ./cube.xml, pos: [3, 0, 0], drop: [key]}
   nest: {model: ./inner.yaml, pos: [7, 0, 0], euler: [0, 0, 1rad]}
   nest2: {model: ./inner.yaml, pos: [9, 0, 0], keys: prefix}
-  mated: {model: ./cube.xml, joint: weld, body: nest/b, mate: tip}
+  mated: {model: ./cube.xml, joint: none, body: nest/b, mate: tip}
   bare: {model: ./tool.xml, prefix: "", body: b}
   hinged: {model: ./tool.xml, body: b, joint: {type: hinge, axis: [0, 0, 1]}}
 add:
@@ -237,7 +237,7 @@ def test_a_target_in_a_nested_recipe_is_in_that_one_s_world(tmp_path: Path, run:
         "recipe: 1\nbase: ./cube.xml\ncheck:\n  aim: {reachable: {site: tip, target: [0.2, 0, 1.1]}}\n"
         "  not: {reachable: {site: tip, target: [5, 0, 1]}}\n"
     )
-    place = "site: s, joint: weld, pos: [0.1, 0, 0], euler: [40deg, 0, 10deg]"
+    place = "site: s, joint: none, pos: [0.1, 0, 0], euler: [40deg, 0, 10deg]"
     _, told = run(f"recipe: 1\nbase: ./base.xml\nattach:\n  a: {{model: ./aim.yaml, {place}}}\n")
     assert told == ["aim.yaml:5:40 check-failed"]
 

@@ -252,13 +252,13 @@ def part_of(step: AttachPart, unit: Unit, making: ElementBuilder) -> Part:
 
 
 def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBuilder) -> None:
-    """Add the connection between the place and the part: nothing, a weld, a mocap body or joints."""
+    """Add the connection between the place and the part: nothing, a mocap body or joints."""
     part.sense = _sense(step, making)
     joint = step.attachment.joint
     if joint is None:
         return
     named = {"name": step.prefix} if step.prefix else {}
-    if joint == "weld":
+    if joint == "none":
         part.weld = True
     elif joint in ("free", "mocap") and floats_by_itself(part.unit, mocap=joint == "mocap"):
         part.by_itself = True

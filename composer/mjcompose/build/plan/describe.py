@@ -283,7 +283,8 @@ def _place(part: AttachPart) -> str:
     if joint is None:
         return place
     if isinstance(joint, str):
-        return f"{place}, {'welded' if joint == 'weld' else f'with a {joint} joint' if joint != 'mocap' else 'mocap'}"
+        words = {"none": "without a joint", "mocap": "mocap"}
+        return f"{place}, {words.get(joint, f'with a {joint} joint')}"
     return f"{place}, with {len(joint) if isinstance(joint, tuple) else 1} joint(s)"
 
 

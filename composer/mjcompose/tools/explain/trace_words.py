@@ -364,7 +364,7 @@ class PassWords:
 
     def _weld(self, life: Life, cause: Cause) -> Reason:
         part = cause.part
-        return Reason("left out: `joint: weld` fixes the part in its place", part.span if part else None)
+        return Reason("left out: `joint: none` fixes the part in its place", part.span if part else None)
 
     def _section_made(self, life: Life, cause: Cause) -> Reason:
         return Reason("holds what the parts bring")
