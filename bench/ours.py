@@ -52,7 +52,7 @@ def copies(model: Path, count: int) -> bytes:
     assert unit is not None
     base = Unit(etree.Element("mujoco"), "", Path(), "world")
     parts = [Part(unit.copied() if number else unit, f"{number}/") for number in reversed(range(count))]
-    return _linked(Linking(base, parts, sink, Request(conflict="merge")))
+    return _linked(Linking(base, parts, sink, Request(conflict="mujoco")))
 
 
 def _linked(linking: Linking) -> bytes:

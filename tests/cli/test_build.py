@@ -82,7 +82,7 @@ def test_text_on_standard_output(folder: Path) -> None:
 
 
 def test_warnings_stay_out_of_the_text(folder: Path) -> None:
-    text = RECIPE.replace("name: cell", "conflict: merge")
+    text = RECIPE.replace("name: cell", "conflict: mujoco")
     for name, step in (("arm.xml", "0.002"), ("tool.xml", "0.001")):
         model = folder / "models" / name
         model.write_text(

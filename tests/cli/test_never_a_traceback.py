@@ -151,7 +151,7 @@ def test_base(folder: Path, name: str, edit: Text) -> None:
     changed.write_text(edit(source.read_text(encoding="utf-8")), encoding="utf-8")
     recipe = folder / "upon.yaml"
     recipe.write_text(
-        f"recipe: 1\nconflict: merge\nbase: ./models/{Path(name).parent}/changed.xml\n"
+        f"recipe: 1\nconflict: mujoco\nbase: ./models/{Path(name).parent}/changed.xml\n"
         "attach:\n  cube: {model: ./models/props/cube.xml, pos: [1, 0, 0]}\n"
         "add:\n  - {to: world, body: {name: more, joint: [{name: more}], geom: [{size: [0.1]}]}}\n",
         encoding="utf-8",

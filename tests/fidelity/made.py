@@ -192,7 +192,7 @@ def _moving() -> Iterator[Made]:
             "stand.xml": stand,
         }
         recipe = (
-            f"base: ./stand.xml\nconflict: warning\nattach:\n  p: {{model: ./p.xml, {place}pos: {list(POS)}, quat: {list(QUAT)}}}\n"
+            f"base: ./stand.xml\nconflict: base\nattach:\n  p: {{model: ./p.xml, {place}pos: {list(POS)}, quat: {list(QUAT)}}}\n"
             "check: {same: {unchanged: {}}}\n"
         )
         yield Made(f"{equality} {place or 'turned'}", recipe, _moves_alike, files)

@@ -19,7 +19,7 @@ def write_recipe(composition: Composition, folder: Path) -> Path:
     recipe: dict[str, Any] = {
         "recipe": 1,
         "separator": separator,
-        "conflict": "warning",
+        "conflict": "base",
         "base": {"model": _reference(composition.parent, folder)},
     }
     models = [composition.parent, *(attachment.child for attachment in composition.attachments)]

@@ -16,20 +16,20 @@ recipe: 1
 base: menagerie:universal_robots_ur5e/ur5e
 attach:
   hand: {model: menagerie:wonik_allegro/left_hand, site: attachment_site}
-conflict: merge
+conflict: mujoco
 """
 NESTED = """
 recipe: 1
 attach:
   left: {model: ./arm.yaml, pos: [0, 0.5, 0]}
   right: {model: ./arm.yaml, pos: [0, -0.5, 0]}
-conflict: merge
+conflict: mujoco
 """
 COPIES = """
 recipe: 1
 attach:
   panda: {model: menagerie:franka_emika_panda/panda, replicate: [{count: 4, offset: [0, 1, 0]}]}
-conflict: merge
+conflict: mujoco
 """
 HANDS = """
 recipe: 1
@@ -37,7 +37,7 @@ base: menagerie:unitree_g1/g1
 attach:
   left: {model: menagerie:wonik_allegro/left_hand, body: left_wrist_yaw_link, pos: [0.1, 0, 0]}
   right: {model: menagerie:robotiq_2f85/2f85, body: right_wrist_yaw_link, pos: [0.1, 0, 0]}
-conflict: merge
+conflict: mujoco
 """
 
 

@@ -150,12 +150,12 @@ def test_head(recipe: Callable[[str], Recipe]) -> None:
         angle: radian
         eulerseq: ZYX
         separator: "__"
-        conflict: merge
+        conflict: mujoco
         base: ./arm.xml
         """
     )
     assert (read.name, read.description, read.angle, read.eulerseq) == ("cell", "", "radian", "ZYX")
-    assert (read.separator, read.conflict) == ("__", "merge")
+    assert (read.separator, read.conflict) == ("__", "mujoco")
     assert read.base == Base(model="./arm.xml", keys="merge")
 
 

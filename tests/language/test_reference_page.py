@@ -33,7 +33,7 @@ def test_every_key_of_the_models_has_a_row() -> None:
     assert rows >= set(Recipe.model_fields)
     assert rows >= {
         "attach.PREFIX.mate",
-        "base.keyframes",
+        "base.keys",
         "check.NAME.exists",
         "randomize.fields.FIELD",
         "rename",
@@ -43,7 +43,7 @@ def test_every_key_of_the_models_has_a_row() -> None:
 def test_a_row_has_type_default_and_meaning() -> None:
     text = page()
     assert "| `option.timestep` | number | `0.002` | timestep, s |" in text
-    assert "| `conflict` | `error`, `warning`, `merge` | `error` |" in text
+    assert "| `conflict` | `error`, `base`, `mujoco` | `error` |" in text
     assert (
         "| **`attach.PREFIX.model`** | text or any of the [top-level keys](#top-level-keys) |  | A model reference"
         in text

@@ -76,7 +76,7 @@ OTHERS = [
 
 
 @pytest.mark.parametrize(("written", "path", "settling"), CONFLICTS)
-@pytest.mark.parametrize("conflict", ["error", "warning", "merge"])
+@pytest.mark.parametrize("conflict", ["error", "base", "mujoco"])
 def test_what_all_parts_that_write_it_agree_on_is_taken(
     workshop: Workshop, written: str, path: str, settling: str, conflict: str
 ) -> None:
@@ -132,21 +132,21 @@ def test_what_the_recipe_settles_is_no_conflict(
 @pytest.mark.parametrize(("written", "path", "settling"), CONFLICTS)
 def test_a_conflict_may_be_a_warning(workshop: Workshop, written: str, path: str, settling: str) -> None:
     base = options(OTHERS[CONFLICTS.index((written, path, settling))])
-    linked = workshop.link(base, options(written), conflict="warning")
+    linked = workshop.link(base, options(written), conflict="base")
     assert told(linked) == [("option-conflict", "warning")]
     assert written not in linked.xml
 
 
 def test_of_parts_that_disagree_none_has_its_way_under_a_warning(workshop: Workshop) -> None:
     parts = [Piece(options(f'<option timestep="{step}"/>'), f"p{step}/") for step in (0.001, 0.002, 0.003)]
-    linked = workshop.link(BASE, *parts, conflict="warning")
+    linked = workshop.link(BASE, *parts, conflict="base")
     assert told(linked) == [("option-conflict", "warning")] * 2  # 0.002 is what MuJoCo does anyway
     assert linked.model().opt.timestep == 0.002
 
 
 def test_a_default_gives_way_in_a_merge(workshop: Workshop) -> None:
     pieces = [Piece(options(f'<option cone="{cone}"/>'), f"{cone}/") for cone in ("pyramidal", "elliptic")]
-    linked = workshop.link(BASE, *pieces, conflict="merge")
+    linked = workshop.link(BASE, *pieces, conflict="mujoco")
     assert told(linked) == [("option-conflict", "warning")]
     assert linked.model().opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
 
@@ -182,8 +182,8 @@ def test_all_settings_of_a_part_are_one_finding_with_one_help(workshop: Workshop
 def test_a_merge_is_advised_only_where_it_would_settle_everything(workshop: Workshop) -> None:
     part = options('<option cone="pyramidal"/>')
     slow, fast = (options(f'<option timestep="{step}"/>') for step in (0.01, 0.001))
-    assert "conflict: merge" in str(workshop.link(slow, fast).fault.help)
-    assert "conflict: merge" not in str(workshop.link(options('<option cone="elliptic"/>'), part).fault.help)
+    assert "conflict: mujoco" in str(workshop.link(slow, fast).fault.help)
+    assert "conflict: mujoco" not in str(workshop.link(options('<option cone="elliptic"/>'), part).fault.help)
 
 
 MERGES = [
@@ -201,7 +201,7 @@ def test_of_two_authored_values_the_safer_is_merged(
     workshop: Workshop, name: str, base: str, part: str, expected: str
 ) -> None:
     linked = workshop.link(
-        options(f'<option {name}="{base}"/>'), options(f'<option {name}="{part}"/>'), conflict="merge"
+        options(f'<option {name}="{base}"/>'), options(f'<option {name}="{part}"/>'), conflict="mujoco"
     )
     assert told(linked) == [("option-conflict", "warning")]
     assert f'{name}="{expected}"' in linked.xml
@@ -209,7 +209,7 @@ def test_of_two_authored_values_the_safer_is_merged(
 
 def test_what_has_no_safer_value_is_an_error_in_a_merge_too(workshop: Workshop) -> None:
     linked = workshop.link(
-        options('<option cone="elliptic"/>'), options('<option cone="pyramidal"/>'), conflict="merge"
+        options('<option cone="elliptic"/>'), options('<option cone="pyramidal"/>'), conflict="mujoco"
     )
     assert told(linked) == [("option-conflict", "error")]
 
@@ -220,7 +220,7 @@ def test_merged_values_are_those_that_later_parts_meet(workshop: Workshop) -> No
         Piece(options('<option timestep="0.01"/>'), "a/"),
         Piece(options('<option timestep="0.005"/>'), "b/"),
         Piece(options('<option timestep="0.01"/>'), "c/"),
-        conflict="merge",
+        conflict="mujoco",
     )
     assert len(linked.sink.diagnostics) == 3
     assert linked.model().opt.timestep == 0.005

@@ -139,7 +139,7 @@ def test_padding_by_size_is_kept_with_its_model(workshop: Workshop) -> None:
 
 
 @pytest.mark.parametrize(
-    ("policy", "severity"), [("error", "error"), ("warning", "warning"), ("merge", "warning")]
+    ("policy", "severity"), [("error", "error"), ("base", "warning"), ("mujoco", "warning")]
 )
 def test_times_that_differ_are_told(workshop: Workshop, policy: str, severity: str) -> None:
     hand = HAND.replace('name="home"', 'name="home" time="5"')

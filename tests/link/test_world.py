@@ -44,7 +44,7 @@ def test_a_free_body_cannot_hang_on_a_body(workshop: Workshop, body: str, kind: 
     assert fault.span is not None
     assert fault.span.file == "recipe.yaml"
     assert [note.span.file for note in fault.notes if note.span] == [str(linked.paths[1])]
-    assert "weld" in (fault.help or "")
+    assert "joint: none" in (fault.help or "")
 
 
 @pytest.mark.parametrize("body", [*FREE.values(), MOCAP], ids=[*FREE.keys(), "mocap"])

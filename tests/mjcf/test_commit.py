@@ -43,9 +43,9 @@ CLASSES = """
 
 
 def _same(model: RootElement) -> None:
-    before = model.compile_model(conflict="warning").model
+    before = model.compile_model(conflict="base").model
     mjcf.commit_defaults(model)
-    after = model.compile_model(conflict="warning").model
+    after = model.compile_model(conflict="base").model
     for name in before._all_fields if hasattr(before, "_all_fields") else dir(before):
         array = getattr(before, name)
         if isinstance(array, np.ndarray):

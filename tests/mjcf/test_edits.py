@@ -227,9 +227,9 @@ class Edits(RuleBasedStateMachine):
             written = mujoco.MjModel.from_xml_string(text, root.assets)
         except ValueError:  # a moving body may have lost its mass
             with pytest.raises(MjcfError):
-                root.compile_model(conflict="merge")
+                root.compile_model(conflict="mujoco")
             return
-        physics = root.compile_model(conflict="merge")
+        physics = root.compile_model(conflict="mujoco")
         for name in (
             "body_pos",
             "geom_size",
@@ -343,7 +343,7 @@ class Edits(RuleBasedStateMachine):
 def _text(model: RootElement) -> str | None:
     """None where the linker tells what MuJoCo cannot have: two things of one meaning, or no place for them."""
     try:
-        return model.to_xml_string(conflict="merge")
+        return model.to_xml_string(conflict="mujoco")
     except MjcfError as error:
         # A model alone has nothing of the models around it, and what it refers to may have been detached.
         told = {

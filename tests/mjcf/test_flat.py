@@ -74,14 +74,14 @@ def test_options_that_differ_are_an_error_until_it_is_said_what_holds(
     with pytest.raises(mjcf.MjcfError) as caught:
         arm.to_xml_string()
     assert [fault.code for fault in caught.value.diagnostics] == ["option-conflict"]
-    assert "`conflict='warning'`" in str(caught.value) and "recipe" not in str(caught.value)
+    assert "`conflict='base'`" in str(caught.value) and "recipe" not in str(caught.value)
     with pytest.warns(mjcf.MjcfWarning, match="the model's values stand") as told:
-        text = arm.to_xml_string(conflict="warning")
+        text = arm.to_xml_string(conflict="base")
     assert len(told) == 1 and told[0].filename == __file__
     assert str(told[0].message).startswith(f"{__file__}:")
     assert mujoco.MjModel.from_xml_string(text, arm.assets).opt.impratio == 1
     with pytest.raises(mjcf.MjcfError):
-        arm.to_xml_string(conflict="merge")
+        arm.to_xml_string(conflict="mujoco")
     arm.option.impratio = None
     arm.option.cone = None
     with warnings.catch_warnings():
@@ -222,13 +222,13 @@ def test_the_second_text_is_not_linked_and_has_the_same_warnings(monkeypatch: py
                  for name, step in (("arm", 0.001), ("hand", 0.002)))  # fmt: skip
     arm.attach(hand)
     with pytest.warns(mjcf.MjcfWarning) as first:
-        text = arm.to_xml_string(conflict="warning")
+        text = arm.to_xml_string(conflict="base")
     monkeypatch.setattr(flat, "linked", None)
     with pytest.warns(mjcf.MjcfWarning) as second:
-        assert arm.to_xml_string(conflict="warning") == text
+        assert arm.to_xml_string(conflict="base") == text
     assert [str(each.message) for each in first] == [str(each.message) for each in second]
     with pytest.raises(TypeError):  # another policy is another text
-        arm.to_xml_string(conflict="merge")
+        arm.to_xml_string(conflict="mujoco")
 
 
 def faults(model: mjcf.RootElement) -> list[str]:

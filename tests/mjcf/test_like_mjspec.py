@@ -22,7 +22,7 @@ def spec(path: Path) -> mujoco.MjSpec:
 
 
 def assert_alike(model: mjcf.RootElement, base: mujoco.MjSpec, tmp_path: Path) -> None:
-    mjcf.export_with_assets(model, tmp_path / "ours", conflict="warning")
+    mjcf.export_with_assets(model, tmp_path / "ours", conflict="base")
     ours = mujoco.MjModel.from_xml_path(str(tmp_path / "ours" / "model.xml"))
     found = compare(base.compile(), ours, keys=Keys.PREFIX, tolerance=ROUNDING, ignore=_MOVED)
     assert [str(each) for each in found] == []

@@ -116,7 +116,7 @@ def test_conflicts_are_settled_as_asked(
     with pytest.raises(mjcf.MjcfError, match=r"option\.timestep"):
         mjcf.export_with_assets(both, tmp_path / "out")
     with pytest.warns(mjcf.MjcfWarning):
-        mjcf.export_with_assets(both, tmp_path / "out", conflict="merge")
+        mjcf.export_with_assets(both, tmp_path / "out", conflict="mujoco")
     assert mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "model.xml")).opt.timestep == 0.001
 
 

@@ -245,6 +245,8 @@ _BY_NAME: dict[str, str] = {
     "edit": "modify patch override change overlay",
     "attach": "part component attachment child",
     "keys": "keyframe",
+    "base": "warning",
+    "mujoco": "merge",
     "none": "weld welded",
     "extends": "extend inherit inherits parent import",
     "params": "variable parameter arg argument",

@@ -392,7 +392,7 @@ class Recipe(Model):
     """The sequence of rotations of `euler` in this file: lower case for moving axes, upper case for fixed."""
     separator: Annotated[Literal["/", ":", ".", "-", "_", "__"], Choice("separator")] = "/"
     """What stands between a prefix and a name."""
-    conflict: Annotated[Literal["error", "warning", "merge"], Choice("conflict")] = "error"
+    conflict: Annotated[Literal["error", "base", "mujoco"], Choice("conflict")] = "error"
     """What happens where parts disagree in `option`, `size`, `statistic` or `visual`."""
     base: Base | None = None
     """The model to start from, which keeps its own names; without it, an empty one."""

@@ -235,7 +235,7 @@ def agreement(linking: Linking) -> None:
     model = opinions(linking.base)
     asked = [(part, opinions(part.unit)) for part in linking.parts]
     common, disagreed = _common(linking, model, asked)
-    if linking.request.conflict == "merge":  # as in MuJoCo, a default gives way, wherever it is written
+    if linking.request.conflict == "mujoco":  # as in MuJoCo, a default gives way, wherever it is written
         unwritten = {each.path for each in linking.base.adopted if not each.is_written}
         model = {path: have for path, have in model.items() if path not in unwritten}
     elif linking.request.conflict == "error":
@@ -278,7 +278,7 @@ def _wishes(
         current = have.value if have is not None else default_of(path)
         if current is not None and equal(current, wanted.value):
             continue
-        settled = merged(path, have, wanted) if linking.request.conflict == "merge" else None
+        settled = merged(path, have, wanted) if linking.request.conflict == "mujoco" else None
         yield _Wish(path, wanted, have, settled)
         if settled is not None:
             set_value(linking.base, path, settled)
@@ -296,7 +296,7 @@ def _report(linking: Linking, part: Part, wishes: list[_Wish], all_wishes: list[
     if not wishes:
         return
     message, notes, span, cause = _described(part, wishes)
-    if linking.request.conflict == "warning":
+    if linking.request.conflict == "base":
         stands = ", which stands" if len(wishes) == 1 else "; the model's values stand"
         linking.sink.warning("option-conflict", f"{message}{stands}", span, notes=notes, cause=cause)
         return
@@ -306,7 +306,7 @@ def _report(linking: Linking, part: Part, wishes: list[_Wish], all_wishes: list[
     sections = dict.fromkeys(wish.section for wish in wishes)
     others = [f"leave those of the part out: `drop: [{', '.join(sections)}]`"]
     if linking.request.conflict == "error" and _would_merge(all_wishes):
-        others.append("write `conflict: merge`")
+        others.append("write `conflict: mujoco`")
     sentence, *lines = settling(asked, linking.request.overridden_options).split("\n")
     help = "\n".join([f"{sentence}; or {', or '.join(others)}", *lines])
     subjects = (part.called, *(wish.path for wish in wishes))
@@ -349,7 +349,7 @@ def _noted(wish: _Wish) -> str:
 
 
 def _would_merge(wishes: Iterable[_Wish]) -> bool:
-    """Return whether `conflict: merge` would resolve all conflicts."""
+    """Return whether `conflict: mujoco` would resolve all conflicts."""
     model: dict[str, Written] = {}
     for wish in wishes:
         have = model.get(wish.path, wish.have)

@@ -20,7 +20,7 @@ from mjcompose.link.key_layout import Holder, Layout, Slot
 from mjcompose.model.names import Names, may_be_generated
 from mjcompose.model.unit import Key, PartKeys, Unit, Watch, nobody
 
-Policy = Literal["error", "warning", "merge"]
+Policy = Literal["error", "base", "mujoco"]
 KeyPolicy = Literal["merge", "prefix", "none"]
 
 

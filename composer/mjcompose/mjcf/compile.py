@@ -183,7 +183,7 @@ def compile_model(model: Model, conflict: Policy) -> tuple[MjModel, Snapshot]:
 def snapshot(model: Model, roster: NameTable) -> Snapshot:
     """Find the elements of a composition by their names in a model that was compiled from something else."""
     copies = _Copies()
-    return _snapshot(model, copies, flatten(model, "warning", copies), roster)
+    return _snapshot(model, copies, flatten(model, "base", copies), roster)
 
 
 def compile_text(text: bytes, assets: Mapping[str, bytes], flat: Flat | None = None) -> MjModel:

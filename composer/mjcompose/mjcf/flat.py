@@ -260,8 +260,8 @@ def _report(model: Model, namespace: str, name: str, users: list[Use], sink: Sin
 # The linker speaks to the writers of recipes; this is what a Python user can do.
 _RENAME = "rename one of the two, or the attached model: `child.model = '…'`"
 _HELP = {
-    "option-conflict": "make the two agree, or pass `conflict='warning'`, which lets the model's own "
-    "value stand and says so, or `conflict='merge'`",
+    "option-conflict": "make the two agree, or pass `conflict='base'`, which lets the model's own "
+    "value stand and says so, or `conflict='mujoco'`",
     "freejoint-on-body": "remove the free joint, or attach the model to the worldbody",
     "mocap-on-body": "attach the model to the worldbody",
     "plane-on-body": "remove the plane, or attach the model to something that does not move",
@@ -422,7 +422,7 @@ def name_files(flat: Flat) -> None:
 
 def assets(model: Model) -> dict[str, bytes]:
     """Return the bytes of the composition's files by name. See `RootElement.assets`."""
-    return contents(flatten(model, "warning"))
+    return contents(flatten(model, "base"))
 
 
 def contents(flat: Flat) -> dict[str, bytes]:
@@ -438,7 +438,7 @@ def contents(flat: Flat) -> dict[str, bytes]:
 
 def bundle_paths(model: Model) -> dict[bytes | Path, str]:
     """Return the path of each file in an export, by the file's source path or its bytes. Raises `MjcfError`."""
-    flat = flatten(model, "warning")
+    flat = flatten(model, "base")
     sink = Sink()
     collect(flat.unit, flat.files, sink)
     raise_errors(sink)

@@ -471,7 +471,7 @@ def picture(model: Model) -> bytes | None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", MjcfWarning)
         try:
-            physics = Physics.from_mjcf_model(view(top, top.unit.root), conflict="warning")
+            physics = Physics.from_mjcf_model(view(top, top.unit.root), conflict="base")
             return png(physics.render(*_SIZE))
         except MjcfError:
             return None

@@ -86,7 +86,7 @@ def test_source_date_epoch_is_no_part_of_what_is_known(
 def test_warnings_are_told_again(store: Path, folder: Path) -> None:
     (folder / "other.xml").write_text('<mujoco><option timestep="0.001"/><worldbody/></mujoco>')
     (folder / "w.yaml").write_text(
-        "recipe: 1\nconflict: warning\nbase: ./models/arm.xml\noption: {gravity: [0, 0, -9.81]}\n"
+        "recipe: 1\nconflict: base\nbase: ./models/arm.xml\noption: {gravity: [0, 0, -9.81]}\n"
         "attach:\n  other: {model: ./other.xml}\n"
     )
     first = run("build", "w.yaml", "-o", "w.zip")

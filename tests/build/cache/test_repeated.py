@@ -30,7 +30,7 @@ finally:
 _WARNED = """\
 recipe: 1
 name: warned
-conflict: warning
+conflict: base
 base: ./models/arm.xml
 option: {gravity: [0, 0, -9]}
 attach:

@@ -364,7 +364,7 @@ def test_ten_tools_on_each_of_ten_arms_weigh_what_they_weigh(tmp_path: Path, arm
         pose = f"pos: {rng.normal(size=3).tolist()}, quat: {rng.normal(size=4).tolist()}"
         parts += f"  t{number}: {{model: {folder / tool}.xml, {ARMS[arm]}, {pose}, joint: none, {SENSE}}}\n"
     recipe = tmp_path / "recipe.yaml"
-    recipe.write_text(f"recipe: 1\nconflict: warning\nbase: {folder / arm}.xml\nattach:\n{parts}")
+    recipe.write_text(f"recipe: 1\nconflict: base\nbase: {folder / arm}.xml\nattach:\n{parts}")
     context = Context(environment={}, folder=tmp_path)
     made = build(Request(recipe), context)
     assert made is not None, [each.message for each in context.sink.errors]

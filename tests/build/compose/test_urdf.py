@@ -121,7 +121,7 @@ def test_alone_it_is_what_mujoco_makes_of_it(tmp_path: Path, extension: str) -> 
 @pytest.mark.parametrize("extension", EXTENSIONS.values(), ids=EXTENSIONS)
 def test_as_a_part_it_stays_what_it_is(tmp_path: Path, extension: str) -> None:
     text = (
-        "conflict: merge\nattach:\n  a: {model: ./robot.urdf, pos: [1, 2, 3]}\n  b: {model: ./robot.urdf}\n"
+        "conflict: mujoco\nattach:\n  a: {model: ./robot.urdf, pos: [1, 2, 3]}\n  b: {model: ./robot.urdf}\n"
     )
     model = built(files(tmp_path, extension, recipe=text))
     alone = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.urdf"))

@@ -326,7 +326,7 @@ def test_a_part_without_its_settings_or_keys_is_compared(folder: Path, check: Ch
     """No element is left out: what the part is, it still is."""
     (folder / "parts" / "part.xml").write_text(PART.replace("</mujoco>", SETTINGS))
     part = f"{{model: ./parts/part.xml, drop: [{dropped}]}}"
-    (folder / "recipe.yaml").write_text(f"recipe: 1\nconflict: warning\nattach:\n  one: {part}\n")
+    (folder / "recipe.yaml").write_text(f"recipe: 1\nconflict: base\nattach:\n  one: {part}\n")
     built = build(Request(folder / "recipe.yaml"), Context(folder=folder, environment={}))
     assert built is not None
     write(built.bundle, f"{folder / 'out'}{os.sep}", environment={})

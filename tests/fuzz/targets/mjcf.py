@@ -24,8 +24,8 @@ def _seeds(corpus: Path | None) -> Iterator[Seed]:
 
 def check(path: Path, tools: Tools) -> str | None:
     recipes = {
-        "base": f"recipe: 1\nconflict: merge\nbase: ./{path.name}\n",
-        "part": f"recipe: 1\nconflict: merge\nattach: {{p: {{model: ./{path.name}, pos: [1, 0, 0]}}}}\n",
+        "base": f"recipe: 1\nconflict: mujoco\nbase: ./{path.name}\n",
+        "part": f"recipe: 1\nconflict: mujoco\nattach: {{p: {{model: ./{path.name}, pos: [1, 0, 0]}}}}\n",
     }
     return differs(path, tools, recipes)
 

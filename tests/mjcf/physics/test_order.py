@@ -26,8 +26,8 @@ def _judged(model: RootElement) -> int:
     for number, element in enumerate(twins):
         if element.name is None:
             element.name = f"number-{number}"
-    physics = model.compile_model(conflict="warning")
-    ids = NameTable(twin.compile_model(conflict="warning").model).ids
+    physics = model.compile_model(conflict="base")
+    ids = NameTable(twin.compile_model(conflict="base").model).ids
     bound = 0
     for element, named in zip(elements, twins, strict=True):
         kind = compiled_kind(element._node)

@@ -290,7 +290,7 @@ def test_real_models_that_were_changed(pair: str, corpus: Path, tmp_path: Path) 
     base, part, site = PAIRS[pair]
     files = [corpus / "models" / f"{name}.xml" for name in (base, part)]
     (tmp_path / "cell.yaml").write_text(
-        f"recipe: 1\nconflict: merge\nbase: {files[0]}\nattach: {{tool: {{model: {files[1]}, site: {site}}}}}\n"
+        f"recipe: 1\nconflict: mujoco\nbase: {files[0]}\nattach: {{tool: {{model: {files[1]}, site: {site}}}}}\n"
     )
     built = build(Request(tmp_path / "cell.yaml"), Context(folder=tmp_path))
     assert built is not None

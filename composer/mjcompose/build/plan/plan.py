@@ -301,7 +301,7 @@ class Plan:
     file: str
     document: Located
     separator: str
-    conflict: Literal["error", "warning", "merge"]
+    conflict: Literal["error", "base", "mujoco"]
     angle_context: AngleContext
     base: LoadBase
     parts: tuple[AttachPart, ...]

@@ -94,7 +94,7 @@ def compose_union(
         attach[each.prefix.rstrip("/")] = part
     recipe = {
         "recipe": 1, "name": name, "separator": separator, "base": f"./{folders[0].name}/model.xml",
-        "attach": attach, "conflict": "warning",
+        "attach": attach, "conflict": "base",
     }  # fmt: skip
     path = folders[0].parent / "union.yaml"
     path.write_text(json.dumps(recipe))
