@@ -86,10 +86,7 @@ class Shelf:
 
 def _files(key: Key, unit: Unit) -> set[PathlibPath]:
     """Return the file of a unit and those that it includes. Texts without a path of their own belong to their file."""
-    return {
-        key[0],
-        *(text.path or PathlibPath(name) for name, text in unit.origins.texts.items()),
-    }
+    return {key[0], *(text.path or PathlibPath(name) for name, text in unit.origins.texts.items())}
 
 
 _LINE_BREAK = re.compile(r"\r\n|\n|\r")

@@ -512,7 +512,6 @@ class Desk:
             self._reported.pop(path, None)
 
     def found(self, path: Path) -> list[Diagnostic]:
-        """Return the diagnostics of a file."""
         file = shown(path, self.folder)
         return [each for reported in self._reported.values() for each in reported.get(file, ())]
 

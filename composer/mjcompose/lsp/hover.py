@@ -304,14 +304,7 @@ def _wishes(path: tuple[str, ...], question: Question) -> Iterator[str]:
 
 
 Show = Callable[[Question], Hover | None]
-SHOWS: tuple[Show, ...] = (
-    show_expression,
-    show,
-    show_model,
-    show_setting,
-    show_selector,
-    show_key,
-)
+SHOWS: tuple[Show, ...] = (show_expression, show, show_model, show_setting, show_selector, show_key)
 
 
 def hover(question: Question) -> Hover | None:

@@ -15,6 +15,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
 from mjcompose.language.expand import cells
 from mjcompose.language.value import angle_places
+from mjcompose.lsp import subject
 from mjcompose.lsp.analysis import (
     Analysis,
     Change,
@@ -32,17 +33,6 @@ from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.hover import describe, values_of
 from mjcompose.lsp.language import Form, forms_at, forms_below, kinds_of
 from mjcompose.lsp.places import PART, is_selector, label, matches, part_called, part_of_reference
-from mjcompose.lsp.subject import (
-    Use,
-    declared_at,
-    in_model,
-    named_at,
-    nested_document,
-    parameter_at,
-    parameter_uses,
-    part_named_at,
-    uses_in,
-)
 from mjcompose.model.names import NameIndex
 from mjcompose.text.layout import format_recipe
 from mjcompose.text.node import Mapping, Node, Scalar, Sequence, find, is_template, locate, spans, to_python
@@ -59,23 +49,23 @@ def definition(question: Question) -> list[Span]:
 
 
 def _elements(question: Question) -> Iterator[Span]:
-    for known in named_at(question):
-        yield from declared_at(in_model(known, question.analysis), question.analysis)
+    for known in subject.named_at(question):
+        yield from subject.declared_at(subject.in_model(known, question.analysis), question.analysis)
 
 
 def _part(question: Question) -> Iterator[Span]:
-    at, tree = part_named_at(question), question.analysis.mapping
+    at, tree = subject.part_named_at(question), question.analysis.mapping
     if at is not None and tree is not None and find(tree, at) is not None:
         span = question.analysis.now(locate(tree, at, key=True), question.analysis.tree_of)
         yield from () if span is None else (span,)
 
 
 def _parameter(question: Question) -> Iterator[Span]:
-    found = parameter_at(question)
+    found = subject.parameter_at(question)
     if found is None:
         return
     name, nested = found
-    tree = question.analysis.mapping if nested is None else nested_document(nested, question)
+    tree = question.analysis.mapping if nested is None else subject.nested_document(nested, question)
     for section in ("params", "variants"):
         if isinstance(tree, Mapping) and find(tree, (section, name)) is not None:
             span = question.analysis.now(locate(tree, (section, name), key=True), question.analysis.tree_of)
@@ -306,14 +296,14 @@ def references(question: Question, declaration: bool = True) -> list[Span]:
     """Return the places that use what is at the cursor. With `declaration`, its declaration comes first."""
     analysis = question.analysis
     found: list[Span] = []
-    for known in named_at(question):
-        meant = in_model(known, analysis)
-        found += declared_at(meant, analysis) if declaration else ()
+    for known in subject.named_at(question):
+        meant = subject.in_model(known, analysis)
+        found += subject.declared_at(meant, analysis) if declaration else ()
         found += uses_of(meant, analysis)
-    if (at := part_named_at(question)) is not None:
+    if (at := subject.part_named_at(question)) is not None:
         found += _now([use.span for use in uses_of_part(part_called(at, analysis.plan), analysis)], analysis)
-    if (parameter := parameter_at(question)) is not None and parameter[1] is None:
-        found += _now(parameter_uses(parameter[0], analysis.tree), analysis)
+    if (parameter := subject.parameter_at(question)) is not None and parameter[1] is None:
+        found += _now(subject.parameter_uses(parameter[0], analysis.tree), analysis)
     return list(dict.fromkeys(found))
 
 
@@ -326,7 +316,7 @@ def _now(spans: Iterable[Span], analysis: Analysis) -> Iterator[Span]:
 
 def uses_of(known: Known, analysis: Analysis) -> Iterator[Span]:
     """Yield the places that refer to an element, in the recipe and in the composed model."""
-    for use in uses_in(analysis.tree):
+    for use in subject.uses_in(analysis.tree):
         if use.text == name_there(known, use, analysis) and known.namespace in use.wanted.namespaces:
             yield from _now([use.span], analysis)
     traced = analysis.traced
@@ -345,7 +335,7 @@ def _written(node: _EtreeElement, attribute: str, analysis: Analysis) -> Span | 
     return None if span is None else analysis.now(span, analysis.model_of)
 
 
-def name_there(known: Known, use: Use, analysis: Analysis) -> str | None:
+def name_there(known: Known, use: subject.Use, analysis: Analysis) -> str | None:
     """Return the name of an element at a place that uses it: the final name, or the name inside its part."""
     if not use.wanted.of:
         return known.name
@@ -355,10 +345,10 @@ def name_there(known: Known, use: Use, analysis: Analysis) -> str | None:
     return known.name[len(prefix) :]
 
 
-def uses_of_part(part: str, analysis: Analysis) -> Iterator[Use]:
+def uses_of_part(part: str, analysis: Analysis) -> Iterator[subject.Use]:
     """Yield the places that name a part, or anything in it by its prefix."""
     prefix = analysis.names.prefixes.get(part)
-    for use in uses_in(analysis.tree):
+    for use in subject.uses_in(analysis.tree):
         if use.wanted.of:
             continue
         is_part = PART in use.wanted.namespaces

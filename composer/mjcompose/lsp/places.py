@@ -202,7 +202,6 @@ def own_part(path: Path) -> Path:
 
 
 def prefix_of(at: Path, plan: Plan | None) -> str | None:
-    """Return the prefix of the part at a path, or None."""
     step = part_at(at, plan)
     return None if step is None else step.prefix
 

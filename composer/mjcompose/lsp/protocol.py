@@ -25,19 +25,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Severity, Span
 from mjcompose.base.processes import Process
 from mjcompose.base.report import printable
-from mjcompose.lsp.analysis import (
-    Action,
-    Change,
-    Completion,
-    Fold,
-    Hint,
-    Hover,
-    Item,
-    Lens,
-    Symbol,
-    column_of,
-    units,
-)
+from mjcompose.lsp import analysis
 
 _LENGTH = b"content-length"
 _MOST_LINE = 1 << 16
@@ -191,7 +179,7 @@ class Converter:
     # -- places ------------------------------------------------------------------------------------------------
 
     def path(self, span: Span) -> Path:
-        return Path(_normal(self.folder / span.file))
+        return Path(os.path.normpath(self.folder / span.file))
 
     def uri(self, span: Span) -> str:
         return self._uri(self.path(span))
@@ -209,14 +197,16 @@ class Converter:
             end = min(span.end_column - 1, len(lines[last]) if lines else 0)
         end_text = lines[last] if lines else ""
         return lsp.Range(
-            lsp.Position(line, units(text, start, self.encoding)),
-            lsp.Position(last, units(end_text, max(end, start) if last == line else end, self.encoding)),
+            lsp.Position(line, analysis.units(text, start, self.encoding)),
+            lsp.Position(
+                last, analysis.units(end_text, max(end, start) if last == line else end, self.encoding)
+            ),
         )
 
     def column(self, lines: list[str], position: lsp.Position) -> int:
         """Return the character of a position on its line, counted from 0."""
         text = lines[position.line] if position.line < len(lines) else ""
-        return column_of(text, position.character, self.encoding)
+        return analysis.column_of(text, position.character, self.encoding)
 
     def meets(self, found: Diagnostic, path: Path, place: lsp.Range) -> bool:
         """Return whether a diagnostic is shown at a place of a file."""
@@ -243,10 +233,10 @@ class Converter:
             related_information=related or None, code_description=None if url is None else lsp.CodeDescription(url),
         )  # fmt: skip
 
-    def completion(self, found: Completion) -> lsp.CompletionList:
+    def completion(self, found: analysis.Completion) -> lsp.CompletionList:
         return lsp.CompletionList(False, [self._item(each, found, at) for at, each in enumerate(found.items)])
 
-    def _item(self, item: Item, found: Completion, at: int) -> lsp.CompletionItem:
+    def _item(self, item: analysis.Item, found: analysis.Completion, at: int) -> lsp.CompletionItem:
         text = item.insert or item.label
         edit = None if found.span is None else lsp.TextEdit(self.range(found.span), text)
         again = lsp.Command("complete", "editor.action.triggerSuggest") if item.again else None
@@ -262,20 +252,20 @@ class Converter:
             command=again,
         )
 
-    def hover(self, found: Hover) -> lsp.Hover:
+    def hover(self, found: analysis.Hover) -> lsp.Hover:
         place = None if found.span is None else self.range(found.span)
         return lsp.Hover(lsp.MarkupContent(lsp.MarkupKind.Markdown, found.text), place)
 
-    def edit(self, changes: Iterable[Change]) -> lsp.WorkspaceEdit:
+    def edit(self, changes: Iterable[analysis.Change]) -> lsp.WorkspaceEdit:
         files: dict[str, list[lsp.TextEdit]] = {}
         for each in changes:
             files.setdefault(self.uri(each.span), []).append(self.text_edit(each))
         return lsp.WorkspaceEdit(changes=files)
 
-    def text_edit(self, change: Change) -> lsp.TextEdit:
+    def text_edit(self, change: analysis.Change) -> lsp.TextEdit:
         return lsp.TextEdit(self.range(change.span), change.text)
 
-    def action(self, found: Action, path: Path) -> lsp.CodeAction:
+    def action(self, found: analysis.Action, path: Path) -> lsp.CodeAction:
         about = None if found.diagnostic is None else [self.diagnostic(found.diagnostic, path)]
         return lsp.CodeAction(
             found.title,
@@ -285,22 +275,22 @@ class Converter:
             edit=self.edit(found.changes),
         )
 
-    def symbol(self, found: Symbol) -> lsp.DocumentSymbol:
+    def symbol(self, found: analysis.Symbol) -> lsp.DocumentSymbol:
         return lsp.DocumentSymbol(
             found.name or "?", _SYMBOLS.get(found.kind, _S.Property), self.range(found.whole), self.range(found.span),
             found.detail or None, children=[self.symbol(each) for each in found.children] or None,
         )  # fmt: skip
 
-    def hint(self, found: Hint) -> lsp.InlayHint:
+    def hint(self, found: analysis.Hint) -> lsp.InlayHint:
         return lsp.InlayHint(
             self.range(found.span).end, found.text, padding_left=True, tooltip=found.doc or None
         )
 
-    def lens(self, found: Lens) -> lsp.CodeLens:
+    def lens(self, found: analysis.Lens) -> lsp.CodeLens:
         command = lsp.Command(found.title, found.command, arguments=list(found.arguments))
         return lsp.CodeLens(self.range(found.span), command)
 
-    def fold(self, found: Fold) -> lsp.FoldingRange:
+    def fold(self, found: analysis.Fold) -> lsp.FoldingRange:
         return lsp.FoldingRange(found.first, found.last, kind=found.kind)
 
 
@@ -316,10 +306,6 @@ def _word_end(text: str, start: int) -> int:
     while end < len(text) and not text[end].isspace():
         end += 1
     return end if end > start else min(start + 1, len(text))
-
-
-def _normal(path: Path) -> str:
-    return os.path.normpath(path)
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,18 +11,10 @@ from mjcompose.base.files import read_regular
 from mjcompose.base.sink import Sink
 from mjcompose.build.plan.plan import Plan
 from mjcompose.language.attach import RESERVED
+from mjcompose.lsp import subject
 from mjcompose.lsp.analysis import Analysis, Change, Question, Rename
 from mjcompose.lsp.cursor import Path
 from mjcompose.lsp.places import PART, part_called
-from mjcompose.lsp.subject import (
-    Use,
-    parameter_at,
-    parameter_uses,
-    part_named_at,
-    scalars,
-    settables,
-    uses_in,
-)
 from mjcompose.text.faults import quoted, word
 from mjcompose.text.load import load
 from mjcompose.text.node import Mapping, Scalar, find, locate
@@ -92,14 +84,14 @@ _USABLE = re.compile(r"[A-Za-z_]\w*")
 
 def renameable(question: Question) -> Span | None:
     """Return the word at the cursor that can be renamed: a part, or a parameter of this recipe."""
-    at, parameter = part_named_at(question), parameter_at(question)
+    at, parameter = subject.part_named_at(question), subject.parameter_at(question)
     if not question.analysis.is_current:
         return None
     if at is not None and len(at) == 2:
         return question.word
-    if parameter is None or parameter[1] is not None or parameter[0] not in settables(question.data):
+    if parameter is None or parameter[1] is not None or parameter[0] not in subject.settables(question.data):
         return None
-    for span in parameter_uses(parameter[0], question.analysis.tree):
+    for span in subject.parameter_uses(parameter[0], question.analysis.tree):
         if (
             span.line == question.line + 1
             and span.column - 1 <= question.column <= (span.end_column or 0) - 1
@@ -110,7 +102,7 @@ def renameable(question: Question) -> Span | None:
 
 def rename(question: Question, new: str, others: Iterable[Analysis]) -> Rename:
     """Return all changes that a new name needs. `others` are the recipes that may include this one."""
-    at, parameter = part_named_at(question), parameter_at(question)
+    at, parameter = subject.part_named_at(question), subject.parameter_at(question)
     if renameable(question) is None:
         return Rename(
             refusal="only parts, parameters and variants of a recipe without faults of YAML can be renamed"
@@ -175,18 +167,18 @@ def _in_recipe(analysis: Analysis, outer: str, prefix: str, old: str, new: str) 
         if part is not None:
             yield _written(locate(tree, ("attach", old), key=True), new, analysis)
         has_names = not (isinstance(part, Mapping) and "prefix" in part.entries)
-    for use in uses_in(tree):
+    for use in subject.uses_in(tree):
         found = _of_use(use, analysis, outer, prefix, old, new, has_names)
         if found is not None:
             yield _written(use.span, found, analysis)
     if has_names:
-        for path, node in scalars(tree):
+        for path, node in subject.scalars(tree):
             if path[-1:] == ("xml",):
                 yield from _in_fragment(node, prefix + old + separator, prefix + new + separator)
 
 
 def _of_use(
-    use: Use, analysis: Analysis, outer: str, prefix: str, old: str, new: str, has_names: bool
+    use: subject.Use, analysis: Analysis, outer: str, prefix: str, old: str, new: str, has_names: bool
 ) -> str | None:
     separator = analysis.separator
     if PART in use.wanted.namespaces:
@@ -229,13 +221,13 @@ def _rename_parameter(old: str, new: str, question: Question, others: Iterable[A
             return Rename(refusal=f"`{old}` is set in `{lower}`, which this recipe extends: rename it there")
     if not _USABLE.fullmatch(new):
         return Rename(refusal=f"`{new}` cannot be the name of a parameter")
-    if new in settables(question.data):
+    if new in subject.settables(question.data):
         return Rename(refusal=f"there is a parameter or variant `{new}` already")
-    changes = [Change(span, new) for span in parameter_uses(old, analysis.tree)]
+    changes = [Change(span, new) for span in subject.parameter_uses(old, analysis.tree)]
     for other in others:
         for part, _ in _inclusions(other, analysis):
             if not part:
-                changes += [Change(span, new) for span in parameter_uses(old, other.tree)]
+                changes += [Change(span, new) for span in subject.parameter_uses(old, other.tree)]
             elif (at := _path_of(part, other)) is not None and other.mapping is not None:
                 path = (*at, "with", old)
                 if find(other.mapping, path) is not None:

@@ -76,7 +76,6 @@ def written(element: Node, attribute: str) -> str | None:
 
 @cache
 def _numeric() -> frozenset[str]:
-    """Return the attributes of classes that hold numbers."""
     kinds = [
         GRAMMAR.element(f"default/{tag}") for tag in GRAMMAR.element("default").children if tag != "default"
     ]

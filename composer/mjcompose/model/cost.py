@@ -325,10 +325,7 @@ def _made(
 
 
 def _expanded(
-    node: Node,
-    inside: Weight,
-    attached: Callable[[Node], Weight],
-    in_file: Callable[[Node], int],
+    node: Node, inside: Weight, attached: Callable[[Node], Weight], in_file: Callable[[Node], int]
 ) -> Weight:
     """What stands in the place of an element, which itself counts as one more."""
     one = Weight(1)

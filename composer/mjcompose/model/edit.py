@@ -464,7 +464,6 @@ def whole(node: Node) -> Node:
 
 
 def is_section(node: Node) -> bool:
-    """Return whether the element is a section of its model."""
     parent = node.getparent()
     return parent is not None and parent.tag == ROOT
 

@@ -41,17 +41,7 @@ def version_key(version: str) -> tuple[int, ...]:
 
 
 AttributeType = Literal[
-    "real",
-    "int",
-    "bool",
-    "keyword",
-    "keywords",
-    "string",
-    "chars",
-    "file",
-    "name",
-    "reference",
-    "references",
+    "real", "int", "bool", "keyword", "keywords", "string", "chars", "file", "name", "reference", "references"
 ]
 
 Angle = Literal["orientation-euler", "orientation-axisangle", "joint", "replicate"]

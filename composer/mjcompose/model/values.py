@@ -276,7 +276,6 @@ def check_characters(attribute: Attribute, text: str) -> Refusal | None:
 
 
 def check_length(attribute: Attribute, count: int) -> Refusal | None:
-    """Check the number of items."""
     low, high = attribute.min_length, attribute.max_length
     if attribute.lengths is not None:
         fits = count in attribute.lengths
@@ -396,5 +395,4 @@ def show(value: object) -> str:
 
 
 def shorten(text: str) -> str:
-    """Shorten a text for a message."""
     return text if len(text) <= SHOWN_TEXT else f"{text[: SHOWN_TEXT - 1]}…"

@@ -151,14 +151,8 @@ _TABLE: Mapping[str, tuple[str, Mapping[str, str]]] = {
     "geom": (f"{_SHAPE} {_CONTACT} condim contype conaffinity priority solmix", {}),
     "site": (_SHAPE, {}),
     "camera": ("pos quat fovy ipd resolution user", {}),
-    "light": (
-        f"{_LAMP} pos dir cutoff exponent castshadow active bulbradius range",
-        {},
-    ),
-    "material": (
-        "rgba emission specular shininess reflectance metallic roughness texrepeat texuniform",
-        {},
-    ),
+    "light": (f"{_LAMP} pos dir cutoff exponent castshadow active bulbradius range", {}),
+    "material": ("rgba emission specular shininess reflectance metallic roughness texrepeat texuniform", {}),
     "pair": (f"{_CONTACT} solreffriction", {"condim": "pair_dim"}),
     "equality": ("solref solimp", {"active": "eq_active0"}),
     "tendon": (

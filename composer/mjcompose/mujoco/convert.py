@@ -302,7 +302,6 @@ def _settled(layer: Any, sdf: Any) -> Any:
 
 
 def _shared(prim: Any) -> list[Any]:
-    """Return a prim's references to shared prims."""
     referred = prim.referenceList.GetAddedOrExplicitItems()
     return [each for each in referred if not each.assetPath and each.primPath.name.startswith(_SHARED)]
 

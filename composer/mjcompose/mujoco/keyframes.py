@@ -179,7 +179,6 @@ def _joint_state(model: Model, key: int, joint: int) -> tuple[Array, Array]:
 
 
 def _entry(model: Model, vector: str, key: int, index: int) -> Array:
-    """Return a key's numbers for one element in a vector."""
     rows = span(model, vector, index)
     entry: Array = getattr(model, f"key_{vector}")[key, rows.start : rows.stop]
     return entry

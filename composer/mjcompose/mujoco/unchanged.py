@@ -445,9 +445,6 @@ def _inertia_along(model: Model, tendon: int) -> float:
     return inertia
 
 
-__all__ = ["Difference", "Keys", "Mount", "Roots", "compare"]
-
-
 def compare(
     alone: Model,
     composed: Model,

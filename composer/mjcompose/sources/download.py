@@ -323,7 +323,6 @@ def forget(partial: Path) -> None:
 
 
 def _is_spared(host: str, spared: str) -> bool:
-    """Return whether `no_proxy` names the host."""
     import urllib.request
 
     bypass: Any = getattr(urllib.request, "proxy_bypass_environment")  # noqa: B009  public, and not in the stubs

@@ -91,7 +91,6 @@ def licence_of(source: Source) -> str | None:
 
 
 def is_empty(licence: Path) -> bool:
-    """Return whether a licence file is blank."""
     return not _text(licence, _LARGEST).strip()
 
 

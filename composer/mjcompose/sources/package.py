@@ -125,7 +125,6 @@ def _licence_of(owner: Distribution) -> str | None:
 
 
 def _licences_of(owner: Distribution) -> Iterator[Path]:
-    """Yield the licence files in a distribution's metadata."""
     for file in owner.files or ():
         if not file.parts[0].endswith((".dist-info", ".egg-info")):
             continue

@@ -29,25 +29,7 @@ from typing import Any, Literal, TypeAlias, get_args
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import read_regular, untrusted
 from mjcompose.base.limits import parse_size
-from mjcompose.sources.blobs import (
-    FOLDER,
-    WRITING,
-    Blob,
-    KeptMujoco,
-    blobs_in,
-    differences,
-    files_below,
-    gate,
-    held,
-    hold,
-    incomplete_in,
-    is_complete,
-    is_left,
-    mujoco_key,
-    mujocos_in,
-    sha256_of,
-    write_whole,
-)
+from mjcompose.sources import blobs
 from mjcompose.sources.reference import SourceError
 
 Stored = Literal["git", "archive"]
@@ -91,7 +73,7 @@ class Entry:
         return self.folder / "content"
 
 
-Kept: TypeAlias = Entry | Blob | KeptMujoco
+Kept: TypeAlias = Entry | blobs.Blob | blobs.KeptMujoco
 """What a prune may remove."""
 
 
@@ -125,9 +107,9 @@ class Store:
         """
         folder = self.folder / kind / key
         try:
-            with gate(self.folder):
+            with blobs.gate(self.folder):
                 if (entry := self._read(kind, folder)) is not None:
-                    hold(self.folder, key)
+                    blobs.hold(self.folder, key)
         except OSError:  # a read-only store, where nothing is removed either
             entry = self._read(kind, folder)
         if entry is not None:
@@ -151,8 +133,8 @@ class Store:
                 content.mkdir(parents=True)
                 fill(content)
                 files, size = {}, 0
-                for name, path in files_below(content):
-                    files[name] = sha256_of(path)
+                for name, path in blobs.files_below(content):
+                    files[name] = blobs.sha256_of(path)
                     size += path.stat().st_size
                     path.chmod(stat.S_IREAD | stat.S_IRGRP | stat.S_IROTH)
                 record = {
@@ -169,8 +151,8 @@ class Store:
                 target.parent.mkdir(parents=True, exist_ok=True)
                 if os.path.lexists(target):  # damaged: an intact one would have been found
                     self._remove(target, key)
-                with gate(self.folder):
-                    hold(self.folder, key)
+                with blobs.gate(self.folder):
+                    blobs.hold(self.folder, key)
                     stage.replace(target)
             finally:
                 _erase(stage)
@@ -240,13 +222,13 @@ class Store:
         removed: list[Kept] = []
         entries = self.entries()
         headless = self.headless(entries)
-        everything: list[Kept] = [*entries, *blobs_in(self.folder), *mujocos_in(self.folder)]
+        everything: list[Kept] = [*entries, *blobs.blobs_in(self.folder), *blobs.mujocos_in(self.folder)]
         everything.sort(key=lambda each: (each.used, each.key))
         size = sum(each.size for each in everything)
         for each in everything:
             if size <= limit:
                 break
-            if isinstance(each, Blob):
+            if isinstance(each, blobs.Blob):
                 with self.usable():
                     each.path.unlink(missing_ok=True)
             elif each.key in keep or time.time() - each.used < grace or not self._remove_unused(each):
@@ -255,14 +237,13 @@ class Store:
             size -= each.size
         for left in self.unfinished():
             self._sweep_unless_busy(left)
-        with contextlib.suppress(OSError), gate(self.folder):
-            held(self.folder)  # removes the leases of killed processes
+        with contextlib.suppress(OSError), blobs.gate(self.folder):
+            blobs.held(self.folder)  # removes the leases of killed processes
         for folder in headless:
             self.remove_headless(folder)
         return removed
 
     def remove(self, entry: Entry) -> None:
-        """Remove an entry in one step."""
         with self.usable():
             self._remove(entry.folder, entry.key)
 
@@ -275,21 +256,18 @@ class Store:
         """Remove what is left of a MuJoCo, unless a process is making it."""
         from filelock import FileLock, Timeout
 
-        key, locks = mujoco_key(folder.name), self.folder / "locks"
+        key, locks = blobs.mujoco_key(folder.name), self.folder / "locks"
         with contextlib.suppress(OSError):
             locks.mkdir(exist_ok=True)
-        with (
-            contextlib.suppress(Timeout, OSError),
-            FileLock(locks / f"{key}.lock", timeout=0),
-        ):
-            if not is_complete(folder):
+        with contextlib.suppress(Timeout, OSError), FileLock(locks / f"{key}.lock", timeout=0):
+            if not blobs.is_complete(folder):
                 self._remove(folder, key)
 
-    def _remove_unused(self, entry: Entry | KeptMujoco) -> bool:
+    def _remove_unused(self, entry: Entry | blobs.KeptMujoco) -> bool:
         """Remove an entry unless a process is using it; return whether it was removed."""
         with self.usable():
-            with gate(self.folder):
-                if entry.key in held(self.folder):
+            with blobs.gate(self.folder):
+                if entry.key in blobs.held(self.folder):
                     return False
                 stage = self._moved_away(entry.folder, entry.key)
             _erase(stage)
@@ -317,8 +295,8 @@ class Store:
 
     def unfinished(self) -> list[Path]:
         """Return files that are being created or downloaded, or were when their process was killed."""
-        found = incomplete_in(self.folder)
-        for name in ("staging", "partial", WRITING):
+        found = blobs.incomplete_in(self.folder)
+        for name in ("staging", "partial", blobs.WRITING):
             with contextlib.suppress(OSError):
                 found += (self.folder / name).iterdir()
         return sorted(found)
@@ -326,18 +304,18 @@ class Store:
     def damage(self, entry: Entry) -> tuple[str, ...]:
         """Return how an entry differs from what was stored, one line for each file; empty if it is intact."""
         there = {}
-        for name, path in files_below(entry.content):
+        for name, path in blobs.files_below(entry.content):
             try:
-                there[name] = sha256_of(path)
+                there[name] = blobs.sha256_of(path)
             except OSError:
                 there[name] = "unreadable"
-        return differences(entry.files, there)
+        return blobs.differences(entry.files, there)
 
     def remember(self, id: str, seen: Mapping[str, str]) -> None:
         """Record what an origin resolved to; failing to write the record is no error."""
         path = self.folder / "seen" / f"{name_of(id)}.json"
         with contextlib.suppress(OSError):
-            write_whole(self.folder, path, json.dumps({**seen, "id": id}).encode())
+            blobs.write_whole(self.folder, path, json.dumps({**seen, "id": id}).encode())
 
     def recall(self, id: str) -> Mapping[str, str]:
         """Return the last record of `remember`; empty if there is none."""
@@ -383,12 +361,12 @@ class Store:
             _erase(left)
 
     def _sweep_unless_busy(self, left: Path) -> None:
-        if left.parent.name == WRITING:
+        if left.parent.name == blobs.WRITING:
             with contextlib.suppress(OSError):
-                if is_left(left) or time.time() - left.stat().st_mtime > GRACE:
+                if blobs.is_left(left) or time.time() - left.stat().st_mtime > GRACE:
                     left.unlink()
             return
-        if left.parent.name == FOLDER:
+        if left.parent.name == blobs.FOLDER:
             self._remove_incomplete(left)
             return
         from filelock import FileLock, Timeout
@@ -411,7 +389,7 @@ def _erase(path: Path) -> None:
 
     if os.path.isdir(path):
         if os.name == "nt":  # Windows does not remove read-only files
-            for _, file in files_below(path):
+            for _, file in blobs.files_below(path):
                 with contextlib.suppress(OSError):
                     file.chmod(stat.S_IWRITE)
         shutil.rmtree(path, ignore_errors=True)

@@ -220,10 +220,7 @@ def _missing(name: str, reader: Reader, at: int) -> Fault:
 
 
 def _another(name: str, version: str, wrong: Sequence[str], at: int) -> Fault:
-    notes = [
-        "expected: the numbers, poses and motion of MuJoCo",
-        f"actual: {len(wrong)} that differ",
-    ]
+    notes = ["expected: the numbers, poses and motion of MuJoCo", f"actual: {len(wrong)} that differ"]
     notes += [*wrong[1:_SHOWN], *([f"and {len(wrong) - _SHOWN} more"] if len(wrong) > _SHOWN else [])]
     message = f"`{name}` {version} reads another model: {wrong[0]}"
     return Fault(_FAILED, message, (IN, at), notes=tuple(map(Note, notes)))

@@ -130,7 +130,6 @@ def aimed(
 
 
 def _warn(target: str, losses: Sequence[Loss], places: _Places, at: Span, context: Context) -> None:
-    """Report all losses in one warning, with a line for each kind."""
     title = TARGETS[target].title
     groups = sorted(grouped(losses), key=lambda group: group[0].otherwise)
     lines = [(places.span(group[0]) or at, in_words(title, group)) for group in groups]

@@ -13,18 +13,7 @@ from typing import Any
 import numpy as np
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.targets.readers.shared.mujoco_facts import (
-    FREE,
-    HINGE,
-    SHAPES,
-    SLIDE,
-    STEP,
-    motion,
-    numbers,
-    poses,
-    qpos,
-    without_forces,
-)
+from mjcompose.targets.readers.shared import mujoco_facts
 from mjcompose.targets.target import Loss
 
 Facts = dict[str, Any]
@@ -97,14 +86,14 @@ def questions(model: Any, count: int = 50, seed: int = 1) -> Facts:
         for number in range(model.njnt):
             kind, name = int(model.jnt_type[number]), model.joint(number).name
             body = model.body(int(model.jnt_bodyid[number])).name
-            if kind in (SLIDE, HINGE) and name:
+            if kind in (mujoco_facts.SLIDE, mujoco_facts.HINGE) and name:
                 joints[name] = [float(position(number, kind))]
-            elif kind == FREE and body:
+            elif kind == mujoco_facts.FREE and body:
                 free[body] = [float(each) for each in position(number, kind)]
         return {"joints": joints, "free": free}
 
     def drawn(number: int, kind: int) -> Any:
-        if kind == FREE:
+        if kind == mujoco_facts.FREE:
             turned = draw.normal(size=4)
             return [*draw.uniform(-1, 1, 3), *(turned / np.linalg.norm(turned))]
         return draw.uniform(*(model.jnt_range[number] if model.jnt_limited[number] else (-1.0, 1.0)))
@@ -114,7 +103,7 @@ def questions(model: Any, count: int = 50, seed: int = 1) -> Facts:
 
     def at_home(number: int, kind: int) -> Any:
         at = int(model.jnt_qposadr[number])
-        return start[at : at + 7] if kind == FREE else start[at]
+        return start[at : at + 7] if kind == mujoco_facts.FREE else start[at]
 
     moves = model.nv > 0 and model.nflex == 0
     return {
@@ -130,20 +119,20 @@ def facts_of(mujoco: Any, model: Any, asked: Facts, losses: Sequence[Loss] = ())
     data = mujoco.MjData(model)
     placed = []
     for pose in asked["poses"]:
-        data.qpos = qpos(model, pose)
+        data.qpos = mujoco_facts.qpos(model, pose)
         mujoco.mj_kinematics(model, data)
         placed.append((data.xpos.copy(), data.xmat.copy()))
-    found: Facts = numbers(model, lambda name: getattr(model, name))
+    found: Facts = mujoco_facts.numbers(model, lambda name: getattr(model, name))
     xpos, xmat = zip(*placed, strict=True) if placed else ((), ())
-    found["poses"] = poses(model, xpos, xmat)
+    found["poses"] = mujoco_facts.poses(model, xpos, xmat)
     if asked["seconds"]:
-        free = without_forces(mujoco, _erased(model, losses))
+        free = mujoco_facts.without_forces(mujoco, _erased(model, losses))
         free.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
         data = mujoco.MjData(free)
-        data.qpos = qpos(free, asked["home"])
-        for _ in range(round(asked["seconds"] / STEP)):
+        data.qpos = mujoco_facts.qpos(free, asked["home"])
+        for _ in range(round(asked["seconds"] / mujoco_facts.STEP)):
             mujoco.mj_step(free, data)
-        found["motion"] = motion(free, data.qpos)
+        found["motion"] = mujoco_facts.motion(free, data.qpos)
     return found
 
 
@@ -230,7 +219,7 @@ def _shapes(
     left = dict(mine)
     for loss in losses:
         if loss.feature == "shapes" and loss.kind == "geom":
-            left[SHAPES[int(model.geom_type[loss.number])]] -= 1
+            left[mujoco_facts.SHAPES[int(model.geom_type[loss.number])]] -= 1
     if "all" in read:
         left = {"all": sum(left.values())}
     for kind in sorted({*left, *read}):

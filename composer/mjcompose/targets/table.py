@@ -89,18 +89,7 @@ COMPARED: Mapping[str, str] = {
 
 
 PLAIN = plain.TARGET
-_ALL = (
-    plain,
-    drake,
-    pinocchio,
-    pybullet,
-    newton,
-    genesis,
-    mjx,
-    warp,
-    isaac,
-    urdf,
-)
+_ALL = (plain, drake, pinocchio, pybullet, newton, genesis, mjx, warp, isaac, urdf)
 TARGETS: Table[Target] = Table(
     "targets", {each.TARGET.name: each.TARGET for each in _ALL}, "TARGET", kind=Target
 )
@@ -146,7 +135,6 @@ def read_back() -> str:
 
 
 def with_tables(page: str) -> str:
-    """Return the text of the page with the current tables."""
     for name, table in (("features", features()), ("read back", read_back())):
         inside = re.compile(rf"(?<=<!-- {name} -->\n).*?(?=<!-- end of {name} -->)", re.DOTALL)
         page = inside.sub(partial(_instead, table), page)

@@ -196,9 +196,6 @@ def write_mjcf(draft: Draft) -> dict[str, bytes]:
     return {draft.output: write(draft.root), **files}
 
 
-__all__ = ["Limit", "Outcome", "Refusal", "Refuses"]
-
-
 @dataclass(frozen=True, slots=True)
 class Refusal:
     """An element of a compiled model that a simulator does not take; of its options the kind is `option`."""

@@ -18,7 +18,6 @@ from mjcompose.targets.target import Draft, Outcome
 
 
 def origin(of: Pose) -> Node:
-    """Return the element `<origin>`."""
     return etree.Element("origin", xyz=text(_clean(of[0])), rpy=text(_clean(angles(of[1]))))
 
 
@@ -44,7 +43,6 @@ _SHOWN_GROUPS = 3
 
 
 def link(draft: Draft, body: int, name: str, package: str) -> Node:
-    """Return the link of a body."""
     found = etree.Element("link", name=name)
     if body:
         found.append(_inertial(draft.model, body))

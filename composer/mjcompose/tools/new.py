@@ -80,7 +80,9 @@ def examples(schema: str) -> dict[str, bytes]:
     paths = (
         path for path in sorted(folder.rglob("*")) if os.path.isfile(path) and path.name not in _NOT_MODELS
     )
-    files = {path.relative_to(folder).as_posix(): _read(path) for path in paths if not _is_cached(path)}
+    files = {
+        path.relative_to(folder).as_posix(): _read(path) for path in paths if "__pycache__" not in path.parts
+    }
     return {**files, "LICENSE": licence.read_bytes(), "recipe.schema.json": schema.encode()}
 
 
@@ -89,10 +91,6 @@ def _places() -> tuple[Path, Path]:
     beside = Path(__file__).with_name("examples")
     root = Path(__file__).parents[3]
     return (beside, beside / "LICENSE") if os.path.isdir(beside) else (root / "recipes", root / "LICENSE")
-
-
-def _is_cached(path: Path) -> bool:
-    return "__pycache__" in path.parts
 
 
 def _read(path: Path) -> bytes:

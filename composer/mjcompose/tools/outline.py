@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from lxml.etree import _Element as Node
 
     from mjcompose.build.bundle.manifest import Manifest
-    from mjcompose.build.plan.plan import PartRecord
     from mjcompose.sources.reference import Source
 
 
@@ -397,7 +396,7 @@ def _of_recipe(path: Path, text: str, context: Context, given: Given | None, sam
     if composed is None:
         return None
     part_of = _part_of(composed.model, composer.parts, plan.separator)
-    parts = tuple(_part(each, context) for each in composed.members)
+    parts = tuple(Part(each.part, _named(each.source, context), each.body) for each in composed.members)
     return Outline(plan.name, text, world_of(composed.model, part_of), parts=parts)
 
 
@@ -414,10 +413,6 @@ def _part_of(model: Unit, parts: dict[Node, str], separator: str) -> PartOf:
         return next((each for each in inside if each and f"{each}{separator}" == node.get("name")), None)
 
     return part_of
-
-
-def _part(record: PartRecord, context: Context) -> Part:
-    return Part(record.part, _named(record.source, context), record.body)
 
 
 def _named(source: Source, context: Context) -> str:

@@ -478,5 +478,4 @@ def _is_one(text: str | None) -> bool:
 
 
 def _name(element: Node) -> str:
-    """The tag without its namespace."""
     return str(element.tag).rpartition("}")[2]

@@ -91,9 +91,7 @@ class _Work:
             for name in ("eval", "exec", "compile", "open"):
                 setattr(module, name, _no_way)
         self.evaluator = Evaluator(
-            (xacro.YamlDictWrapper,),
-            (xacro.YamlListWrapper,),
-            lambda value: type(value) is xacro.NameSpace,
+            (xacro.YamlDictWrapper,), (xacro.YamlListWrapper,), lambda value: type(value) is xacro.NameSpace
         )
         self.substitution = substitution
         xacro._global_symbols = self.symbols(xacro._global_symbols)

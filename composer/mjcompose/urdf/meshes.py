@@ -96,7 +96,6 @@ class Meshes:
         return [None if function is measure else {"parts": None} for _ in files]
 
     def _used(self) -> Iterator[Node]:
-        """The meshes that come into the model."""
         tags = ("collision", "visual") if self.robot.keeps_visuals else ("collision",)
         for link in self.robot.root.iterchildren("link"):
             for shape in link.iterchildren(*tags):

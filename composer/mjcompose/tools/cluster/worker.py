@@ -334,7 +334,6 @@ def make(run: str, cells: Sequence[Any]) -> list[Any] | NotOpen:
 
 
 async def close(run: str) -> None:
-    """Close a run."""
     await asyncio.to_thread(_close, run)
 
 

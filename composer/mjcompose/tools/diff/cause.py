@@ -130,7 +130,6 @@ class Places:
 
 
 def _parts(side: Side) -> dict[str, Part]:
-    """Return the parts of a side by name."""
     if side.traced is None:
         return {}
     return {part.called: part for life in side.traced.watch.lives.values() for part in life.parts}
@@ -321,7 +320,7 @@ class Causes:
                 continue
             text, writer = self.a.value(before, attribute)
             other, theirs = self.b.value(after, attribute)
-            if _same(text, other):
+            if text == other if text is None or other is None else same_value(text, other):
                 continue
             places = [
                 self.places.written(0, writer, attribute) or self.places.written(0, before, None),
@@ -500,15 +499,9 @@ def _added_to(life: Life | None) -> Span | None:
 
 
 def _cause(words: str, here: Span | None, there: Span | None, side: int) -> Cause:
-    """Return a cause that is written on one side."""
     return Cause(words, here, there) if side == 0 else Cause(words, there, here)
 
 
 def _base(side: Side) -> Span | None:
     """Return where a recipe names its base."""
     return None if side.plan is None else locate(side.plan.document, ("base",))
-
-
-def _same(a: str | None, b: str | None) -> bool:
-    """Return whether two texts have the same value."""
-    return a == b if a is None or b is None else same_value(a, b)

@@ -8,17 +8,10 @@ from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
+from mjcompose.mujoco import compare
 from mjcompose.mujoco.addresses import VECTORS, span
 from mjcompose.mujoco.arrays import JOINT_TYPES, SWITCH, Treatment, about, words
 from mjcompose.mujoco.attributes import HOLDERS, KINDS, ON_BODIES, Model, NameTable, holder
-from mjcompose.mujoco.compare import (
-    Rules,
-    Unequal,
-    option_differences,
-    statistic_differences,
-    unequal_attributes,
-    unequal_elements,
-)
 from mjcompose.mujoco.controls import NO_BIAS, servo
 from mjcompose.mujoco.keyframes import Keys, Roots, key_differences
 from mjcompose.mujoco.match import (
@@ -86,7 +79,7 @@ _FLAGS = {
 
 def setting_changes(mujoco: Any, a: Model, b: Model, tolerance: float) -> Iterator[Change]:
     """Yield changes of settings, flags one by one, with words in place of numbers."""
-    for difference in option_differences(a, b):
+    for difference in compare.option_differences(a, b):
         if difference.name in _FLAGS:
             yield from _flags(mujoco, difference)
         elif not _close(difference.expected, difference.actual, tolerance):
@@ -94,7 +87,7 @@ def setting_changes(mujoco: Any, a: Model, b: Model, tolerance: float) -> Iterat
                 _word(mujoco, difference.name, each) for each in (difference.expected, difference.actual)
             )
             yield Change("changed", difference.kind, "", field=difference.name, before=before, after=after)
-    for difference in statistic_differences(a, b):
+    for difference in compare.statistic_differences(a, b):
         if not _close(difference.expected, difference.actual, tolerance):
             yield Change(
                 "changed",
@@ -168,8 +161,8 @@ class Values:
 
     def changes(self) -> Iterator[Change]:
         """Yield changes in the order of kinds, and of elements in B."""
-        unequal: dict[tuple[str, int, int], list[Unequal]] = defaultdict(list)
-        for each in unequal_elements(self.matching, Rules()):
+        unequal: dict[tuple[str, int, int], list[compare.Unequal]] = defaultdict(list)
+        for each in compare.unequal_elements(self.matching, compare.Rules()):
             unequal[each.kind, each.target, each.index].append(each)
         kinds = list(KINDS)
         for kind, target, index in sorted(unequal, key=lambda of: (kinds.index(of[0]), of[1])):
@@ -191,7 +184,7 @@ class Values:
                     note=note,
                 )
 
-    def _of(self, unequal: list[Unequal]) -> Iterator[tuple[str, Value, Value]]:
+    def _of(self, unequal: list[compare.Unequal]) -> Iterator[tuple[str, Value, Value]]:
         first = unequal[0]
         gains = self._gains(first.index, first.target) if first.kind == "actuator" else None
         yield from gains or ()
@@ -280,7 +273,6 @@ def _flat(value: Any) -> Iterator[float]:
 
 
 def _one(rows: list[Any]) -> Any:
-    """Return a single row if all rows are equal."""
     return rows[0] if rows and all(row == rows[0] for row in rows) else rows
 
 
@@ -391,7 +383,7 @@ def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[
         *_keys(matching, float(given["tolerance"])),
         *setting_changes(mujoco, a, b, tolerance=float(given["tolerance"])),
     ]
-    arrays = [name for name, *_ in unequal_attributes(a, b)]
+    arrays = [name for name, *_ in compare.unequal_attributes(a, b)]
     contrast = Contrast(
         identical=not arrays,
         changes=tuple(changes),
@@ -404,7 +396,6 @@ def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[
 
 
 def contrast_of(data: Mapping[str, Any]) -> Contrast:
-    """Return the contrast from its JSON data."""
     return Contrast(
         identical=data["identical"],
         changes=tuple(
@@ -517,5 +508,4 @@ def _keys(matching: Correspondence, tolerance: float) -> Iterator[Change]:
 
 
 def _alone(value: Value) -> Value:
-    """Return a list of one number as that number."""
     return value[0] if isinstance(value, tuple) and len(value) == 1 else value

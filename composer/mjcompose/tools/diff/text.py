@@ -441,7 +441,6 @@ def _group_markdown(group: Group) -> Iterator[str]:
 
 
 def _list(lines: list[str]) -> Iterator[str]:
-    """Yield a list, folded if it is long."""
     if len(lines) > _LONG:
         yield f"<details><summary>{len(lines)} changes</summary>"
         yield ""

@@ -121,7 +121,6 @@ class Traced:
     # -- one element -------------------------------------------------------------------------------------------
 
     def element(self, node: Node) -> ElementExplained:
-        """Explain an element."""
         life, kind = self.watch.life(node), kind_of(node)
         reached = kind.takes_class
         return ElementExplained(
@@ -151,7 +150,6 @@ class Traced:
         )
 
     def attribute(self, node: Node, name: str) -> AttributeExplained:
-        """Explain an attribute."""
         if is_derived(node, name):
             return self._derived(node, name)
         kind = kind_of(node)

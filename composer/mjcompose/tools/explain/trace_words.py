@@ -50,11 +50,7 @@ if TYPE_CHECKING:
 
     from mjcompose.model.unit import Unit
 
-_NOBODY = {
-    "reference": "the reference configuration",
-    "zero": "0, as no key says it",
-    "unknown": "not known",
-}
+_NOBODY = {"reference": "the reference configuration", "zero": "0, as no key says it", "unknown": "not known"}
 
 
 def row_explained(

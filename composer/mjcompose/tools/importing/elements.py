@@ -353,7 +353,6 @@ def unchanged(mujoco: Any, alone: Model, merged: Model, given: Mapping[str, Any]
 
 
 def likeness_of(data: Mapping[str, Any]) -> Likeness:
-    """Return the likeness from its JSON data."""
     return Likeness(
         {kind: frozenset((i, j) for i, j in pairs) for kind, pairs in data["same"].items()},
         {kind: (a, b) for kind, (a, b) in data["counts"].items()},

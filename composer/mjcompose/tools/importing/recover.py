@@ -23,16 +23,7 @@ from mjcompose.text.faults import word
 from mjcompose.tools.diff.changes import Change, Contrast, Value
 from mjcompose.tools.diff.models import contrast, contrast_of
 from mjcompose.tools.diff.text import sentences, shown, subject
-from mjcompose.tools.importing.elements import (
-    Changed,
-    Entry,
-    Likeness,
-    Names,
-    is_rounding,
-    likeness_of,
-    numbers_likeness,
-    unchanged,
-)
+from mjcompose.tools.importing import elements
 from mjcompose.tools.importing.propose import Proposal, propose, recipe_text
 from mjcompose.tools.importing.search import Instance, parent_body
 
@@ -73,10 +64,10 @@ class Trial:
         self.compared = False
         self._parts: dict[int, bool] = {}
 
-    def likeness(self, each: Instance, names: Names) -> Likeness:
+    def likeness(self, each: Instance, names: elements.Names) -> elements.Likeness:
         """Return which elements are the same in the part and the merged model; empty if MuJoCo rejects one of them."""
         if self.refused is not None:
-            return Likeness()
+            return elements.Likeness()
         name = f"part {each.part}"
         if each.part not in self._parts:
             path = self.parts[each.part].absolute()
@@ -84,13 +75,13 @@ class Trial:
         above = parent_body(each.body)
         body = None if above is None else above.get("name")
         if not self._parts[each.part] or (above is not None and body is None):
-            return Likeness()
+            return elements.Likeness()
         given: dict[str, object] = {"prefix": each.prefix, "names": names, "body": body}
-        answer = call(self.session, unchanged, [name, _MERGED], argument=given)
+        answer = call(self.session, elements.unchanged, [name, _MERGED], argument=given)
         if not answer.ok:
-            return Likeness()
+            return elements.Likeness()
         self.compared = True
-        return likeness_of(answer.value)
+        return elements.likeness_of(answer.value)
 
     def outcome(self, proposal: Proposal) -> Outcome | None:
         """Return how the model built last differs from the merged one, or None if they cannot be compared."""
@@ -103,7 +94,7 @@ class Trial:
         seen = contrast_of(answer.value)
         found = [each for each in seen.changes if not _only_name(each, proposal)]
         found += _lost_without_name(seen, proposal)
-        rounded = [each for each in found if each.what == "changed" and is_rounding(each)]
+        rounded = [each for each in found if each.what == "changed" and elements.is_rounding(each)]
         return Outcome(tuple(each for each in found if each not in rounded), tuple(rounded))
 
 
@@ -134,16 +125,16 @@ def _only_name(change: Change, proposal: Proposal) -> bool:
 
 
 def _opposite(change: Change) -> bool:
-    ours, theirs = numbers_likeness(change.before), numbers_likeness(change.after)
+    ours, theirs = elements.numbers_likeness(change.before), elements.numbers_likeness(change.after)
     return bool(ours and theirs) and all(abs(a + b) <= _TOLERANCE for a, b in zip(ours, theirs, strict=True))  # type: ignore[arg-type]
 
 
 _ASSETS = ("texture", "material", "mesh", "hfield", "skin")
 
 
-def changed(facts: tuple[Changed, ...]) -> Iterator[str]:
+def changed(facts: tuple[elements.Changed, ...]) -> Iterator[str]:
     """Yield one line for each changed attribute: ``mesh `elbow`: scale 1 1 1 → 1.1 1.1 1.1``."""
-    alike: dict[tuple[object, ...], list[Changed]] = {}
+    alike: dict[tuple[object, ...], list[elements.Changed]] = {}
     for each in facts:
         key = (each.kind, each.attribute, each.before, each.after, each.unit, each.count)
         alike.setdefault(key, []).append(each)
@@ -277,7 +268,7 @@ class _Recovery:
         found = self.settled(proposal)
         if self.trial.compared and (found.outcome is None or not found.outcome.same):
             # An element that counted as the same may still be the reason.
-            other = self.settled(self.proposal(lambda _, __: Likeness()))
+            other = self.settled(self.proposal(lambda _, __: elements.Likeness()))
             if other.outcome is not None and (
                 found.outcome is None or other.outcome.amount < found.outcome.amount
             ):
@@ -292,7 +283,7 @@ class _Recovery:
                 )
         return found
 
-    def proposal(self, likeness: Callable[[Instance, Names], Likeness]) -> Proposal:
+    def proposal(self, likeness: Callable[[Instance, elements.Names], elements.Likeness]) -> Proposal:
         references = [self.references.get(path) or _reference(path, self.out.parent) for path in self.parts]
         return propose(
             self.units[0],
@@ -321,7 +312,7 @@ class _Recovery:
         outcome = None if bundle is None else self.trial.outcome(proposal)
         missing = [] if outcome is None else [each.name for each in outcome.lost_keys if _has_name(each)]
         if missing:  # with a key of that name, its values can be compared
-            blank = [Entry("keyframe", f"{word(name)}: {{}}") for name in missing]
+            blank = [elements.Entry("keyframe", f"{word(name)}: {{}}") for name in missing]
             bundle, _ = self.built(recipe_text(replace(proposal, entries=[*proposal.entries, *blank]))[0])
             outcome = None if bundle is None else self.trial.outcome(proposal)
         changes = outcome.changes if outcome is not None else ()
@@ -329,7 +320,7 @@ class _Recovery:
         for each in changes:
             if each.kind == "key" and each.what == "removed" and not _has_name(each):
                 note = "a key without a name; the keys of a recipe have one"
-                proposal.entries.append(Entry("keyframe", f"key_{each.index[0]}: {{}}", note))
+                proposal.entries.append(elements.Entry("keyframe", f"key_{each.index[0]}: {{}}", note))
                 text, _ = recipe_text(proposal)
         if keys:
             self.progress("trying the recipe with its keyframes")
@@ -358,7 +349,6 @@ class _Recovery:
 
 
 def _at(fault: Diagnostic, trial: Path, out: Path, context: Context) -> Span | None:
-    """Return the place of a fault in the file to be written."""
     if fault.span is None or fault.span.file != context.shown(trial):
         return fault.span
     return replace(fault.span, file=context.shown(out))
@@ -377,7 +367,9 @@ def _has_name(key: Change) -> bool:
     return not key.name.startswith("#")
 
 
-def keyframes(changes: Collection[Change], proposal: Proposal, missing: Collection[str] = ()) -> list[Entry]:
+def keyframes(
+    changes: Collection[Change], proposal: Proposal, missing: Collection[str] = ()
+) -> list[elements.Entry]:
     """Return entries for keys of the merged model that the parts' keys do not produce, with the differing values.
 
     No part has anything for the keys in `missing`.
@@ -402,5 +394,5 @@ def keyframes(changes: Collection[Change], proposal: Proposal, missing: Collecti
         start = (
             f"from: {{{', '.join(f'{word(each)}: {word(name)}' for each in sources)}}}, " if sources else ""
         )
-        entries.append(Entry("keyframe", f"{word(name)}: {{{start}{said}}}"))
+        entries.append(elements.Entry("keyframe", f"{word(name)}: {{{start}{said}}}"))
     return entries

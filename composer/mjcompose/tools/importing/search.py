@@ -126,7 +126,7 @@ def separator_of(found: list[Instance]) -> str:
 
 def name_in_recipe(found: list[Instance], labels: list[str], separator: str) -> None:
     """Choose the base, and the key of every other part."""
-    base = next((each for each in found if not each.prefix and _in_world(each.body)), None)
+    base = next((each for each in found if not each.prefix and (parent_body(each.body) is None)), None)
     if base is not None:
         base.is_base = True
     taken: set[str] = set()
@@ -167,10 +167,6 @@ def _of_part(number: int, part: Unit, bodies: dict[str, Node]) -> Iterator[Insta
 def _bodies(unit: Unit) -> Iterator[Node]:
     for world in unit.root.iterchildren("worldbody"):
         yield from world.iter("body")
-
-
-def _in_world(body: Node) -> bool:
-    return parent_body(body) is None
 
 
 _BODY = re.compile(rb"""<body\b[^>]*?\bname\s*=\s*["']([^"']+)["']""")

@@ -46,7 +46,6 @@ def release(text: str) -> str | None:
 
 
 def later(version: str, than: str) -> bool:
-    """Whether a version is later than another one."""
     return version_key(version) > version_key(than)
 
 
@@ -143,7 +142,9 @@ class Source:
         for node, written in place.items():
             if any(start <= written.start < end for start, end in gone):
                 continue
-            if root is not None and not _is_below(node, root):
+            if root is not None and not (
+                node is root or any(above is root for above in node.iterancestors())
+            ):
                 start, end = _whole_lines(text, written.start, written.end)
                 gone.append((start, end))
                 edits.append((start, end, ""))
@@ -153,10 +154,6 @@ class Source:
         if "\r\n" in text:
             edits = [(start, end, new.replace("\n", "\r\n")) for start, end, new in edits]
         return _applied(text, edits)
-
-
-def _is_below(node: Node, root: Node) -> bool:
-    return node is root or any(above is root for above in node.iterancestors())
 
 
 def _changes(node: Node, written: _Written, renamed: Mapping[str, str]) -> Iterator[tuple[int, int, str]]:
@@ -235,7 +232,6 @@ def _inside(child: _Written, parent: _Written) -> bool:
 
 
 def _markup(node: Node, indent: str, step: str) -> str:
-    """An element that was made here, its children on lines below it."""
     start = "".join(
         [f"<{node.tag!s}", *(f" {name!s}={quoteattr(str(value))}" for name, value in node.items())]
     )
@@ -280,7 +276,6 @@ def is_made(node: Node) -> bool:
 
 
 def made(tag: str, attributes: Mapping[str, str]) -> Node:
-    """A new element."""
     return etree.Element(tag, dict(attributes))
 
 

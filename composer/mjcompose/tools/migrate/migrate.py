@@ -35,7 +35,6 @@ from mjcompose.tools.migrate.editing import (
     Pieces,
     Source,
     Step,
-    called,
     later,
     release,
 )
@@ -339,9 +338,6 @@ def report(migrated: Migrated, context: Context, settled: Collection[str] = ()) 
         context.sink.warning("migrate-changed", each.message, each.span, help=each.help, cause=cause)
 
 
-__all__ = ["Migrated", "called", "migrate", "read", "report"]
-
-
 @dataclass(slots=True)
 class Proof:
     """`before` and `after` are what each MuJoCo made of the model, None for one that is not there."""
@@ -543,7 +539,6 @@ def _installed(
 
 
 def _judge(result: Result, context: Context) -> None:
-    """Report what the compilers and the comparison say."""
     migrated, proof = result.migrated, result.proof
     for compiled, whose in ((proof.before, "as it is"), (proof.after, "as it would be migrated")):
         if compiled is not None and compiled.error is not None:

@@ -210,11 +210,7 @@ def shells_of_meshes(editing: Editing) -> None:
         editing.set(meshes[name], "inertia", "shell")
         for node in (*shells, *(each for each in editing.at("default/geom") if each.get("shellinertia"))):
             editing.unset(node, "shellinertia")
-        editing.warn(
-            meshes[name],
-            _SURFACES.format(name),
-            "write the inertia of its body as `<inertial>`",
-        )
+        editing.warn(meshes[name], _SURFACES.format(name), "write the inertia of its body as `<inertial>`")
 
 
 _SURFACES = "the inertia of the surface of the mesh `{}` is computed more exactly since MuJoCo 3.3"

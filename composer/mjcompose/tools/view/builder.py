@@ -33,7 +33,6 @@ Mark = tuple[int, int, int] | None
 
 
 def marks(files: Iterable[Path]) -> dict[Path, Mark]:
-    """Return the marks of files."""
     return {file: _mark(file) for file in files}
 
 

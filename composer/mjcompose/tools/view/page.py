@@ -315,7 +315,6 @@ def described(
 
 
 def _title(side: Side) -> str:
-    """Return the model's name: that of the recipe, otherwise that of the file."""
     if side.cell is not None:
         return str(side.cell)
     return str(side.plan.name) if side.plan is not None else Path(side.operand.label).stem

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.build.bundle.bundle import Location, is_address
-from mjcompose.build.bundle.listing import Condition, ListingError, Row, rows
+from mjcompose.build.bundle.listing import Condition, ListingError, rows
 from mjcompose.text.expression_values import Value
 from mjcompose.tools.worlds.load import Loaded, load
 from mjcompose.tools.worlds.names import LoadError
@@ -45,12 +45,8 @@ def load_many(path: str | PathLike[str], where: str | None = None) -> Iterator[L
         shown = os.fspath(path)
         for row in rows(shown if is_address(shown) else Path(path), shown):
             if condition is None or condition.holds(row):
-                yield _listed(row)
+                yield Listed(str(row.values.get("model", "")), row.file, row.values)
         if condition is not None:
             condition.check()
     except ListingError as error:
         raise LoadError([error.diagnostic]) from error
-
-
-def _listed(row: Row) -> Listed:
-    return Listed(str(row.values.get("model", "")), row.file, row.values)

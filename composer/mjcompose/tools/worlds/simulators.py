@@ -447,7 +447,6 @@ def _otherwise(worlds: Worlds) -> Model:
 
 
 def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield all values in a structure by their path."""
     if dataclasses.is_dataclass(value):
         for each in dataclasses.fields(value):
             if hasattr(value, each.name):

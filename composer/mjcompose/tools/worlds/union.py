@@ -222,7 +222,6 @@ def _own_bodies(trees: Sequence[Tree], number: int, each: Placed) -> list[str]:
 
 
 def _models(group: Group) -> Iterator[Model]:
-    """Yield the models of a group, in the order of its worlds."""
     nominal, varying = group.first.loaded.model, dict(group.varying())
     for place in range(len(group.worlds)):
         model = copy.copy(nominal)

@@ -241,7 +241,6 @@ class Worlds:
 
     @property
     def count(self) -> int:
-        """The number of worlds."""
         return self.table.count
 
     def __len__(self) -> int:
@@ -342,7 +341,6 @@ def load(bundle: str | PathLike[str], file: str | PathLike[str] | None = None) -
 
 
 def _check(model: LoadModel, name: str, varying: Varying, count: int, shown: str) -> None:
-    """Check that the numbers fit the model."""
     try:
         size = flat(model, name).size
     except AttributeError:
