@@ -64,18 +64,12 @@ def _size_of(unit: Unit, file: str, known: dict[str, Weight], depth: int) -> Wei
         key = f"{key}#{id(held)}"
     if key not in known:
         known[key] = NOTHING  # a model that is made of itself, which is reported where it is bundled
-        sub = (
-            parse_held(unit, file, held, Sink())
-            if isinstance(held, bytes)
-            else parse_file(Path(key), Sink(), door=door_of_submodel(unit, Path(key), held))
-        )
-        known[key] = NOTHING if sub is None else _whole(sub, known, depth)
+        if (sub := _read(unit, file)) is not None:
+            weight = expanded(
+                sub.root, _sizes_in(sub, known, depth), lambda flexcomp: file_points(flexcomp, sub)
+            )
+            known[key] = weight._replace(points=weight.points + mesh_points(sub))
     return known[key]
-
-
-def _whole(sub: Unit, known: dict[str, Weight], depth: int) -> Weight:
-    weight = expanded(sub.root, _sizes_in(sub, known, depth), lambda flexcomp: file_points(flexcomp, sub))
-    return weight._replace(points=weight.points + mesh_points(sub))
 
 
 # Of `visual` and `size` MuJoCo merges these, of `option` everything.

@@ -16,7 +16,7 @@ from mjcompose.base.files import Memory, Refused, read_regular
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
 from mjcompose.model.files import CUBE, join, written_path
-from mjcompose.model.mesh_cost import check_meshes, file_points
+from mjcompose.model.mesh_cost import check_meshes, file_points, number
 from mjcompose.model.unit import Unit, line_of
 
 _PNG = b"\x89PNG\r\n\x1a\n"
@@ -159,11 +159,12 @@ _NODES = {"trilinear": 1, "quadratic": 2}
 """The bodies along each of the `cellcount` of a flex, of which one more ends a row; else each point is a body."""
 _MOST_DOFS = 6
 _COUNTS = (
+    ("expansion", "elements", "elements"),
     ("bodies", "bodies", "bodies"),
     ("dofs", "dofs", "degrees of freedom"),
     ("mass-matrix", "matrix", "numbers in the mass matrix"),
 )
-"""Limits of the whole model: the name, what of a `Weight` it bounds, and how messages call that."""
+"""Limits of the expanded model: the name, what of a `Weight` it bounds, and how messages call that."""
 
 
 def written(root: Node) -> int:
@@ -203,24 +204,10 @@ def check_size(
             check_meshes(unit, 0, sink, opens_files=opens_files)
         return
     made, model = _made(unit.root, attached, lambda flexcomp: file_points(flexcomp, unit))
-    # An inner one is reported before the one around it, which it may make too large.
-    for node in reversed(made):
-        if made[node].elements > limits.expansion:
-            said = f"`<{node.tag}>` makes {_number_expansion(made[node].elements)} elements"
-            said = f"{said}; {limits.expansion} are allowed"
-            _report(unit, node, said, "expansion", made[node].elements, sink)
-            return
-    total = model.elements - elements
-    if total > limits.expansion:
-        largest = max(made, key=lambda node: made[node].elements)
-        said = f"the model makes {_number_expansion(total)} elements of what is written"
-        note = Note(f"most of them, {made[largest].elements}, here", unit.origins.span(largest, unit.file))
-        said = f"{said}; {limits.expansion} are allowed"
-        _report(unit, largest, said, "expansion", total, sink, note)
-        return
-    if _is_heavy(unit, model, made, sink=sink):
-        return
-    if check_reserved(unit, elements + total, sink):
+    expansion = model.elements - elements
+    if _is_within(unit, model._replace(elements=expansion), made, sink) and check_reserved(
+        unit, elements + expansion, sink
+    ):
         check_meshes(unit, model.points, sink, opens_files=opens_files)
 
 
@@ -251,32 +238,39 @@ def _holds_joints(above: Node | None) -> bool:
     return above is not None and above.tag in _HOLDING_JOINTS
 
 
-def _is_heavy(unit: Unit, model: Weight, made: dict[Node, Weight], sink: Sink) -> bool:
-    """Whether MuJoCo would take too long for a model; that is reported at what makes most of it.
+def _is_within(unit: Unit, total: Weight, made: dict[Node, Weight], sink: Sink) -> bool:
+    """Return whether the expanded model is within the limits; if not, report what makes most of it.
 
     MuJoCo 4.0 takes four times as long for twice as many bodies or joints, wherever they are: 15 s for 15,000. The
     matrix takes 5 s where it has two million numbers, and eight times that where each body hangs on twice as many.
     """
-    for name, count, words in _COUNTS:
-        most = getattr(in_force(), name.replace("-", "_"))
-        total = getattr(model, count)
-        if total <= most:
+    for limit, count, words in _COUNTS:
+        most, needed = getattr(in_force(), limit.replace("-", "_")), getattr(total, count)
+        if needed <= most:
             continue
         sizes = {node: getattr(weight, count) for node, weight in made.items()}
-        node = next((each for each in reversed(made) if sizes[each] > most), None)
-        if node is not None:
-            said = f"`<{node.tag}>` makes {_number_expansion(sizes[node])} {words}; {most} are allowed"
-            _report(unit, node, said, name, sizes[node], sink)
-            return True
-        said = f"the model has {_number_expansion(total)} {words}; {most} are allowed"
-        largest = max(made, key=sizes.__getitem__, default=None)
-        if largest is not None and sizes[largest] > total // 2:
-            note = Note(f"most of them, {sizes[largest]}, here", unit.origins.span(largest, unit.file))
-            _report(unit, largest, said, name, total, sink, note)
+        # An inner one is reported before the one around it, which it may make too large.
+        place = next((node for node in reversed(made) if sizes[node] > most), None)
+        notes: tuple[Note, ...] = ()
+        if place is not None:
+            needed = sizes[place]
+            message = f"`<{place.tag}>` makes {_shown(needed)} {words}"
         else:
-            sink.error(CODE, said, unit.origins.span(unit.root, unit.file), help=advice(name, total))
-        return True
-    return False
+            message = f"the model has {_shown(needed)} {words}"
+            if limit == "expansion":
+                message = f"the model makes {_shown(needed)} elements of what is written"
+            largest = max(made, key=sizes.__getitem__, default=None)
+            if largest is not None and (limit == "expansion" or sizes[largest] > needed // 2):
+                place = largest
+                span = unit.origins.span(largest, unit.file)
+                notes = (Note(f"most of them, {sizes[largest]}, here", span),)
+        attribute = None
+        if place is not None:
+            attribute = "model" if place.tag == "attach" else "file" if place.get("file") else "count"
+        span = unit.origins.span(unit.root if place is None else place, unit.file, attribute)
+        sink.error(CODE, f"{message}; {most} are allowed", span, notes=notes, help=advice(limit, needed))
+        return False
+    return True
 
 
 def expanded(
@@ -351,7 +345,7 @@ def _soft(flexcomp: Node, points: int) -> Weight:
     dof = flexcomp.get("dof") or "full"
     bodies, dofs = points, _DOFS_OF_A_POINT.get(dof, 3)
     if dof in _NODES:
-        cells = [_count(word) for word in str(flexcomp.get("cellcount") or "1 1 1").split()[:3]]
+        cells = [number(word, 1) for word in str(flexcomp.get("cellcount") or "1 1 1").split()[:3]]
         bodies = math.prod(_NODES[dof] * each + 1 for each in cells)
     return Weight(0, bodies, dofs * bodies, matrix=bodies * dofs * (dofs + 1) // 2)
 
@@ -368,24 +362,11 @@ def _product(text: str, most: int) -> int:
     >>> _product("10 20 1", 3), _product("many", 1)
     (200, 1)
     """
-    return math.prod(_count(word) for word in text.split()[:most])
+    return math.prod(number(word, 1) for word in text.split()[:most])
 
 
-def _count(word: str) -> int:
-    try:
-        return max(1, int(float(word)))
-    except (ValueError, OverflowError):
-        return 1
-
-
-def _number_expansion(count: int) -> str:
+def _shown(count: int) -> str:
     return str(count) if count < 10**18 else f"more than {10**18}"
-
-
-def _report(unit: Unit, node: Node, message: str, limit: str, needed: int, sink: Sink, *notes: Note) -> None:
-    attribute = "model" if node.tag == "attach" else "file" if node.get("file") else "count"
-    span = unit.origins.span(node, unit.file, attribute)
-    sink.error(CODE, message, span, notes=notes, help=advice(limit, needed))
 
 
 _CHANNELS = 3
@@ -418,21 +399,21 @@ def _reserving(unit: Unit, elements: int) -> Iterator[tuple[Node, str, int]]:
             if node.get(attribute):
                 yield node, attribute, pixels(node, attribute, unit)
         if node.tag == "texture" and node.get("file") is None:
-            width = _number_reserved(node, "width")
+            width = number(node.get("width"))
             is_cube = (node.get("type") or "cube") != "2d"
             yield (
                 node,
                 "width",
-                _CHANNELS * width * (6 * width if is_cube else _number_reserved(node, "height")),
+                _CHANNELS * width * (6 * width if is_cube else number(node.get("height"))),
             )
         elif node.tag == "hfield" and node.get("file") is None:
-            yield node, "nrow", _number_reserved(node, "nrow") * _number_reserved(node, "ncol")
+            yield node, "nrow", number(node.get("nrow")) * number(node.get("ncol"))
         elif node.tag == "lengthrange":
             actuators = int(root.xpath("count(actuator/*)"))  # type: ignore[arg-type]
             yield node, "inttotal", _OF_A_STEP * actuators * _steps(node)
         elif node.tag == "size":
             for name in map(str, node.keys()):
-                yield node, name, _number_reserved(node, name) * _weight(name, elements)
+                yield node, name, number(node.get(name)) * _weight(name, elements)
 
 
 def _weight(name: str, elements: int) -> int:
@@ -451,14 +432,6 @@ def _steps(lengthrange: Node) -> int:
         return 0
 
 
-def _number_reserved(node: Node, name: str) -> int:
-    """Return a number, or 0 if it is not a number, which is reported elsewhere."""
-    try:
-        return max(0, int(float(node.get(name) or 0)))
-    except (ValueError, OverflowError):
-        return 0
-
-
 _COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 _STRETCH = re.compile(rb"<!--.*?-->|[^<>\"]+", re.DOTALL)
 """Text that may be long: a comment, or anything between the delimiters of XML."""
@@ -473,7 +446,7 @@ def check_text(data: bytes, file: str, sink: Sink) -> bool:
         tags -= sum(_tags(found.group()[1:]) for found in _COMMENT.finditer(data))
     if tags > limits.elements:
         message = f"`{file}` has {tags} elements; {limits.elements} are allowed"
-        sink.error("limit-exceeded", message, Span(file, 1, 1), help=advice("elements", tags))
+        sink.error(CODE, message, Span(file, 1, 1), help=advice("elements", tags))
         return False
     return len(data) <= limits.text_size or _check_stretches(data, file, sink)
 
@@ -492,7 +465,7 @@ def check_attributes(root: Node, data: bytes, file: str, sink: Sink) -> bool:
     (node,) = found
     message = f"`<{node.tag}>` has {len(node.attrib)} attributes; {most} are allowed"
     sink.error(
-        "limit-exceeded",
+        CODE,
         message,
         Span(file, line_of(node) or 1, 1),
         help=advice("attributes", len(node.attrib)),
@@ -528,5 +501,5 @@ def _check_stretches(data: bytes, file: str, sink: Sink) -> bool:
     line, begin = data.count(b"\n", 0, at) + 1, data.rfind(b"\n", 0, at) + 1
     column = len(data[begin:at].decode("utf-8", "replace")) + 1 if at - begin < _COLUMNS else 1
     message = f"an attribute, comment or text has {size} bytes; {limit} are allowed"
-    sink.error("limit-exceeded", message, Span(file, line, column), help=advice("text-size", size))
+    sink.error(CODE, message, Span(file, line, column), help=advice("text-size", size))
     return False

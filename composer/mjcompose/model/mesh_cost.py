@@ -7,6 +7,7 @@ import os
 import re
 import struct
 from collections.abc import Callable, Iterator
+from typing import Any
 
 from lxml.etree import XPath
 from lxml.etree import _Element as Node
@@ -85,16 +86,10 @@ def _of_stl(data: bytes) -> int:
         return 0
     corners = np.ascontiguousarray(rows[:, 12:48]).view("<u4").reshape(-1, 3).astype(np.uint64)
     # Odd numbers that nobody else knows: a file cannot be made so that other points seem equal.
-    factors = np.frombuffer(_secret(), np.uint64) | np.uint64(1)
+    factors = np.frombuffer(os.urandom(24), np.uint64) | np.uint64(1)
     mixed = corners * factors
     mixed ^= mixed >> np.uint64(29)
     return max(len(np.unique((mixed * factors[::-1]).sum(axis=1))), faces // 2)
-
-
-def _secret() -> bytes:
-    import os
-
-    return os.urandom(24)
 
 
 def _of_obj(data: bytes) -> int:
@@ -144,45 +139,29 @@ _MOST_KINDS = 16
 
 def file_points(element: Node, unit: Unit) -> int:
     """At least so many points that its file has; 0 for a file that there is not, which is reported elsewhere."""
-    return _asked(points_in, element, unit) or 0
+    return _in_file(element, unit, points_in) or 0
 
 
-def most_file_points(element: Node, unit: Unit) -> int | None:
-    """Return an upper bound of the points of its file after a quick look; None if only counting can tell."""
-    return _asked(most_points_in, element, unit)
-
-
-def most_points_by_size(element: Node, unit: Unit) -> int | None:
-    """Return an upper bound of the points of its file, which is not opened; None if only its bytes can tell."""
-    held, kind = _file(element, unit)
+def _in_file(element: Node, unit: Unit, count: _Count) -> int | None:
+    """What `count` says of a file, which is not opened for `most_points`."""
+    path = written_path(unit.settings, element, str(element.get("file") or ""))
+    # MuJoCo believes `content_type` rather than the name.
+    told = str(element.get("content_type") or "").lower().rpartition("/")[2]
+    kind, held = told or path.lower().rpartition(".")[2], unit.contents.get(path)
     try:
-        return most_points(
-            len(held) if isinstance(held, bytes) else os.stat(unit.door.admit(held)).st_size, kind
+        if isinstance(held, bytes):
+            return most_points(len(held), kind) if count is most_points else count(held, kind)
+        real = unit.door.admit(str(held or join(str(unit.directory), path)))
+        return (
+            most_points(os.stat(real).st_size, kind)
+            if count is most_points
+            else _memory(count, kind).ask(real)
         )
     except (OSError, Refused):
         return 0
 
 
-def _file(element: Node, unit: Unit) -> tuple[bytes | str, str]:
-    """Its bytes, or the path of them, and how its name ends; MuJoCo believes `content_type` rather than the name."""
-    path = written_path(unit.settings, element, str(element.get("file") or ""))
-    told = str(element.get("content_type") or "").lower().rpartition("/")[2]
-    held = unit.contents.get(path)
-    where = held if isinstance(held, bytes) else str(held or join(str(unit.directory), path))
-    return where, told or path.lower().rpartition(".")[2]
-
-
-def _asked(count: _Count, element: Node, unit: Unit) -> int | None:
-    held, kind = _file(element, unit)
-    if isinstance(held, bytes):
-        return count(held, kind)
-    try:
-        return _memory(count, kind).ask(unit.door.admit(held))
-    except (OSError, Refused):
-        return 0
-
-
-_Count = Callable[[bytes, str], int | None]
+_Count = Callable[[Any, str], int | None]
 _memories: dict[tuple[_Count, str], Memory[int | None]] = {}
 
 
@@ -196,12 +175,9 @@ def _memory(count: _Count, kind: str) -> Memory[int | None]:
     return known
 
 
-_CODE = "limit-exceeded"
 _WITHOUT_HULL = 10
 """How many points of a mesh without a hull cost as much as one of a mesh with a hull (MuJoCo 4.0: 1.5 and 18 us)."""
 _MESHES, _WITHOUT_FILE = XPath("asset/mesh"), XPath("asset/mesh[not(@file)]")
-_OF_DISTANCE = ("distance", "normal", "fromto")
-_SQUARED = ("supersphere", "supertorus")
 _MULTIPLIED = {"cone": 1, "wedge": 2, "plate": 2}
 _GRIDS = ("grid", "box", "cylinder", "ellipsoid", "square", "disc")
 """Built-in meshes by what their `params` begin with; MuJoCo bounds those of other kinds by itself."""
@@ -224,12 +200,15 @@ def check_meshes(unit: Unit, attached: int, sink: Sink, *, opens_files: bool = T
         return True
     largest = max(points, key=points.__getitem__, default=None)
     place = unit.root if largest is None else largest
-    span = unit.origins.span(place, unit.file, _attribute(place))
+    attribute = next((each for each in ("file", "vertex", "params") if place.get(each)), None)
+    span = unit.origins.span(place, unit.file, attribute)
     note = None
     if largest is not None and points[largest] < total:
         note = Note(f"{points[largest]} of them are those of this mesh, the largest")
     message = f"the meshes of the model have {total} points; {most} are allowed"
-    sink.error(_CODE, message, span, notes=(note,) if note else (), help=advice("mesh-points", total))
+    sink.error(
+        "limit-exceeded", message, span, notes=(note,) if note else (), help=advice("mesh-points", total)
+    )
     return False
 
 
@@ -240,12 +219,12 @@ def mesh_points(unit: Unit) -> int:
 
 def _most(meshes: list[Node], unit: Unit, attached: int) -> float:
     """Return an upper bound of the points of all meshes and of those `attached`, from the sizes of files or a look."""
-    by_size = [_points(each, unit, most_points_by_size) for each in meshes]
+    by_size = [_points(each, unit, most_points) for each in meshes]
     if None not in by_size and (total := attached + sum(filter(None, by_size))) <= in_force().mesh_points:
         return total
     total, hulled = attached, _hulled(unit.root)
     for mesh, known in zip(meshes, by_size, strict=True):
-        points = _points(mesh, unit, most_file_points) if known is None else known
+        points = _points(mesh, unit, most_points_in) if known is None else known
         if points is None:
             return math.inf
         total += _weighed(points, mesh, hulled)
@@ -266,9 +245,9 @@ def _counted(meshes: list[Node], unit: Unit) -> dict[Node, int]:
         # What is too much already needs no reading of the rest.
         points = None
         if sum(found.values()) > in_force().mesh_points:
-            points = _points(mesh, unit, most_points_by_size)
+            points = _points(mesh, unit, most_points)
         if points is None:
-            points = _points(mesh, unit, file_points)
+            points = _points(mesh, unit, points_in)
         found[mesh] = _weighed(points or 0, mesh, hulled)
     return found
 
@@ -288,7 +267,7 @@ def _hulled(root: Node) -> set[str] | None:
     """
     if (
         next(root.iterfind("contact/pair"), None) is not None
-        or next(root.iter(*_OF_DISTANCE), None) is not None
+        or next(root.iter("distance", "normal", "fromto"), None) is not None
     ):
         return None
     if any(each.get("inertia") == "convex" for each in root.iter("mesh")):
@@ -314,9 +293,9 @@ def _collides(geom: Node, classes: Classes) -> bool:
     return False
 
 
-def _points(mesh: Node, unit: Unit, in_file: Callable[[Node, Unit], int | None]) -> int | None:
+def _points(mesh: Node, unit: Unit, count: _Count) -> int | None:
     if mesh.get("file"):
-        return in_file(mesh, unit)
+        return _in_file(mesh, unit, count)
     if mesh.get("vertex"):
         return max(_words(mesh, "vertex") // 3, _words(mesh, "face") // 6)
     return _built_in(mesh)
@@ -324,25 +303,25 @@ def _points(mesh: Node, unit: Unit, in_file: Callable[[Node, Unit], int | None])
 
 def _built_in(mesh: Node) -> int:
     kind = str(mesh.get("builtin"))
-    counts = [_count(word) for word in str(mesh.get("params") or "").split()[:3]] or [0]
-    if kind in _SQUARED:
+    counts = [number(word) for word in str(mesh.get("params") or "").split()[:3]] or [0]
+    if kind in ("supersphere", "supertorus"):
         return counts[0] ** 2
     if kind in _GRIDS:
         return math.prod(counts)
     return 2 * math.prod(counts[: _MULTIPLIED[kind]]) if kind in _MULTIPLIED else 0
 
 
-def _count(word: str) -> int:
-    """What is no number is reported elsewhere."""
+def number(text: str | None, least: int = 0) -> int:
+    """Return the number in a text, at least `least`; what is not a number is reported elsewhere.
+
+    >>> number("2e3"), number("many"), number(None, 1)
+    (2000, 0, 1)
+    """
     try:
-        return max(0, int(float(word)))
+        return max(least, int(float(text or 0)))
     except (ValueError, OverflowError):
-        return 0
+        return least
 
 
 def _words(mesh: Node, attribute: str) -> int:
     return len(str(mesh.get(attribute) or "").split())
-
-
-def _attribute(mesh: Node) -> str | None:
-    return next((each for each in ("file", "vertex", "params") if mesh.get(each)), None)
