@@ -81,7 +81,6 @@ CODES: dict[str, str] = {
     "output-unwritable": "the output cannot be written",
     "part-changed": "a part is not what its source is alone",
     "part-not-compared": "a part cannot be compared with its source",
-    "part-order": "`before` and `after` ask for an impossible order",
     "plane-on-body": "a plane would be on a moving body",
     "recipe-version": "the recipe names no version of the language, or an unknown one",
     "reserved-prefix": "a prefix has a meaning of its own and cannot be used",

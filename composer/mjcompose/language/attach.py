@@ -200,10 +200,6 @@ class Attachment(UsedModel):
     keys: Annotated[Literal["merge", "prefix"], Choice("keys")] = "merge"
     """How the part's keyframes are called: merged by name, or kept apart as `PREFIX/NAME`. `drop: [key]` leaves them
     out."""
-    before: Annotated[str | None, Text("before")] = None
-    """The part right before which this one stands among its siblings."""
-    after: Annotated[str | None, Text("after")] = None
-    """The part right after which this one stands among its siblings."""
     allow: Annotated[tuple[str, ...], Allowed()] = ()
     """The codes of warnings about this part that are meant to be there."""
 

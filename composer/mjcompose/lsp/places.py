@@ -99,8 +99,6 @@ _ROWS: tuple[tuple[Path, Wanted], ...] = (
     (("attach", ANY, "frame"), Wanted(("frame",))),
     (("attach", ANY, "mate"), Wanted(("site", "body", "frame"))),
     (("attach", ANY, "subtree"), Wanted(("body",))),
-    (("attach", ANY, "before"), Wanted((PART,))),
-    (("attach", ANY, "after"), Wanted((PART,))),
     (("base", "subtree"), Wanted(("body",))),
     (("add", ANY, "to"), Wanted(("body",))),
     (("add", ANY, "to", "frame"), Wanted(("frame",))),
@@ -123,7 +121,7 @@ _ROWS: tuple[tuple[Path, Wanted], ...] = (
 """The keys of recipes themselves that take names; what MJCF has is in its grammar."""
 _OWN = (("attach", ANY, "mate"), ("attach", ANY, "subtree"), ("attach", ANY, "edit"), ("attach", ANY, "drop"),
         ("base", "subtree"), ("base", "edit"), ("base", "drop"))  # fmt: skip
-_PLACES = ("site", "body", "frame", "before", "after")
+_PLACES = ("site", "body", "frame")
 
 
 def wanted_value(path: Path, forms: list[Form], around: Any) -> Wanted | None:

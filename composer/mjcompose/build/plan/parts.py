@@ -7,11 +7,11 @@ from collections.abc import Mapping as Map
 from collections.abc import Sequence as AbcSequence
 from itertools import product
 
-from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.diagnostic import Span
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import closest, renaming, unknown_name
 from mjcompose.build.plan.plan import AttachPart, Plan, part_name
-from mjcompose.language.attach import RESERVED, Attachment, Axis
+from mjcompose.language.attach import Axis
 from mjcompose.language.checks.unchanged import Unchanged
 from mjcompose.language.expand import expand, has_conditions
 from mjcompose.language.keyframe import FROM
@@ -33,95 +33,6 @@ def copies(axes: AbcSequence[Axis]) -> Iterator[tuple[str, Copy]]:
     for copy in product(*(range(axis.count) for axis in axes)):
         numbers = (str(number).zfill(width) for number, width in zip(copy, widths, strict=True))
         yield "_".join(numbers), copy
-
-
-def in_order(parts: Map[str, Attachment], document: Mapping, sink: Sink) -> list[str]:
-    """Return the keys of the parts in their order.
-
-    A part with `before` or `after` is placed directly before or after the other part, and after parts that were
-    moved there earlier in the file. Contradictions are reported, and these parts keep their place.
-    """
-    asked = {key: dict(_asked(key, parts, document, sink=sink)) for key in parts}
-    order = [key for key in parts if not asked[key]]
-    waiting = [key for key in parts if asked[key]]
-    behind: dict[str, list[str]] = {key: [] for key in parts}
-    while waiting:
-        ready = next((key for key in waiting if all(other in order for other in asked[key].values())), None)
-        if ready is None:
-            _ring(waiting, asked, document, sink=sink)
-            return list(parts)
-        waiting.remove(ready)
-        before, after = asked[ready].get("before"), asked[ready].get("after")
-        if after is not None:
-            last = after
-            while behind[last]:
-                last = behind[last][-1]
-            at = order.index(last) + 1
-            behind[after].append(ready)
-            if before is not None and order.index(before) < at:
-                _contradiction(ready, before, after, document=document, sink=sink)
-        else:
-            assert before is not None
-            at = order.index(before)
-        order.insert(at, ready)
-    return order
-
-
-def _asked(key: str, parts: Map[str, Attachment], document: Mapping, sink: Sink) -> Iterator[tuple[str, str]]:
-    for word in ("before", "after"):
-        other = getattr(parts[key], word)
-        if other in parts:
-            yield word, other
-        elif other is not None:
-            known = [each for each in parts if each != key]
-            span = locate(document, ("attach", key, word))
-            first = f"the {RESERVED} always comes first: leave `{word}` out" if other == RESERVED else None
-            purpose, written = f" for `{key}` to stand {word}", f"{word}: {{}}"
-            sink.add(
-                unknown_name(
-                    "part",
-                    other,
-                    known,
-                    span=span,
-                    purpose=purpose,
-                    written=written,
-                    help=first,
-                    about=(key,),
-                )
-            )
-
-
-def _ring(waiting: list[str], asked: Map[str, Map[str, str]], document: Mapping, sink: Sink) -> None:
-    ring = [waiting[0]]
-    while True:
-        word, other = next((word, each) for word, each in asked[ring[-1]].items() if each in waiting)
-        if other in ring:
-            break
-        ring.append(other)
-    ring = ring[ring.index(other) :]
-    steps = []
-    for key in ring:
-        word, other = next((word, each) for word, each in asked[key].items() if each in waiting)
-        steps.append(f"`{key}` {word} `{other}`")
-    first = ring[0]
-    word = next(word for word, each in asked[first].items() if each in waiting)
-    sink.error(
-        "part-order",
-        "parts shall stand in a ring: " + ", ".join(steps),
-        locate(document, ("attach", first, word)),
-        help="take one `before` or `after` out",
-    )
-
-
-def _contradiction(key: str, before: str, after: str, document: Mapping, sink: Sink) -> None:
-    sink.error(
-        "part-order",
-        f"`{key}` shall stand after `{after}` and before `{before}`, which comes earlier",
-        locate(document, ("attach", key, "before")),
-        notes=(Note("`after` is here", locate(document, ("attach", key, "after"))),),
-        help="leave one of the two out",
-        subjects=(key, after, before),
-    )
 
 
 def without_rings(parts: tuple[AttachPart, ...], separator: str, sink: Sink) -> tuple[AttachPart, ...]:

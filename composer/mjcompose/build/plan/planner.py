@@ -15,7 +15,7 @@ from mjcompose.base.diagnostic import Path as KeyPath
 from mjcompose.base.limits import advice, in_force
 from mjcompose.build.plan.locked import use_lock
 from mjcompose.build.plan.matrix import drawn_parameters, read_matrix
-from mjcompose.build.plan.parts import check_part_names, check_pieces, copies, in_order, without_rings
+from mjcompose.build.plan.parts import check_part_names, check_pieces, copies, without_rings
 from mjcompose.build.plan.plan import AttachPart, Drawn, LoadBase, Plan
 from mjcompose.build.plan.read import Given, folder_of, validated
 from mjcompose.build.plan.step_table import steps_of
@@ -298,8 +298,7 @@ class _Planner:
     def _parts(self, found: _Found, inside: Outer) -> Iterator[AttachPart]:
         recipe, document = found.recipe, found.document
         taken: dict[str, Span] = {}
-        for key in in_order(recipe.attach, document, self.sink):
-            attachment = recipe.attach[key]
+        for key, attachment in recipe.attach.items():
             at = ("attach", key)
             span = locate(document, at, key=True)
             name = key if attachment.prefix is None else attachment.prefix
