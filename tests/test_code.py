@@ -29,7 +29,7 @@ FUNCTIONS_LEFT = Counter(
 CALLS_LEFT = Counter(
     ActuatorModel=1, Adopted=1, Attachment=3, Bare=1, Binary=4, Call=1, Change=41, Choice=1, Comparison=1,
     Converter=1, Cursor=4, Diagnostic=1, Document=1, ExpressionError=12, FileUse=6, Flat=1, Flex=1, Floating=2,
-    Item=9, Key=2, Keyed=9, Known=1, Left=1, Lens=2, Linking=2, Mass=1, MemoryRequest=1, Model=1, Names=1,
+    Item=9, Key=2, Keyed=8, Known=1, Left=1, Lens=2, Linking=2, Mass=1, MemoryRequest=1, Model=1, Names=1,
     NewName=1, Question=2, Selection=1, Selector=1, Settable=2, Slot=1, Span=11, Symbol=2, Target=1, Traced=1,
     Unary=2, Unit=3, Use=2, _Conflict=1, _Download=1, _Frame=1, _Hung=1, _Misnamed=3, _Mounted=1, _Setting=2,
     _Suspect=1, _Thing=1, _Wish=1, _added=2, _admitted=3, _all=6, _analysed=1, _angles=1, _bad_value=1,

@@ -10,7 +10,6 @@ from pydantic import (
     ConfigDict,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
-    ModelWrapValidatorHandler,
     ValidationInfo,
     ValidatorFunctionWrapHandler,
     model_validator,
@@ -216,7 +215,7 @@ class Attachment(UsedModel):
 
     @model_validator(mode="wrap")
     @classmethod
-    def _alternatives(cls, value: Any, handler: ModelWrapValidatorHandler[Attachment]) -> Attachment:
+    def _alternatives(cls, value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
         faults: list[Fault] = []
         if isinstance(value, Mapping):
             path = path_of(value)

@@ -21,6 +21,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Fault, Fix, Path
 from mjcompose.base.suggest import advised, closest, exists_note, renaming
 from mjcompose.model.grammar import number_text
+from mjcompose.model.selector import Selector
 from mjcompose.text.expression_values import Angle
 
 __all__ = ["EXCLUSIVE", "Fault", "Path", "fault_at", "unknown_key", "validated_with", "validation_error"]
@@ -73,6 +74,16 @@ def validated_with(handler: ValidatorFunctionWrapHandler, value: Any, faults: Se
     if faults:
         raise validation_error(faults, value)
     return result
+
+
+def together(errors: Mapping[str, ValidationError]) -> ValidationError:
+    """Return one exception for those of several keys of a mapping."""
+    lines = [
+        _again({**each, "loc": (key, *each["loc"])})
+        for key, error in errors.items()
+        for each in error.errors(include_url=False)
+    ]
+    return ValidationError.from_exception_data("recipe", lines)
 
 
 def _lines(faults: Iterable[Fault], value: object) -> list[InitErrorDetails]:
@@ -247,11 +258,13 @@ DEFAULT_SEPARATOR = "/"
 class Settings:
     """The context of a validation.
 
-    With `bare_angles`, angles without a unit are allowed. `separator` is between a prefix and a name.
+    With `bare_angles`, angles without a unit are allowed. `separator` is between a prefix and a name. `selected` is
+    the selector that the values of an entry of `edit` are about, None if it has a fault.
     """
 
     bare_angles: bool = True
     separator: str = DEFAULT_SEPARATOR
+    selected: Selector | None = None
 
     @classmethod
     def of(cls, data: object) -> Settings:

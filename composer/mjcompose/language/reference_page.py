@@ -268,7 +268,9 @@ class _Keys:
             types = [each for each in types if each != "string"]
         words = [_TYPES[each] for each in types]
         if words == ["list"] and "items" in schema:
-            return f"list of {self._type(schema['items'])}"
+            item, least = self._type(schema["items"]), schema.get("minItems")
+            is_fixed = least == schema.get("maxItems", 0) and item in ("number", "whole number")
+            return f"{least} {item}s" if is_fixed else f"list of {item}"
         return " or ".join(words) or "value"
 
     @staticmethod

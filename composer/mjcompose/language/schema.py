@@ -17,6 +17,7 @@ from mjcompose.language.attach import Attachment
 from mjcompose.language.expand import KEYS as MATRIX_KEYS
 from mjcompose.language.expand import SETTLED
 from mjcompose.language.form import REFERENCE, Schema, check_rows, define, definition_key
+from mjcompose.language.forms.json_schema import Generator
 from mjcompose.language.parameters import KEYS as PARAMETER_KEYS
 from mjcompose.language.parameters import NO_PIECE, TYPES
 from mjcompose.language.placing import OF_A_FILE
@@ -50,6 +51,8 @@ def _optional(schema: Any, definitions: dict[str, Schema]) -> Any:
     for key, value in schema.items():
         if key in ("required", "minProperties"):
             continue
+        if key == "allOf":  # what a key belongs to may stand in the recipe that a piece is merged over
+            value = [each for each in value if not (isinstance(each, dict) and "not" in each.get("if", {}))]
         if key in _MAPPINGS:
             found[key] = loosened(value, definitions)
         elif key in _LISTED:
@@ -262,7 +265,7 @@ _NAMES = frozenset({"properties", "patternProperties", "$defs"})
 
 def recipe_schema() -> Schema:
     """Return the schema of a whole recipe, as JSON Schema 2020-12. It is the same every time."""
-    schema = Recipe.model_json_schema()
+    schema = Recipe.model_json_schema(schema_generator=Generator)
     definitions: dict[str, Schema] = schema.pop("$defs")
     for model in MODELS:
         target = schema if model is Recipe else definitions[model.__name__]

@@ -11,7 +11,7 @@ from pydantic import (
     ConfigDict,
     Field,
     GetJsonSchemaHandler,
-    ModelWrapValidatorHandler,
+    ValidatorFunctionWrapHandler,
     model_validator,
 )
 from pydantic_core import CoreSchema
@@ -478,7 +478,7 @@ class Base(UsedModel):
 
     @model_validator(mode="wrap")
     @classmethod
-    def _short(cls, value: Any, handler: ModelWrapValidatorHandler[Base]) -> Base:
+    def _short(cls, value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
         in_place = (
             fault_of_inline_recipe(value, "`base`", cls.model_fields) if isinstance(value, Mapping) else None
         )

@@ -19,6 +19,8 @@ from mjcompose.language.attach import Attachment
 from mjcompose.language.element import raw
 from mjcompose.language.expand import NO_EMIT, SETTLED
 from mjcompose.language.form import Settings, kind_of, shown
+from mjcompose.language.forms.translate import translated
+from mjcompose.language.forms.walk import is_model, spot
 from mjcompose.language.placing import faults_in_place
 from mjcompose.language.recipe import VERSION, Recipe, sections_of
 from mjcompose.language.sections import ByTag, Lists, Typed
@@ -170,7 +172,10 @@ def faults(error: ValidationError, data: Any) -> Iterator[Fault]:
     stray = [*parts]
     for each in errors:
         loc = real_path(data, each["loc"])
-        if each["type"] == "fault":
+        place = spot(Recipe, each["loc"], data)
+        if is_model(place.kind) or is_model(place.model):
+            yield translated(each, Recipe, data)
+        elif each["type"] == "fault":
             yield _moved(each["ctx"]["fault"], loc, each["loc"], data=data)
         elif each["type"] == "extra_forbidden":
             if loc[0] not in stray[1:]:  # the keys of a part at the top are one mistake

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from typing import Any
 
 from lxml.etree import _Element as Node
 
@@ -13,7 +12,7 @@ from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.keys import without_keys
 from mjcompose.build.compose.values import Unusable, refuse
 from mjcompose.build.verbs.values import Entry
-from mjcompose.language.verbs.inertia import DENSITY, FROM, GROUP
+from mjcompose.language.verbs.inertia import Inertia
 from mjcompose.link import numbers
 from mjcompose.link.inertia import MEASURED
 from mjcompose.link.linking import Linking
@@ -25,12 +24,12 @@ _RULES = (*MEASURED, "inertiafromgeom", "inertiagrouprange")
 _ROWS = dict(zip(BODIES, (1, 3, 4, 3), strict=True))
 
 
-def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
+def carry_out(entry: Entry, written: Inertia, at: Path) -> None:
     """Write onto each body an `<inertial>` that MuJoCo computes from its geoms."""
     editing, found = entry.editing, entry.found
     wanted = {body: _geoms(editing, body, written, at=at) for body in found}
     entry.masses.settle(*_RULES)
-    survey, there = _measured(editing, wanted, float(written[DENSITY]), at=at)
+    survey, there = _measured(editing, wanted, written.density, at=at)
     for body in found:
         rows = {array: survey.values(there[body], array, width) for array, width in _ROWS.items()}
         mass, pos, quat, moments = rows.values()
@@ -60,30 +59,30 @@ def _write(editing: Editing, body: Node, values: Mapping[str, Sequence[float]], 
     editing.write(kept, dict.fromkeys(values, entry))
 
 
-def _geoms(editing: Editing, body: Node, written: Mapping[str, Any], at: Path) -> list[Node]:
+def _geoms(editing: Editing, body: Node, written: Inertia, at: Path) -> list[Node]:
     """Return the geoms of a body to use. Geoms in several groups are usually copies of the same shape."""
     geoms = own(body, "geom")
-    if written[FROM] == "mesh":
+    if written.source == "mesh":
         geoms = [geom for geom in geoms if editing.effective(geom, "type") == "mesh"]
     groups: dict[int, list[Node]] = {}
     for geom in geoms:
         groups.setdefault(int(editing.effective(geom, "group") or 0), []).append(geom)
     known = ", ".join(map(str, sorted(groups)))
-    what = "meshes" if written[FROM] == "mesh" else "geoms"
+    what = "meshes" if written.source == "mesh" else "geoms"
     if not groups:
         help = (
             "write `from: geoms`"
-            if written[FROM] == "mesh" and own(body, "geom")
+            if written.source == "mesh" and own(body, "geom")
             else "write `set: {mass: …}`"
         )
         message = f"{editing.called(body)} has no {what}"
         refuse(editing, body, Fault("selector", message, at, key=True, help=help), it="it")
-    if GROUP in written:
-        if written[GROUP] not in groups:
-            message = f"{editing.called(body)} has no {what} in the group {written[GROUP]}"
+    if written.group is not None:
+        if written.group not in groups:
+            message = f"{editing.called(body)} has no {what} in the group {written.group}"
             help = f"it has some in the groups {known}"
-            refuse(editing, body, Fault("selector", message, (*at, GROUP), key=True, help=help), it="it")
-        return groups[written[GROUP]]
+            refuse(editing, body, Fault("selector", message, (*at, "group"), key=True, help=help), it="it")
+        return groups[written.group]
     if len(groups) > 1:
         message = f"{editing.called(body)} has {what} in the groups {known}, which may be the same shape several times"
         help = f"say which of them count: `group: {min(groups)}`"

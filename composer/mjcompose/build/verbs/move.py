@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note, Path
 from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.values import Unusable, Values
 from mjcompose.build.verbs.values import SET, Change, Entry
+from mjcompose.language.verbs.move import Frame, Move
 from mjcompose.link.key_layout import JOINTS
 from mjcompose.model.classes import MAIN, NESTED, childclass_of, through_frames
 from mjcompose.model.cost import all_scaled_above
@@ -19,18 +17,17 @@ from mjcompose.model.names import WORLD
 from mjcompose.model.select import kind_of
 
 
-def carry_out(entry: Entry, value: Mapping[str, Any], at: Path) -> None:
+def carry_out(entry: Entry, value: Move, at: Path) -> None:
     """Move every selected element, then give it the pose that the value writes."""
-    pose = {name: each for name, each in value.items() if name != "to"}
     for index, node in enumerate(entry.found):
-        _move(entry.editing, node, index, written=value, at=at)
-        if pose:
-            Change(entry.editing, SET, entry.masses).carry_out(node, index, pose, at=at)
+        _move(entry.editing, node, index, to=value.to, at=at)
+        if value.pose:
+            Change(entry.editing, SET, entry.masses).carry_out(node, index, value.pose, at=at)
 
 
-def _move(editing: Editing, node: Node, index: int, written: Mapping[str, Any], at: Path) -> None:
+def _move(editing: Editing, node: Node, index: int, to: str | Frame, at: Path) -> None:
     """Put a node last into its new place; it keeps its class, and its pose there is the one it is written with."""
-    target = _target(editing, node, index, written=written["to"], at=(*at, "to"))
+    target = _target(editing, node, index, to=to, at=(*at, "to"))
     span = editing.span((*at, "to"))
     if node is target or node in list(target.iterancestors()):
         editing.sink.error(
@@ -61,10 +58,10 @@ def _move(editing: Editing, node: Node, index: int, written: Mapping[str, Any], 
     origins.owners.setdefault(node, owner)
 
 
-def _target(editing: Editing, node: Node, index: int, written: Any, at: Path) -> Node:
-    kind = "body"
-    if isinstance(written, dict):
-        kind, written, at = "frame", written["frame"], (*at, "frame")
+def _target(editing: Editing, node: Node, index: int, to: str | Frame, at: Path) -> Node:
+    kind, written = "body", to
+    if isinstance(to, Frame):
+        kind, written, at = "frame", to.frame, (*at, "frame")
     name = str(Values(editing, node, index, at=at).of(written, at))
     if kind == "body" and name == WORLD:
         return editing.linking.base.section("worldbody")

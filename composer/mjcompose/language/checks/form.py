@@ -416,4 +416,4 @@ class Kind:
 
     @property
     def is_list(self) -> bool:
-        return not isinstance(self.form, Keyed)
+        return getattr(self.form, "is_list", not isinstance(self.form, Keyed))

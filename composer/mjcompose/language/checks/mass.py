@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Path
-from mjcompose.language.checks.form import Key, Keyed, Keys, Kind, Name, Number, Numbers
+from mjcompose.language.checks.form import Keys, Kind
+from mjcompose.language.forms.adapters import CheckForm, CheckModel
+from mjcompose.language.forms.rules import Belongs, Exclusive, OneOf
+from mjcompose.language.forms.scalars import Name, NotNegative, Range, Unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,44 +30,47 @@ class Mass:
     at: Path
 
 
-FORM = Keyed(
-    "What the model, a body, or a body with all below it weighs.",
-    Key("subtree", Name("the name of a body"), "a body: it and all below it"),
-    Key("body", Name("the name of a body"), "a body alone; without either, everything"),
-    Key("range", Numbers(2, "[18, 22]"), "the least and the most, in kilograms"),
-    Key("value", Number(least=0), "kilograms"),
-    Key("tol", Number(least=0), "how far from `value` it may be, in kilograms; without it, rounding"),
-)
+class MassForm(CheckModel):
+    """What the model, a body, or a body with all below it weighs."""
+
+    rules: ClassVar = (
+        Exclusive("subtree", "body"),
+        OneOf(
+            "range",
+            "value",
+            lacks="does not say how much",
+            advice="write `range: [LOW, HIGH]`, or `value: KILOGRAMS`",
+        ),
+        Belongs("tol", "value", help="take `tol` out, or write `value` in place of `range`"),
+    )
+    example: ClassVar = "{range: [LOW, HIGH]}"
+
+    subtree: Annotated[str, Name("body")] | None = None
+    """a body: it and all below it"""
+    body: Annotated[str, Name("body")] | None = None
+    """a body alone; without either, everything"""
+    range: Annotated[Range, Unit("kg")] | None = None
+    """the least and the most, in kilograms"""
+    value: Annotated[NotNegative, Unit("kg")] | None = None
+    """kilograms"""
+    tol: Annotated[NotNegative, Unit("kg")] | None = None
+    """how far from `value` it may be, in kilograms; without it, rounding"""
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """The least and the most, in kilograms."""
+        if self.range is not None:
+            return self.range
+        value = self.value or 0.0
+        slack = 1e-9 * max(1.0, value) if self.tol is None else self.tol
+        return value - slack, value + slack
 
 
-def make(keys: Keys, found: Mapping[str, Any], at: Path) -> Mass | None:
-    keys.one_of("subtree", "body")
-    how = keys.one_of("range", "value")
-    subtree, body, value, tol = (found[name] for name in ("subtree", "body", "value", "tol"))
-    if how is None:
-        # A key with a fault may be the one that is missing here.
-        if not any(each.at[:2] == (keys.name, keys.word) for each in keys.faults):
-            message = f"`mass` of {keys.owner} does not say how much"
-            help = "write `range: [LOW, HIGH]`, or `value: KILOGRAMS`"
-            keys.add("missing-key", message, key=True, help=help)
+def make(keys: Keys, form: Any, at: Path) -> Mass | None:
+    if form is None:
         return None
-    if how == "value":
-        slack = 1e-9 * max(1.0, value or 0.0) if tol is None else tol
-        limits = None if value is None else (value - slack, value + slack)
-    else:
-        limits = found["range"]
-        _check_range(keys, limits)
-    return None if limits is None else Mass(keys.name, subtree, body, *limits, value, tol, at)
+    low, high = form.limits
+    return Mass(keys.name, form.subtree, form.body, low, high=high, value=form.value, tol=form.tol, at=at)
 
 
-def _check_range(keys: Keys, limits: tuple[float, float] | None) -> None:
-    if "tol" in keys.value:
-        help = "take `tol` out, or write `value` in place of `range`"
-        keys.add("unknown-key", f"`tol` of {keys.owner} belongs to `value`", "tol", key=True, help=help)
-    if limits is not None and limits[0] > limits[1]:
-        low, high = limits
-        message = f"`range` of {keys.owner} starts with {low:g}, which is more than {high:g}"
-        keys.add("out-of-range", message, "range", help=f"write `range: [{high:g}, {low:g}]`")
-
-
-KIND = Kind("mass", FORM, make, example="{range: [LOW, HIGH]}")
+KIND = Kind("mass", CheckForm(MassForm), make, example=MassForm.example)

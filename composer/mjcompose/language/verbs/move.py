@@ -2,78 +2,83 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterator
+from typing import Annotated, Any, ClassVar
+
+from pydantic import Discriminator, Field, Tag
 
 from mjcompose.base.diagnostic import Fault
-from mjcompose.language.form import Schema, kind_of, unknown_key
+from mjcompose.language.form import Settings
+from mjcompose.language.forms.adapters import verb
+from mjcompose.language.forms.attribute import Attribute
+from mjcompose.language.forms.model import Model
+from mjcompose.language.forms.rules import Exclusive
+from mjcompose.language.forms.scalars import Name
 from mjcompose.language.placing import ORIENTATIONS
-from mjcompose.language.verbs.values import Selected, Verb, read_mapping, with_values
+from mjcompose.language.select import kinds_of, unknown_attribute
+from mjcompose.language.verb import For, Verb, listed
 from mjcompose.model.grammar import GRAMMAR
 
-TO = "to"
-_POSE = ("pos", *ORIENTATIONS)
+_IN_THE_TREE = {
+    child.path for top in ("body", "worldbody") for child in GRAMMAR.element(top).children.values()
+}
 
 
-def _read(value: Any, selected: Selected) -> dict[str, Any]:
-    given = read_mapping("move", value, "{to: NAME}", selected=selected)
-    if given is None:
-        return {}
-    at = selected.at
-    tops = [GRAMMAR.element(top) for top in ("body", "worldbody")]
-    inside = {child.path for top in tops for child in top.children.values()}
-    if selected.kinds and not any(kind.path in inside for kind in selected.kinds):
-        message = f"`move` is for the body tree, and `{selected.tag}` is not in it"
-        selected.add(Fault("wrong-type", message, at))
-        return {}
-    to = given.get(TO)
-    if isinstance(to, dict):
-        to = to.get("frame") if list(to) == ["frame"] else None
-    if not isinstance(to, str) or not to:
-        where = "write `to: NAME` of a body, `to: world`, or `to: {frame: NAME}`"
-        written = TO in given
-        message = f"`to` expects a name, got {kind_of(given[TO])}" if written else "`move` lacks `to`"
-        code = "wrong-type" if written else "missing-key"
-        selected.add(Fault(code, message, (*at, TO) if written else at, help=where))
-    pose = {name: item for name, item in given.items() if name != TO}
-    for name in [name for name in pose if name not in _POSE]:
-        selected.add(unknown_key(f"`{name}` is not a key of `move`", name, (TO, *_POSE), at=(*at, name)))
-        del pose[name]
-    selected.checker.attributes("set", pose, selected.selector, at=at)
-    return dict(given)
+class Frame(Model):
+    """A frame by its name."""
+
+    frame: Annotated[str, Name("frame", computed=True)] = Field(examples=["NAME"])
+    """the name of a frame"""
 
 
-def _words(value: Mapping[str, Any]) -> str:
-    to = value[TO]
-    place = f"the frame {to['frame']}" if isinstance(to, dict) else to
-    return f"move to {place}{with_values(value, TO)}"
+Place = Annotated[
+    Annotated[str, Name("body", computed=True, what="a body, `world`, or `{frame: NAME}`"), Tag("<name>")]
+    | Annotated[Frame, Tag("<mapping>")],
+    Discriminator(lambda value: "<mapping>" if isinstance(value, dict | Frame) else "<name>"),
+]
 
 
-def _schema() -> Schema:
-    named: Schema = {"type": "string", "minLength": 1}
-    frame = {
-        "type": "object",
-        "properties": {"frame": {**named, "description": "the name of a frame"}},
-        "required": ["frame"],
-    }
-    place: Schema = {"anyOf": [named, frame], "description": "a body, `world`, or `{frame: NAME}`"}
-    pose = {
-        name: {"type": ["array", "string"], "description": f"`{name}` in what it then stands in"}
-        for name in _POSE
-    }
-    return {
-        "type": "object",
-        "properties": {TO: place, **pose},
-        "required": [TO],
-        "additionalProperties": False,
-    }
+class Move(Verb):
+    """Another body or frame to stand in, and the pose there."""
+
+    rules: ClassVar = (
+        For(*_IN_THE_TREE, what="for the body tree, and `{tag}` is not in it"),
+        Exclusive(*ORIENTATIONS),
+    )
+    example: ClassVar = "{to: NAME}"
+    reshapes: ClassVar = True
+
+    to: Place = Field(examples=["NAME"])
+    """a body, `world`, or `{frame: NAME}`"""
+    pos: Annotated[Any, Attribute("frame", "pos", computed=True)] = None
+    """`pos` in what it then stands in"""
+    quat: Annotated[Any, Attribute("frame", "quat", computed=True)] = None
+    """`quat` in what it then stands in"""
+    euler: Annotated[Any, Attribute("frame", "euler", computed=True)] = None
+    """`euler` in what it then stands in"""
+    axisangle: Annotated[Any, Attribute("frame", "axisangle", computed=True)] = None
+    """`axisangle` in what it then stands in"""
+    xyaxes: Annotated[Any, Attribute("frame", "xyaxes", computed=True)] = None
+    """`xyaxes` in what it then stands in"""
+    zaxis: Annotated[Any, Attribute("frame", "zaxis", computed=True)] = None
+    """`zaxis` in what it then stands in"""
+
+    @property
+    def pose(self) -> dict[str, Any]:
+        """The attributes that are written, in the order of the fields."""
+        given = {name: getattr(self, name) for name in ("pos", *ORIENTATIONS)}
+        return {name: value for name, value in given.items() if value is not None}
+
+    def contradictions(self, context: Settings) -> Iterator[Fault]:
+        tag = context.selected.tag if context.selected is not None else ""
+        kinds = kinds_of(tag) if tag else ()
+        for name in self.pose if kinds else ():
+            if not any(name in kind.attributes for kind in kinds):
+                yield unknown_attribute(name, tag, kinds, at=(name,))
+
+    def words(self) -> str:
+        place = f"the frame {self.to.frame}" if isinstance(self.to, Frame) else self.to
+        return f"move to {place}{listed(self.pose)}"
 
 
-VERB = Verb(
-    "move",
-    "another body or frame to stand in, and the pose there",
-    _read,
-    words=_words,
-    changes=None,
-    schema=_schema,
-)
+VERB = verb("move", Move)

@@ -1,0 +1,63 @@
+"""Values whose form is that of an attribute of MJCF: the grammar reads them, and gives their JSON Schema."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
+from pydantic_core import CoreSchema, core_schema
+
+from mjcompose.base.diagnostic import Fault
+from mjcompose.language.element_schema import attribute_schema
+from mjcompose.language.form import Schema, settings, validation_error
+from mjcompose.language.forms.model import OWNER
+from mjcompose.language.select import check_template
+from mjcompose.language.value import bare_angle, read_value
+from mjcompose.model.grammar import GRAMMAR
+from mjcompose.model.grammar import Attribute as Declared
+from mjcompose.text.node import is_template
+
+
+class Attribute:
+    """The value of an attribute of an element, by the path of the element in the grammar.
+
+    With `computed`, `${…}` is computed for each element, and a value that has it stays as it is written. Otherwise the
+    value is what MJCF means by it: a list is a tuple.
+
+    ``pos: Annotated[Vector | None, Attribute("frame", "pos")] = None``
+    """
+
+    def __init__(self, element: str, name: str, *, computed: bool = False) -> None:
+        self.element, self.name, self.computed = element, name, computed
+
+    @property
+    def declared(self) -> Declared:
+        return GRAMMAR.element(self.element).attributes[self.name]
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.with_info_plain_validator_function(self._read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        return attribute_schema(self.declared)
+
+    def _read(self, value: Any, info: ValidationInfo) -> Any:
+        faults: list[Fault] = []
+        read: Any = value
+        if not (self.computed and _is_computed(value, faults)):
+            read = read_value(self.declared, value, (), owner=OWNER, faults=faults)
+            if read is not None and not faults and not settings(info.context).bare_angles:
+                bare = bare_angle(self.declared, read, None, at=(), owner=OWNER)
+                faults += [bare] if bare is not None else []
+        if faults:
+            raise validation_error(faults, value)
+        return value if self.computed else read
+
+
+def _is_computed(value: Any, faults: list[Fault]) -> bool:
+    """Return whether a value has `${…}`. What cannot be parsed is a fault."""
+    found = False
+    for index, each in enumerate(value) if isinstance(value, list) else ((None, value),):
+        if isinstance(each, str) and is_template(each):
+            check_template(each, () if index is None else (index,), faults)
+            found = True
+    return found

@@ -1,0 +1,143 @@
+"""The JSON Schema of models, for editors: pydantic's own, without null, and with `${…}` for values that it computes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import GetJsonSchemaHandler
+from pydantic.json_schema import GenerateJsonSchema
+from pydantic_core import CoreSchema
+
+from mjcompose.language.form import Schema, definition, reference
+from mjcompose.language.forms.model import Model, fields_of, is_hidden, is_whole, rows_of
+from mjcompose.language.forms.rows import ELSEWHERE
+
+_TEMPLATE = r"\$\{"
+_DEFINITIONS = "#/$defs/"
+
+
+@definition("real")
+def _real(_: str) -> Schema:
+    hint = "expected a number, or ${…}"
+    return {"type": ["number", "string"], "pattern": _TEMPLATE, "patternErrorMessage": hint}
+
+
+@definition("whole")
+def _whole(_: str) -> Schema:
+    hint = "expected a whole number, or ${…}"
+    return {"type": ["integer", "string"], "pattern": _TEMPLATE, "patternErrorMessage": hint}
+
+
+class Generator(GenerateJsonSchema):
+    """Within our models, `${…}` may stand for every number, flag and keyword: the schema is of unexpanded recipes."""
+
+    _ours = False
+
+    def model_schema(self, schema: Any) -> Schema:
+        before, self._ours = self._ours, issubclass(schema["cls"], Model)
+        try:
+            found = super().model_schema(schema)
+        finally:
+            self._ours = before
+        found.pop("title", None)
+        return found
+
+    def function_plain_schema(self, schema: Any) -> Schema:
+        elsewhere = schema.get("metadata", {}).get(ELSEWHERE)
+        if elsewhere is None:
+            return super().function_plain_schema(schema)
+        found: Schema = elsewhere.schema(self.generate_inner)
+        return found
+
+    def float_schema(self, schema: Any) -> Schema:
+        return self._number(super().float_schema(schema), "real")
+
+    def int_schema(self, schema: Any) -> Schema:
+        return self._number(super().int_schema(schema), "whole")
+
+    def _number(self, schema: Schema, shared: str) -> Schema:
+        if not self._ours:
+            return schema
+        return {**reference(shared), **{key: each for key, each in schema.items() if key != "type"}}
+
+    def bool_schema(self, schema: Any) -> Schema:
+        return reference("boolean") if self._ours else super().bool_schema(schema)
+
+    def literal_schema(self, schema: Any) -> Schema:
+        found = super().literal_schema(schema)
+        if not self._ours:
+            return found
+        words = {"enum": found["enum"] if "enum" in found else [found["const"]]}
+        return {"anyOf": [words, reference("template")]}
+
+    def nullable_schema(self, schema: Any) -> Schema:
+        return self.generate_inner(schema["schema"]) if self._ours else super().nullable_schema(schema)
+
+    def tagged_union_schema(self, schema: Any) -> Schema:
+        found = super().tagged_union_schema(schema)
+        return {"anyOf": found.pop("oneOf"), **found}
+
+    def default_schema(self, schema: Any) -> Schema:
+        found = super().default_schema(schema)
+        if self._ours and found.get("default", ...) in (None, [], {}):
+            del found["default"]
+        return found
+
+    def field_title_should_be_set(self, schema: Any) -> bool:
+        return not self._ours and super().field_title_should_be_set(schema)
+
+
+def of_model(model: type[Model], schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+    """Return the JSON Schema of a model, with its rules, and in the form in which it is written."""
+    found = handler.resolve_ref_schema(handler(schema))
+    properties: dict[str, Schema] = {}
+    for key, info in fields_of(model).items():
+        if (rows := rows_of(info)) is not None:
+            properties |= {word: found["properties"][key][word] for word in rows.table().own}
+        else:
+            properties[key] = found["properties"][key]
+            properties[key].pop("examples", None)  # an editor would offer them as values
+    if is_whole(model):
+        (whole,) = (each for key, each in properties.items() if is_hidden(key))
+        return whole
+    found["properties"] = properties
+    if conditions := [each for rule in model.rules for each in rule.schema()]:
+        found["allOf"] = [*found.get("allOf", ()), *conditions]
+    if model.short is None:
+        return found
+    short = {key: each for key, each in properties[model.short].items() if key != "description"}
+    return {"anyOf": [short, found]}
+
+
+_MODELS: dict[str, Schema] = {}
+
+
+@definition("form")
+def _form(name: str) -> Schema:
+    return _MODELS[name]
+
+
+def schema_of(form: Any) -> Schema:
+    """Return the JSON Schema of a type, in which each model inside it is `reference("form:NAME")`."""
+    from pydantic import TypeAdapter
+
+    found: Schema = TypeAdapter(form).json_schema(
+        schema_generator=Generator, ref_template=_DEFINITIONS + "{model}"
+    )
+    definitions = found.pop("$defs", {})
+    for name, each in definitions.items():
+        each = _referring(each)
+        if _MODELS.setdefault(name, each) != each:
+            raise TypeError(f"two models are called {name}")
+    found = _referring(found)
+    return _MODELS[found["mjcf"].removeprefix("form:")] if set(found) == {"mjcf"} else found
+
+
+def _referring(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_referring(each) for each in value]
+    if not isinstance(value, dict):
+        return value
+    found = {key: _referring(each) for key, each in value.items() if key != "$ref"}
+    target = value.get("$ref")
+    return found if target is None else {**reference(f"form:{target.removeprefix(_DEFINITIONS)}"), **found}

@@ -1,0 +1,169 @@
+"""The base class of every mapping of the language, and how its validation reports faults.
+
+A message is written by `translate.py`, which knows where a value stands. Therefore the faults of rules and validators
+have marks for what they cannot know: `IT` is the value itself, `OWNER` the mapping around it, `KEY` its key.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    GetJsonSchemaHandler,
+    PrivateAttr,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    model_validator,
+)
+from pydantic.fields import FieldInfo
+from pydantic_core import CoreSchema
+
+from mjcompose.base.diagnostic import Fault, Path
+from mjcompose.language.element import path_of
+from mjcompose.language.form import Schema, Settings, settings, validated_with, validation_error
+
+if TYPE_CHECKING:
+    from mjcompose.language.forms.rows import Rows
+    from mjcompose.language.forms.rules import Rule
+
+# Characters for private use, which no recipe can contain: a name with braces in it is never taken for a mark.
+IT, OWNER, KEY = "\ue001", "\ue002", "\ue003"
+WHOLE = "<value>"
+"""The alias of the only field of a model whose written form is no mapping but the value of that field."""
+
+
+def is_hidden(step: str | int) -> bool:
+    """Return whether a step of pydantic's path is none of the recipe: an alternative, or a key that nobody writes.
+
+    >>> is_hidden("<value>"), is_hidden("value"), is_hidden(0)
+    (True, False, False)
+    """
+    return isinstance(step, str) and step.startswith("<") and step.endswith(">")
+
+
+class Model(BaseModel):
+    """A mapping with fixed keys, in the order in which `fmt` writes them; the text below a field describes its key.
+
+    `rules` say which keys exclude or need one another. `short` is the key that a text alone stands for. `example` is
+    what messages recommend to write, where `…` is the text that is written, if there is one. `noun` is what messages
+    call a key. `instead` has words that are no keys, each with the key that is right, or with a help line.
+
+    A null is refused wherever a key is written with one. Nothing is converted, but a whole number may stand for any
+    number.
+    """
+
+    model_config = ConfigDict(
+        frozen=True,
+        extra="forbid",
+        strict=True,
+        allow_inf_nan=False,
+        use_attribute_docstrings=True,
+        protected_namespaces=(),
+        # Most models are never validated on their own. Building their validators would be most of the import time.
+        defer_build=True,
+        hide_input_in_errors=True,
+    )
+    rules: ClassVar[tuple[Rule, ...]] = ()
+    short: ClassVar[str | None] = None
+    example: ClassVar[str] = ""
+    noun: ClassVar[str] = "key"
+    instead: ClassVar[Mapping[str, str]] = {}
+    _at: Path = PrivateAttr(())
+
+    @property
+    def at(self) -> Path:
+        """The path from the top of the recipe, empty for what was made in Python."""
+        return self._at
+
+    @classmethod
+    def subject(cls, at: Path) -> str:
+        """Return how messages call the mapping at a path."""
+        if not at:
+            return "the recipe"
+        return f"`{at[-1]}`" if isinstance(at[-1], str) or len(at) < 2 else f"an entry of `{at[-2]}`"
+
+    @classmethod
+    def owner(cls, at: Path) -> str:
+        """Return to what messages say that a key belongs; empty for nothing."""
+        return cls.subject(at)
+
+    @classmethod
+    def key_names(cls) -> list[str]:
+        """Return the keys in the order in which `fmt` writes them."""
+        names: list[str] = []
+        for key, info in fields_of(cls).items():
+            rows = rows_of(info)
+            names += rows.table().own if rows is not None else [] if is_hidden(key) else [key]
+        return names
+
+    @classmethod
+    def listed(cls) -> list[str]:
+        """Return the keys in the order in which messages list them, of which they cut the end."""
+        return cls.key_names()
+
+    def contradictions(self, context: Settings) -> Iterable[Fault]:
+        """Yield faults of values that are right alone and wrong together. Only a model without others is asked."""
+        return ()
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _with_rules(cls, value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
+        at, context = path_of(value), settings(info.context)
+        faults: list[Fault] = []
+        if is_whole(cls):
+            value = {WHOLE: value}
+        elif cls.short is not None and isinstance(value, str):
+            value = {cls.short: value}
+        if isinstance(value, dict):
+            for rule in cls.rules:
+                faults += rule.faults(value, cls, context)
+                if faults and getattr(rule, "alone", False):
+                    raise validation_error(faults, value)
+            faults += [
+                Fault("wrong-type", f"`{key}` of {OWNER} has no value", (key,))
+                for key in value
+                if value[key] is None
+            ]
+            value = _with_rows(cls, value)
+        made = validated_with(handler, value, faults)
+        if at:
+            made._at = at
+        if contradictions := list(made.contradictions(context)):
+            raise validation_error(contradictions, value)
+        return made
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        from mjcompose.language.forms.json_schema import of_model  # which most runs do not need
+
+        return of_model(cls, schema, handler)
+
+
+def fields_of(model: type[BaseModel]) -> dict[str, FieldInfo]:
+    """Return the fields of a model by their keys, those without a key in angle brackets."""
+    return {info.alias or name: info for name, info in model.model_fields.items()}
+
+
+def is_whole(model: type[Model]) -> bool:
+    """Return whether a model is written as the value of its only field."""
+    return any(info.alias == WHOLE for info in model.model_fields.values())
+
+
+def rows_of(info: FieldInfo) -> Rows | None:
+    """Return the table whose words are keys of the mapping that has this field, or None."""
+    return next((each for each in info.metadata if getattr(each, "is_rows", False)), None)
+
+
+def _with_rows(model: type[Model], value: dict[str, Any]) -> dict[str, Any]:
+    """Return the mapping with the keys that are words of a table put into the field for these."""
+    for info in model.model_fields.values():
+        if info.alias is not None and is_hidden(info.alias) and (rows := rows_of(info)) is not None:
+            table = rows.table()
+            words = {key: each for key, each in value.items() if key in table}
+            value = {key: each for key, each in value.items() if key not in words}
+            if words:
+                value[info.alias] = words
+    return value

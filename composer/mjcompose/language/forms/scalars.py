@@ -1,0 +1,217 @@
+"""Kinds of single values and lists: numbers with bounds and units, names with a scope, globs, one or many.
+
+What annotates a type is read by the validator, by messages (`Expects`, `Unit`), and by editors (`Name`).
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any, get_args
+
+from pydantic import BeforeValidator, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, PydanticKnownError, core_schema
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.diagnostic import Fault
+from mjcompose.language.form import Schema, is_unprintable, reference, validation_error
+from mjcompose.language.forms.model import IT, KEY, OWNER
+from mjcompose.language.select import GLOB, check_template, pattern_fault
+from mjcompose.text.expression_values import Angle
+from mjcompose.text.node import is_template
+
+
+@dataclass(frozen=True, slots=True)
+class Expects:
+    """What a value should be, in messages; `example` is one, as it is written."""
+
+    what: str
+    example: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """The unit that a number is in: `kg`, `m`, `s`, `kg/m³`. It is never written; `90deg` is a `Measure`."""
+
+    name: str
+
+
+class Checked:
+    """An annotation that checks a value after its type: `fault` returns what is wrong with it, or None.
+
+    >>> from pydantic import TypeAdapter
+    >>> short = Checked(lambda text: Fault("bad-name", f"{IT} is too long") if len(text) > 3 else None)
+    >>> TypeAdapter(Annotated[str, short]).validate_python("abc")
+    'abc'
+    """
+
+    def __init__(self, fault: Callable[[Any], Fault | None]) -> None:
+        self._fault = fault
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_after_validator_function(self._read, handler(source))
+
+    def _read(self, value: Any) -> Any:
+        fault = self._fault(value)
+        if fault is not None:
+            raise validation_error([fault], value)
+        return value
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A name of an element: `scope` has the tags that it may be of, the likeliest first, for messages and editors.
+
+    With `glob`, it is a name, a glob or a regular expression. With `computed`, `${…}` is computed for each element.
+    `inside` is the key of the mapping that says in which part it is a name, if not in the whole model.
+    """
+
+    scope: tuple[str, ...]
+    glob: bool
+    computed: bool
+    inside: str | None
+    what: str
+
+    def __init__(
+        self,
+        *scope: str,
+        glob: bool = False,
+        computed: bool = False,
+        inside: str | None = None,
+        what: str | None = None,
+    ) -> None:
+        tags = " or ".join(f"{'an' if tag[0] in 'aeiou' else 'a'} {tag}" for tag in scope)
+        usual = (f"a glob over names: {tags}" if glob else f"the name of {tags}") if scope else "a name"
+        values = {"scope": scope, "glob": glob, "computed": computed, "inside": inside, "what": what or usual}
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_after_validator_function(self._read, handler(source))
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        return dict(GLOB) if self.glob else {"type": "string", "minLength": 1}
+
+    def _read(self, text: str) -> str:
+        faults: list[Fault] = []
+        if not text:
+            raise PydanticKnownError("string_too_short", {"min_length": 1})
+        if is_unprintable(text):
+            faults.append(Fault("bad-name", f"{IT} has a character that XML cannot hold"))
+        elif self.computed and is_template(text):
+            check_template(text, (), faults)
+        elif self.glob and (fault := pattern_fault(text, OWNER, ())) is not None:
+            faults.append(fault)
+        if faults:
+            raise validation_error(faults, text)
+        return text
+
+
+class Measure:
+    """A number that may have the unit of an angle, which is kept: `90deg`, `1.5rad`.
+
+    `Annotated[float | Angle, Measure(ge=0)]` is its type.
+    """
+
+    def __init__(self, *, ge: float | None = None, gt: float | None = None) -> None:
+        self._ge, self._gt = ge, gt
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self._read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        bounds = {"minimum": self._ge, "exclusiveMinimum": self._gt}
+        return {**reference("number"), **{key: each for key, each in bounds.items() if each is not None}}
+
+    def _read(self, value: Any) -> float | Angle:
+        read = Angle.read(value) if isinstance(value, str) else value
+        if isinstance(read, bool) or not isinstance(read, int | float | Angle):
+            raise PydanticKnownError("float_type")
+        number = read.value if isinstance(read, Angle) else read
+        if not abs(number) <= sys.float_info.max:
+            raise PydanticKnownError("finite_number")
+        if self._ge is not None and number < self._ge:
+            raise PydanticKnownError("greater_than_equal", {"ge": self._ge})
+        if self._gt is not None and number <= self._gt:
+            raise PydanticKnownError("greater_than", {"gt": self._gt})
+        return read
+
+
+class Items:
+    """A list of `least` to `most` values, read as a tuple; with `single`, one value may stand for a list of one.
+
+    `Annotated[tuple[Glob, ...], Items(1, single=True)]` has its items' form in its own type.
+    """
+
+    def __init__(
+        self, least: int = 0, most: int | None = None, *, single: bool = False, unique: bool = False
+    ) -> None:
+        self.least, self.most, self._single, self._unique = least, most, single, unique
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        item = handler.generate_schema(get_args(source)[0])
+        # Not a tuple, which pydantic calls too short beside a wrong item.
+        several: CoreSchema = core_schema.list_schema(
+            item, min_length=self.least or None, max_length=self.most
+        )
+        if self._single:
+            both = core_schema.union_schema([item, several])
+            several = core_schema.no_info_before_validator_function(
+                _listed, several, json_schema_input_schema=both
+            )
+        return core_schema.no_info_after_validator_function(self._read, several)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> Schema:
+        found = handler(schema)
+        for each in (found, *found.get("anyOf", ())) if self._unique else ():
+            if each.get("type") == "array":
+                each["uniqueItems"] = True
+        return found
+
+    def _read(self, items: list[Any]) -> tuple[Any, ...]:
+        faults = [
+            Fault("name-clash", f"`{each}` is in {IT} twice", (index,), help="take one out")
+            for index, each in enumerate(items if self._unique else ())
+            if each in items[:index]
+        ]
+        if faults:
+            raise validation_error(faults, items)
+        return tuple(items)
+
+
+def _listed(value: Any) -> list[Any]:
+    return value if isinstance(value, list) else [value]
+
+
+def _whole(value: Any) -> Any:
+    """An expression makes 20.0 of 200 / 10, and for JSON Schema 20.0 is an integer, too."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+def _in_order(pair: tuple[float, float]) -> Fault | None:
+    low, high = pair
+    if low <= high:
+        return None
+    message = f"{IT} starts with {low:g}, which is more than {high:g}"
+    return Fault("out-of-range", message, help=f"write `{KEY}: [{high:g}, {low:g}]`")
+
+
+Number = float
+Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
+# `BeforeValidator` stands behind the bounds, which the JSON Schema has only then.
+Whole = Annotated[int, BeforeValidator(_whole)]
+Count = Annotated[int, Field(ge=0), BeforeValidator(_whole)]
+AtLeastOne = Annotated[int, Field(ge=1), BeforeValidator(_whole)]
+Text = Annotated[str, Field(min_length=1)]
+Range = Annotated[
+    tuple[float, float], Items(2, 2), Checked(_in_order), Expects("a list of 2 numbers", "[LOW, HIGH]")
+]
+"""Two numbers, the lower one first."""
+
+
+class Keywords:
+    """A dictionary of words that are right in other places, with the help for each: an annotation of a `Literal`."""
+
+    def __init__(self, elsewhere: Mapping[str, str]) -> None:
+        self.elsewhere = elsewhere

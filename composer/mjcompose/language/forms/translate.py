@@ -1,0 +1,216 @@
+"""Pydantic's errors become faults: where, what is wrong, what is expected, what exists, and what to write."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any, get_args
+
+from pydantic import ValidationError
+
+from mjcompose.base.diagnostic import Fault, Fix, Path
+from mjcompose.base.suggest import closest, exists_note, renaming
+from mjcompose.language.form import kind_of, shown, unknown_key
+from mjcompose.language.forms.model import IT, KEY, OWNER, Model
+from mjcompose.language.forms.scalars import Expects, Keywords, Name, Unit
+from mjcompose.language.forms.walk import Spot, is_model, spot
+from mjcompose.language.value import without_space, without_unit
+
+_NOUNS = {
+    "float_type": "a number",
+    "finite_number": "a finite number",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "bool_type": "`true` or `false`",
+    "string_type": "text",
+    "string_too_short": "text",
+    "model_type": "a mapping",
+    "dict_type": "a mapping",
+    "mapping_type": "a mapping",
+    "list_type": "a list",
+    "tuple_type": "a list",
+}
+_BOUNDS = {
+    "greater_than": ("gt", "more than"),
+    "greater_than_equal": ("ge", "at least"),
+    "less_than": ("lt", "less than"),
+    "less_than_equal": ("le", "at most"),
+}
+# What is meant by `1cm`, `5g` or `2ms` is clear only for numbers in these units, and for plain numbers.
+_PLAIN_UNITS = (None, "m", "kg", "s", "N")
+
+
+def faults(error: ValidationError, root: Any, data: Any, start: Path = ()) -> Iterator[Fault]:
+    """Yield a fault for each error of a validation of `data` as `root`.
+
+    `start` is the path of the data. Paths of faults begin there too, for messages name what is around a value.
+    """
+    for each in error.errors(include_url=False):
+        yield translated(each, root, data, start=start)
+
+
+def translated(error: Any, root: Any, data: Any, start: Path = ()) -> Fault:
+    """Return the fault for one error of pydantic's `errors()`."""
+    kind, loc, context = error["type"], error["loc"], error.get("ctx", {})
+    if kind == "fault":
+        return _filled(context["fault"], root, loc, data=data, start=start)
+    place = spot(root, loc, data, start=start)
+    if kind == "missing":
+        return _missing(place)
+    if kind == "extra_forbidden":
+        return _unknown(place)
+    if kind == "literal_error":
+        return _keyword(place, error["input"])
+    if kind in _BOUNDS:
+        bound, words = _BOUNDS[kind]
+        message = f"{named(place)} is {error['input']:g}, and must be {words} {context[bound]:g}"
+        return Fault("out-of-range", message, place.at)
+    if kind in ("too_short", "too_long"):
+        return _length(place, error["input"], context)
+    return _type(place, kind, error["input"], message=error["msg"])
+
+
+def named(place: Spot) -> str:
+    """Return how messages call the value at a place."""
+    if is_model(place.kind):
+        subject: str = place.kind.subject(place.at)
+        return subject
+    if place.key is None:
+        return f"`{place.at[-1]}`" if place.at else "the recipe"
+    owner = _owner(place)
+    return f"`{place.key}` of {owner}" if owner else f"`{place.key}`"
+
+
+def _owner(place: Spot) -> str:
+    return place.model.owner(place.above) if place.model is not None and is_model(place.model) else ""  # type: ignore[attr-defined]
+
+
+def _filled(fault: Fault, root: Any, loc: Path, data: Any, start: Path) -> Fault:
+    """Return a fault of a rule or validator with its path, and with the names of what it is about."""
+    above = loc[: len(loc) - len(fault.at)]
+    place = spot(root, above, data, start=start)
+    own = place.kind.owner(place.at) if is_model(place.kind) else _owner(place)
+    names = {IT: named(place), OWNER: own or named(place), KEY: str(place.key or "")}
+
+    def fill(text: str) -> str:
+        for mark, name in names.items():
+            text = text.replace(mark, name)
+        return text
+
+    return replace(
+        fault,
+        message=fill(fault.message),
+        at=spot(root, loc, data, start=start).at,
+        help=fault.help and fill(fault.help),
+        related=tuple(
+            (fill(text), spot(root, (*above, *at), data, start=start).at) for text, at in fault.related
+        ),
+    )
+
+
+def _missing(place: Spot) -> Fault:
+    assert place.model is not None
+    unit = place.marked(Unit)
+    help = f"write `{place.key}: {_example(place) or '…'}`" + (f", in {unit.name}" if unit else "")
+    message = f"{_subject(place)} lacks `{place.key}`"
+    return Fault("missing-key", message, place.above, key=True, help=help, lacks=place.key)
+
+
+def _subject(place: Spot) -> str:
+    model = place.model
+    return (
+        model.subject(place.above)
+        if model is not None and issubclass(model, Model)
+        else f"`{place.above[-1]}`"
+    )
+
+
+def _unknown(place: Spot) -> Fault:
+    model, key = place.model, str(place.key)
+    assert model is not None and issubclass(model, Model)
+    message = f"{_subject(place)} has no {model.noun} `{key}`"
+    fault = unknown_key(message, key, model.listed(), at=place.at, noun=model.noun)
+    instead = model.instead.get(key)
+    if instead is None:
+        return fault
+    is_key = instead in model.key_names()
+    return replace(
+        fault, help=f"write `{instead}`" if is_key else instead, fix=Fix(instead, key) if is_key else None
+    )
+
+
+def _keyword(place: Spot, value: Any) -> Fault:
+    words = [shown(each) for each in get_args(place.kind)]
+    name = named(place)
+    if not isinstance(value, str):
+        listed = f"write one of {', '.join(f'`{each}`' for each in words)}"
+        return Fault("wrong-type", f"{name} expects a keyword, got {kind_of(value)}", place.at, help=listed)
+    near = closest(value, words) or [each for each in words if len(value) > 1 and each.startswith(value)]
+    help: str | None = f"write `{place.key}: {near[0]}`" if near else None
+    fix = renaming(value, words)
+    elsewhere = place.marked(Keywords)
+    if elsewhere is not None and value in elsewhere.elsewhere:
+        help, fix = elsewhere.elsewhere[value], None
+        if help in words:
+            help, fix = f"write `{place.key}: {help}`", Fix(help, value)
+    note = exists_note("keyword", words, value)
+    return Fault("wrong-keyword", f"{name} cannot be `{value}`", place.at, notes=(note,), help=help, fix=fix)
+
+
+def _length(place: Spot, value: Any, context: Mapping[str, Any]) -> Fault:
+    expects = place.marked(Expects)
+    bound = (
+        ("at least", context["min_length"]) if "min_length" in context else ("at most", context["max_length"])
+    )
+    what = expects.what if expects else f"{bound[0]} {bound[1]}"
+    example = _example(place)
+    help = f"write for instance `{place.key}: {example}`" if example else None
+    if not value:
+        got = "an empty list" if isinstance(value, list) else "an empty mapping"
+        return Fault("wrong-type", f"{named(place)} expects {what}, got {got}", place.at, help=help)
+    return Fault("wrong-length", f"{named(place)} expects {what}, got {len(value)}", place.at, help=help)
+
+
+def _type(place: Spot, kind: str, value: Any, message: str) -> Fault:
+    expects, name = place.marked(Expects), place.marked(Name)
+    noun = _NOUNS.get(kind)
+    if noun is None:
+        return Fault("wrong-type", f"{named(place)}: {message[:1].lower()}{message[1:]}", place.at)
+    if kind != "finite_number":
+        noun = expects.what if expects else name.what if name else noun
+    got = "nothing" if value == "" else "an empty one" if value == {} else kind_of(value)
+    help, fix = _advice(place, value)
+    if kind == "string_type" and isinstance(value, int | float) and help is None:
+        help = f"quote it: '{shown(value)}'"
+    return Fault("wrong-type", f"{named(place)} expects {noun}, got {got}", place.at, help=help, fix=fix)
+
+
+def _advice(place: Spot, value: Any) -> tuple[str | None, Fix | None]:
+    """Return what to write in place of a value of another type."""
+    if is_model(place.kind):
+        if isinstance(value, str) and (spaced := without_space(value, place.kind.key_names())):
+            return f"put a space behind the colon: `{spaced}`", None
+        if place.kind.example:
+            example = place.kind.example.replace("…", value if isinstance(value, str) else "…")
+            key = f"{place.at[-1]}: " if place.at and isinstance(place.at[-1], str) else ""
+            return f"write `{key}{example}`", None
+        return None, None
+    unit = place.marked(Unit)
+    if (
+        isinstance(value, str)
+        and place.kind in (float, int)
+        and (unit.name if unit else None) in _PLAIN_UNITS
+    ):
+        advice = without_unit(value)
+        return (advice.help, advice.fix) if advice is not None else (None, None)
+    example = _example(place)
+    return (
+        f"write for instance `{place.key}: {example}`" if example and place.kind is not float else None
+    ), None
+
+
+def _example(place: Spot) -> str | None:
+    if place.info is not None and place.info.examples:
+        return str(place.info.examples[0])
+    expects = place.marked(Expects)
+    return expects.example if expects else None
