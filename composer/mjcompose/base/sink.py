@@ -164,41 +164,21 @@ class Sink:
             self._recipes.setdefault(diagnostic, {})[recipe] = None
 
     def error(
-        self,
-        code: str,
-        message: str,
-        span: Span | None = None,
-        *,
-        notes: Iterable[Note] = (),
-        help: str | None = None,
-        cause: Cause | None = None,
-        subjects: Iterable[str | None] = (),
+        self, code: str, message: str, span: Span | None = None, *, notes: Iterable[Note] = (),
+        help: str | None = None, cause: Cause | None = None, subjects: Iterable[str | None] = (),
         fix: Fix | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         names = frozenset(name for name in subjects if name)
         found = Diagnostic(
-            code,
-            message,
-            span,
-            severity=Severity.ERROR,
-            notes=tuple(notes),
-            help=help,
-            subjects=names,
+            code, message, span, severity=Severity.ERROR, notes=tuple(notes), help=help, subjects=names,
             fix=fix,
-        )
+        )  # fmt: skip
         self.add(found, cause)
 
     def warning(
-        self,
-        code: str,
-        message: str,
-        span: Span | None = None,
-        *,
-        notes: Iterable[Note] = (),
-        help: str | None = None,
-        cause: Cause | None = None,
-        fix: Fix | None = None,
-    ) -> None:
+        self, code: str, message: str, span: Span | None = None, *, notes: Iterable[Note] = (),
+        help: str | None = None, cause: Cause | None = None, fix: Fix | None = None,
+    ) -> None:  # fmt: skip
         self.add(
             Diagnostic(
                 code, message, span, severity=Severity.WARNING, notes=tuple(notes), help=help, fix=fix
@@ -207,15 +187,9 @@ class Sink:
         )
 
     def note(
-        self,
-        code: str,
-        message: str,
-        span: Span | None = None,
-        *,
-        notes: Iterable[Note] = (),
-        help: str | None = None,
-        cause: Cause | None = None,
-    ) -> None:
+        self, code: str, message: str, span: Span | None = None, *, notes: Iterable[Note] = (),
+        help: str | None = None, cause: Cause | None = None,
+    ) -> None:  # fmt: skip
         self.add(
             Diagnostic(code, message, span, severity=Severity.NOTE, notes=tuple(notes), help=help), cause
         )

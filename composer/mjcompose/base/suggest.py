@@ -269,20 +269,10 @@ for _name, _words in _BY_NAME.items():
 
 
 def unknown_name(
-    kind: str,
-    name: str,
-    known: Iterable[str],
-    span: Span | None = None,
-    *,
-    purpose: str = "",
-    message: str | None = None,
-    written: str = "{}",
-    help: str | None = None,
-    otherwise: str | None = None,
-    notes: Iterable[Note] = (),
-    about: Iterable[str] = (),
-    fix: Fix | None = None,
-) -> Diagnostic:
+    kind: str, name: str, known: Iterable[str], span: Span | None = None, *, purpose: str = "",
+    message: str | None = None, written: str = "{}", help: str | None = None, otherwise: str | None = None,
+    notes: Iterable[Note] = (), about: Iterable[str] = (), fix: Fix | None = None,
+) -> Diagnostic:  # fmt: skip
     """Return the diagnostic for a name that no `body` or other kind has; `known` are the names that exist.
 
     `purpose` continues the sentence, `message` replaces it. `written` is the format of the name in the file. `help`
@@ -315,25 +305,15 @@ def unknown_key(name: str, known: Iterable[str], span: Span, message: str) -> Di
     """
     known = list(known)
     return Diagnostic(
-        "unknown-key",
-        message,
-        span,
-        notes=(exists_note("key", known, name),),
-        help=did_you_mean(name, known),
-        fix=renaming(name, known),
-    )
+        "unknown-key", message, span, notes=(exists_note("key", known, name),),
+        help=did_you_mean(name, known), fix=renaming(name, known),
+    )  # fmt: skip
 
 
 def unknown_attribute(
-    name: str,
-    owner: str,
-    known: Iterable[str],
-    span: Span | None = None,
-    *,
-    help: str | None = None,
-    otherwise: str | None = None,
-    near: Iterable[str] = (),
-) -> Diagnostic:
+    name: str, owner: str, known: Iterable[str], span: Span | None = None, *, help: str | None = None,
+    otherwise: str | None = None, near: Iterable[str] = (),
+) -> Diagnostic:  # fmt: skip
     """Return the diagnostic for an attribute that a kind of element does not have; `owner` names the kind.
 
     `known` are the attributes that exist, `near` are further suggestions; `help` and `otherwise` are as above.

@@ -281,13 +281,8 @@ def _is_number(text: str) -> bool:
 
 
 OFFERS: tuple[Callable[[Offer], Iterator[Action]], ...] = (
-    offer_fixes,
-    offer_near,
-    offer_settle,
-    offer_attach,
-    offer_units,
-    offer,
-)
+    offer_fixes, offer_near, offer_settle, offer_attach, offer_units, offer,
+)  # fmt: skip
 
 
 def actions(offered: Offer) -> list[Action]:

@@ -269,13 +269,8 @@ def _count(count: int, one: str, several: str) -> str:
 Offer = Callable[[Question], Iterator[Item]]
 _OPENING = ("*", "&", "!", "|", ">", "%", "@", "`", '"', "'", "#", "?", "{", "}", "[", "]", ",", ":", "-")
 OFFERS: tuple[Offer, ...] = (
-    offer_names,
-    offer_parameters,
-    offer_references,
-    offer_selectors,
-    offer,
-    offer_keys,
-)
+    offer_names, offer_parameters, offer_references, offer_selectors, offer, offer_keys,
+)  # fmt: skip
 
 
 def complete(question: Question) -> Completion:

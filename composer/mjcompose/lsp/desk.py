@@ -203,20 +203,15 @@ class Workspace:
         if plan is not None:
             acknowledge(plan, context.sink, context.shown, whole=False)
         return replace(
-            Analysis(path, self.folder, text),
-            tree=tree or before.tree,
-            plan=plan or before.plan,
-            model=model or before.model,
-            traced=before.traced if model is None else None,
+            Analysis(path, self.folder, text), tree=tree or before.tree, plan=plan or before.plan,
+            model=model or before.model, traced=before.traced if model is None else None,
             tree_of=text if tree is not None else before.tree_of,
             plan_of=text if plan is not None else before.plan_of,
-            model_of=text if model is not None else before.model_of,
-            is_current=tree is not None,
-            is_composed=model is not None,
-            found=tuple(context.sink.sorted()),
+            model_of=text if model is not None else before.model_of, is_current=tree is not None,
+            is_composed=model is not None, found=tuple(context.sink.sorted()),
             files=self._files(plan, model, context) | (before.files if model is None else frozenset()),
             library=dict(self.shelf.library),
-        )
+        )  # fmt: skip
 
     def traced(self, analysis: Analysis) -> Analysis:
         """Return an analysis that knows where the elements of its model come from, if it can still be composed.

@@ -241,16 +241,11 @@ class Converter:
         edit = None if found.span is None else lsp.TextEdit(self.range(found.span), text)
         again = lsp.Command("complete", "editor.action.triggerSuggest") if item.again else None
         return lsp.CompletionItem(
-            item.label,
-            kind=_KINDS.get(item.kind, _K.Text),
-            detail=item.detail or None,
+            item.label, kind=_KINDS.get(item.kind, _K.Text), detail=item.detail or None,
             documentation=lsp.MarkupContent(lsp.MarkupKind.Markdown, item.doc) if item.doc else None,
-            sort_text=f"{at:05}",
-            text_edit=edit,
-            filter_text=item.label,
-            insert_text_mode=lsp.InsertTextMode.AsIs,
-            command=again,
-        )
+            sort_text=f"{at:05}", text_edit=edit, filter_text=item.label,
+            insert_text_mode=lsp.InsertTextMode.AsIs, command=again,
+        )  # fmt: skip
 
     def hover(self, found: analysis.Hover) -> lsp.Hover:
         place = None if found.span is None else self.range(found.span)

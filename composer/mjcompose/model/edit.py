@@ -254,18 +254,9 @@ def resolves(model: Lookup, namespace: str, name: str) -> bool:
 
 
 def unresolved(
-    model: Lookup,
-    namespace: str,
-    name: str,
-    span: Span | None,
-    *,
-    written: str = "{}",
-    typed_by: str = "",
-    purpose: str = "",
-    message: str | None = None,
-    help: str | None = None,
-    notes: Iterable[Note] = (),
-) -> Diagnostic:
+    model: Lookup, namespace: str, name: str, span: Span | None, *, written: str = "{}", typed_by: str = "",
+    purpose: str = "", message: str | None = None, help: str | None = None, notes: Iterable[Note] = (),
+) -> Diagnostic:  # fmt: skip
     """Return the error for a missing name: existing names, the likely one, and other kinds with the name.
 
     `written` is the format of a name in the file, `typed_by` the attribute beside it that sets the kind. `purpose`,
@@ -278,15 +269,9 @@ def unresolved(
     if help is None and typed_by and types:
         help = f"`{name}` is {word(types[0], article=True)}: write `{typed_by}: {types[0]}`"
     found = unknown_name(
-        word(namespace),
-        name,
-        model.known_names(namespace),
-        span=span,
-        purpose=purpose,
-        message=message,
-        written=written,
-        help=help,
-    )
+        word(namespace), name, model.known_names(namespace), span=span, purpose=purpose, message=message,
+        written=written, help=help,
+    )  # fmt: skip
     if found.help is None:
         notes = (*notes, *(Note(f"`{name}` is {word(kind, article=True)}") for kind in others[:1]))
     return dataclasses.replace(found, notes=(*notes, *found.notes), fix=fix)

@@ -479,26 +479,15 @@ class Grammar:
         default = row.get("default")
         docs = self._data.get("docs", {}).get("attributes", {})
         return Attribute(
-            name=name,
-            type=kind,
-            min_length=low,
-            max_length=high,
-            lengths=None if lengths is None else tuple(lengths),
-            keywords=words,
-            keyword_versions=versions,
-            ordered=ordered,
-            default=tuple(default) if isinstance(default, list) else default,
-            required=row.get("required", False),
-            declares=row.get("declares"),
-            refers=row.get("refers"),
-            refers_by=row.get("refers_by"),
-            folder=row.get("folder"),
-            angle=row.get("angle"),
-            since=row.get("since"),
-            until=row.get("until"),
+            name=name, type=kind, min_length=low, max_length=high,
+            lengths=None if lengths is None else tuple(lengths), keywords=words, keyword_versions=versions,
+            ordered=ordered, default=tuple(default) if isinstance(default, list) else default,
+            required=row.get("required", False), declares=row.get("declares"), refers=row.get("refers"),
+            refers_by=row.get("refers_by"), folder=row.get("folder"), angle=row.get("angle"),
+            since=row.get("since"), until=row.get("until"),
             in_default=has_default and bool(row.get("in_default", True)),
             doc=docs.get(f"{place.removeprefix('default/')}/{name}") or docs.get(name, ""),
-        )
+        )  # fmt: skip
 
     def _keywords(
         self, name: str | None

@@ -179,15 +179,9 @@ def read_file(path: Path, sink: Sink, door: Door, *, file: str, span: Span | Non
 
 
 def parse_text(
-    data: bytes | str,
-    sink: Sink,
-    *,
-    file: str,
-    directory: Path,
-    label: str,
-    contents: Mapping[str, bytes | Path] | None = None,
-    door: Door | None = None,
-) -> Unit | None:
+    data: bytes | str, sink: Sink, *, file: str, directory: Path, label: str,
+    contents: Mapping[str, bytes | Path] | None = None, door: Door | None = None,
+) -> Unit | None:  # fmt: skip
     """Return the unit of MJCF text whose files are relative to `directory`, or found in `contents` first.
 
     `door` limits what it may read besides `contents`; by default as for a file in `directory`.

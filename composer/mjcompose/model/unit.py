@@ -229,14 +229,9 @@ class Origins:
         )
 
     def in_file(
-        self,
-        file: str,
-        line: int | None,
-        tag: str,
-        written: Mapping[str, str],
-        attribute: str | None = None,
+        self, file: str, line: int | None, tag: str, written: Mapping[str, str], attribute: str | None = None,
         key: bool = False,
-    ) -> Span:
+    ) -> Span:  # fmt: skip
         """Return the start tag of the element that ends on that line of a file, or the place of its attribute."""
         if line is None:
             return Span(file, 1, 1)

@@ -106,13 +106,9 @@ def ignored(element: Node, name: str | None, unit: Unit) -> Diagnostic:
     near = None if kind is not None and name in kind.ignored else did_you_mean(name, known)
     notes = (exists_note("attribute", known, name),) if near else ()
     return Diagnostic(
-        "unknown-attribute",
-        message,
-        span,
-        severity=Severity.WARNING,
-        notes=notes,
+        "unknown-attribute", message, span, severity=Severity.WARNING, notes=notes,
         help=near or f"remove `{name}`",
-    )
+    )  # fmt: skip
 
 
 def note_unread(unit: Unit) -> None:

@@ -549,21 +549,14 @@ def _info(array: str, line: str = "", rank: int = _UNRANKED) -> ArrayInfo:
     unit, _, angular = units.partition("; ")
     plain = array.partition("_")[2] or array
     return ArrayInfo(
-        array,
-        known,
-        treatment=Treatment(treatment),
-        single=Treatment(*single or (treatment,)),
-        reason=reason,
-        rows=rows,
+        array, known, treatment=Treatment(treatment), single=Treatment(*single or (treatment,)),
+        reason=reason, rows=rows,
         version=next((reason for each, reason in _BETWEEN_VERSIONS.items() if each in known), ""),
         neutral=tuple(map(float, neutral.split())),
         enumeration=next((each for each in known if each.startswith("mjt")), ""),
-        words=words or plain.replace("_", " "),
-        unit=unit,
-        angular=angular,
-        attributes=tuple(attributes.split()) if words else (plain,),
-        rank=rank if words else _UNRANKED,
-    )
+        words=words or plain.replace("_", " "), unit=unit, angular=angular,
+        attributes=tuple(attributes.split()) if words else (plain,), rank=rank if words else _UNRANKED,
+    )  # fmt: skip
 
 
 @cache

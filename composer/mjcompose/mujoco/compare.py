@@ -119,14 +119,9 @@ def _unequal_rows(
             end = starts[at + 1] if at + 1 < len(starts) else len(pairs)
             own: Any = slice(first, end) if group == DOF else first
             yield Unequal(
-                kind,
-                *pair,
-                array=name,
-                treatment=treatment,
-                expected=expected[own],
-                actual=actual[own],
+                kind, *pair, array=name, treatment=treatment, expected=expected[own], actual=actual[own],
                 different=different[own],
-            )
+            )  # fmt: skip
 
 
 def _unequal_runs(matching: Correspondence, rules: Rules, kind: str) -> Iterator[Unequal]:
@@ -147,15 +142,9 @@ def _unequal_runs(matching: Correspondence, rules: Rules, kind: str) -> Iterator
                 if not different.any():
                     continue
             yield Unequal(
-                kind,
-                index,
-                target,
-                array=name,
-                treatment=Treatment.DATA,
-                expected=mine,
-                actual=other,
+                kind, index, target, array=name, treatment=Treatment.DATA, expected=mine, actual=other,
                 different=different,
-            )
+            )  # fmt: skip
 
 
 _VISUAL = ("global_", "quality", "headlight", "map", "scale", "rgba")

@@ -43,18 +43,10 @@ class Converted:
 
 
 def convert_urdf(
-    path: Path,
-    packages: Mapping[str, Path],
-    *,
-    door: Door,
-    stands: bool = True,
-    text: str | None = None,
-    made: Mapping[str, Path] | None = None,
-    massless: Sequence[str] = (),
-    shells: Collection[str] = (),
-    limits: Limits | None = None,
-    session: Session | None = None,
-) -> Converted:
+    path: Path, packages: Mapping[str, Path], *, door: Door, stands: bool = True, text: str | None = None,
+    made: Mapping[str, Path] | None = None, massless: Sequence[str] = (), shells: Collection[str] = (),
+    limits: Limits | None = None, session: Session | None = None,
+) -> Converted:  # fmt: skip
     """Convert a file; `packages` has the folders for `package://NAME`, `door` limits what the file may read.
 
     `text`, if given, is read in place of the file's own content. `made` has the meshes that were made for it, by the
@@ -71,16 +63,9 @@ def convert_urdf(
     if session is None:
         with Session(limits) as own:
             return convert_urdf(
-                path,
-                packages,
-                door=door,
-                stands=stands,
-                text=text,
-                made=made,
-                massless=massless,
-                shells=shells,
-                session=own,
-            )
+                path, packages, door=door, stands=stands, text=text, made=made, massless=massless,
+                shells=shells, session=own,
+            )  # fmt: skip
     argument = {
         "path": str(path.absolute()),
         "packages": {name: folder.absolute().as_posix() for name, folder in packages.items()},

@@ -436,17 +436,10 @@ def _forward_lines(pipe: IO[str], lines: queue.Queue[str | None]) -> None:
 
 
 def compile(
-    folder: Path,
-    model: str = "model.xml",
-    *,
-    wants: tuple[str, ...] = (),
-    mjb: Path | None = None,
-    text: str | None = None,
-    keep: str | None = None,
-    stands: bool = False,
-    limits: Limits | None = None,
+    folder: Path, model: str = "model.xml", *, wants: tuple[str, ...] = (), mjb: Path | None = None,
+    text: str | None = None, keep: str | None = None, stands: bool = False, limits: Limits | None = None,
     session: Session | None = None,
-) -> Compiled:
+) -> Compiled:  # fmt: skip
     """Compile `folder/model`, run one mj_forward, and write an MJB to `mjb` if that is given.
 
     Never raises for faults of the model. `limits` apply only without a `session`, which has its own.
@@ -456,14 +449,9 @@ def compile(
 
 
 def measure(
-    folder: Path,
-    model: str = "model.xml",
-    arrays: tuple[str, ...] = (),
-    *,
-    text: str | None = None,
-    limits: Limits | None = None,
-    session: Session | None = None,
-) -> Measured:
+    folder: Path, model: str = "model.xml", arrays: tuple[str, ...] = (), *, text: str | None = None,
+    limits: Limits | None = None, session: Session | None = None,
+) -> Measured:  # fmt: skip
     """Compile `folder/model` and return arrays of mjModel (or `data.NAME` of mjData) with all names.
 
     Units and shapes are MuJoCo's own: radians, metres, one row per object.
@@ -508,16 +496,12 @@ def _compiled(answer: dict[str, Any], request: Request, version: str | None) -> 
 
     names = answer.get("names")
     return Compiled(
-        ok=answer["ok"],
-        error=relative(answer.get("error")),
-        crash=answer.get("crash"),
+        ok=answer["ok"], error=relative(answer.get("error")), crash=answer.get("crash"),
         warnings=_distinct(without_folder(text, request.folder) for text in answer.get("warnings", ())),
-        mujoco_version=version,
-        sizes=answer.get("sizes", {}),
-        forward=relative(answer.get("forward")),
+        mujoco_version=version, sizes=answer.get("sizes", {}), forward=relative(answer.get("forward")),
         index=_index(answer["index"]) if "index" in answer else None,
         names=None if names is None else {kind: tuple(found) for kind, found in names.items()},
-    )
+    )  # fmt: skip
 
 
 @lru_cache(maxsize=4)

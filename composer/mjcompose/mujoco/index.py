@@ -102,41 +102,27 @@ class Index:
         return Index(
             joints=tuple(
                 Joint(
-                    name=entry["name"],
-                    type=entry["type"],
-                    qpos_address=entry["qpos"][0],
-                    qpos_size=entry["qpos"][1],
-                    dof_address=entry["dof"][0],
-                    dof_size=entry["dof"][1],
-                    limited=entry["limited"],
-                    range=(entry["range"][0], entry["range"][1]),
+                    name=entry["name"], type=entry["type"], qpos_address=entry["qpos"][0],
+                    qpos_size=entry["qpos"][1], dof_address=entry["dof"][0], dof_size=entry["dof"][1],
+                    limited=entry["limited"], range=(entry["range"][0], entry["range"][1]),
                     body=entry["body"],
                 )
                 for entry in data["joints"]
             ),
             actuators=tuple(
                 Actuator(
-                    name=entry["name"],
-                    ctrl_address=entry["ctrl"][0],
-                    ctrl_size=entry["ctrl"][1],
-                    act_address=entry["act"][0],
-                    act_size=entry["act"][1],
-                    unit=entry["unit"],
+                    name=entry["name"], ctrl_address=entry["ctrl"][0], ctrl_size=entry["ctrl"][1],
+                    act_address=entry["act"][0], act_size=entry["act"][1], unit=entry["unit"],
                     ctrl_ranges=tuple(map(_range, entry["ctrl_ranges"])),
-                    act_range=_range(entry["act_range"]),
-                    force_range=_range(entry["force_range"]),
+                    act_range=_range(entry["act_range"]), force_range=_range(entry["force_range"]),
                     stiffness=entry["stiffness"],
                 )
                 for entry in data["actuators"]
             ),
             sensors=tuple(
                 Sensor(
-                    name=entry["name"],
-                    type=entry["type"],
-                    address=entry["data"][0],
-                    size=entry["data"][1],
-                    unit=entry["unit"],
-                    cutoff=entry["cutoff"],
+                    name=entry["name"], type=entry["type"], address=entry["data"][0], size=entry["data"][1],
+                    unit=entry["unit"], cutoff=entry["cutoff"],
                 )
                 for entry in data["sensors"]
             ),
@@ -152,7 +138,7 @@ class Index:
                 for entry in data["cameras"]
             ),
             bodies=tuple(data["bodies"]),
-        )
+        )  # fmt: skip
 
 
 def _range(bounds: list[float] | None) -> Range | None:

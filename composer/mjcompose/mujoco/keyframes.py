@@ -39,13 +39,9 @@ class Roots(StrEnum):
 
 
 def key_differences(
-    matching: Correspondence,
-    transform: Pose | None,
-    keys: Keys,
-    roots: Roots,
-    tolerance: float = 0.0,
+    matching: Correspondence, transform: Pose | None, keys: Keys, roots: Roots, tolerance: float = 0.0,
     replaced: Collection[str] = (),
-) -> list[Difference]:
+) -> list[Difference]:  # fmt: skip
     """Return where a key of the part differs for the part's own joints, actuators and mocap bodies.
 
     ``transform`` is the pose of the part's world in the composition's; None or the identity moves nothing. Keys of

@@ -119,14 +119,9 @@ class Mount:
 
     @classmethod
     def of(
-        cls,
-        composed: Model,
-        *,
-        site: str | None = None,
-        body: str | None = None,
-        pos: Vec3 = ORIGIN,
+        cls, composed: Model, *, site: str | None = None, body: str | None = None, pos: Vec3 = ORIGIN,
         quat: Quat = IDENTITY_QUAT,
-    ) -> Mount:
+    ) -> Mount:  # fmt: skip
         """Return the mount for a place in a recipe: a site, a body or the world, with an offset.
 
         ``pos`` is in metres, in the frame of the place. Raises KeyError for an unknown site.
@@ -155,18 +150,8 @@ def _pose(pos: Model, quat: Model) -> Pose:
 
 _ASSETS = ("texture", "material", "mesh", "hfield")
 _GLOBAL = (
-    "skin",
-    "flex",
-    "tendon",
-    "equality",
-    "pair",
-    "exclude",
-    "sensor",
-    "actuator",
-    "numeric",
-    "text",
-    "tuple",
-)
+    "skin", "flex", "tendon", "equality", "pair", "exclude", "sensor", "actuator", "numeric", "text", "tuple",
+)  # fmt: skip
 
 ABSENT = -1
 
@@ -183,16 +168,9 @@ class Correspondence:
     """
 
     def __init__(
-        self,
-        alone: NameTable,
-        composed: NameTable,
-        *,
-        prefix: str,
-        mount: Mount,
-        renamed: Mapping[str, Mapping[str, str]],
-        by_order: bool = True,
-        cut: bool = False,
-    ) -> None:
+        self, alone: NameTable, composed: NameTable, *, prefix: str, mount: Mount,
+        renamed: Mapping[str, Mapping[str, str]], by_order: bool = True, cut: bool = False,
+    ) -> None:  # fmt: skip
         self.by_order, self.cut = by_order, cut
         self.alone, self.composed = alone, composed
         self.prefix, self.renamed = prefix, renamed

@@ -453,13 +453,9 @@ def _in_recipe(span: Span) -> bool:
 
 
 def report(
-    said: Translation,
-    element: Node | None,
-    model: Unit,
-    context: Context,
-    cause: Cause | None = None,
+    said: Translation, element: Node | None, model: Unit, context: Context, cause: Cause | None = None,
     at: Span | None = None,
-) -> None:
+) -> None:  # fmt: skip
     """Report an error at the element, or at its faulty attribute; without an element, at the place `at`."""
     if element is None:
         context.sink.add(replace(said.diagnostic, span=at))

@@ -24,16 +24,8 @@ _BLOCKS: Mapping[str, tuple[str, ...]] = {
     "replicate": ("body", *ON_BODIES, *_REFERRING, "key"),
 }
 _SECTIONS = (
-    "asset",
-    "deformable",
-    "contact",
-    "equality",
-    "tendon",
-    "actuator",
-    "sensor",
-    "custom",
-    "keyframe",
-)
+    "asset", "deformable", "contact", "equality", "tendon", "actuator", "sensor", "custom", "keyframe",
+)  # fmt: skip
 # MuJoCo sorts these by their two references: their kind and attributes.
 _SORTED = {"pair": ("geom", "geom1", "geom2"), "exclude": ("body", "body1", "body2")}
 

@@ -446,20 +446,12 @@ def _inertia_along(model: Model, tendon: int) -> float:
 
 
 def compare(
-    alone: Model,
-    composed: Model,
-    *,
-    prefix: str = "",
-    hung_on: Mount | None = None,
-    renamed: Mapping[str, Mapping[str, str]] | None = None,
-    keys: Keys = Keys.MERGE,
-    roots_in_keys: Roots = Roots.MOVED,
-    others: Sequence[tuple[str, Model]] | None = None,
-    ignore: Collection[str] = (),
-    replaced_keys: Collection[str] = (),
-    tolerance: float = 0.0,
+    alone: Model, composed: Model, *, prefix: str = "", hung_on: Mount | None = None,
+    renamed: Mapping[str, Mapping[str, str]] | None = None, keys: Keys = Keys.MERGE,
+    roots_in_keys: Roots = Roots.MOVED, others: Sequence[tuple[str, Model]] | None = None,
+    ignore: Collection[str] = (), replaced_keys: Collection[str] = (), tolerance: float = 0.0,
     cut: bool = False,
-) -> list[Difference]:
+) -> list[Difference]:  # fmt: skip
     """Return the differences between a part compiled alone and the same part in a composition.
 
     The result is empty if the part is unchanged. ``prefix`` includes its separator; the base's is empty.

@@ -150,15 +150,11 @@ KIND = SourceKind(
     pins=frozenset({"commit", "tree", "package", "version"}),
     # The last two name the folder of the package's clones.
     variables=(
-        "ROBOT_DESCRIPTIONS_CACHE",
-        "ROBOT_DESCRIPTION_COMMIT",
-        "PYTHONPATH",
-        "XDG_CACHE_HOME",
-        "HOME",
+        "ROBOT_DESCRIPTIONS_CACHE", "ROBOT_DESCRIPTION_COMMIT", "PYTHONPATH", "XDG_CACHE_HOME", "HOME",
     ),
     libraries=(Library(_PACKAGE),),
     parse=_parse,
     resolve=_resolve,
     host=no_host,
     is_of_this_machine=always,
-)
+)  # fmt: skip

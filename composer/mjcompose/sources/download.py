@@ -54,14 +54,9 @@ class _Broken(Exception):
 
 
 def download(
-    url: str,
-    partial: Path,
-    *,
-    environment: Mapping[str, str],
-    progress: Callable[[str], None],
-    known: Version,
-    is_confined: bool = False,
-) -> Version | None:
+    url: str, partial: Path, *, environment: Mapping[str, str], progress: Callable[[str], None],
+    known: Version, is_confined: bool = False,
+) -> Version | None:  # fmt: skip
     """Download the file to `partial`, resuming an earlier download. Raises SourceError and OSError.
 
     Return None, without writing a file, if the server still has the version `known`. After a SourceError the

@@ -233,13 +233,9 @@ def source_in(origin: Origin, reference: Reference) -> Source:
     if not os.path.isfile(path):
         raise not_found(reference.text, path, existing)
     return Source(
-        path,
-        reference.kind,
-        reference.text,
-        version=origin.pin,
-        licences=licence.find(path, origin.root),
+        path, reference.kind, reference.text, version=origin.pin, licences=licence.find(path, origin.root),
         origin=origin,
-    )
+    )  # fmt: skip
 
 
 def unlocked(reference: Reference, fetching: Fetching) -> SourceError:

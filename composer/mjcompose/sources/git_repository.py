@@ -73,14 +73,9 @@ class _Repository:
             if name.startswith(_WITHOUT)
         )
         return Origin(
-            self.id,
-            self.reference.kind,
-            entry.content,
-            commit=commit,
-            tree=entry.about["tree"],
-            without=(*without,),
-            stored=entry.files,
-        )
+            self.id, self.reference.kind, entry.content, commit=commit, tree=entry.about["tree"],
+            without=(*without,), stored=entry.files,
+        )  # fmt: skip
 
     @property
     def _git(self) -> Git:
@@ -151,16 +146,9 @@ class _Repository:
             git.run("init", "-q", "--bare", *kind, "--", str(repository))
             try:
                 git.fetch(
-                    "fetch",
-                    "-q",
-                    "--depth=1",
-                    "--no-tags",
-                    *_other_side(url),
-                    "--",
-                    url,
-                    commit,
+                    "fetch", "-q", "--depth=1", "--no-tags", *_other_side(url), "--", url, commit,
                     folder=repository,
-                )
+                )  # fmt: skip
             except GitFailure as failure:
                 if any(each.search(failure.said) for each in (_NO_ROOM, _TOO_LARGE, _NO_MEMORY)):
                     raise
@@ -175,15 +163,9 @@ class _Repository:
         git, url = self._git, self.reference.name
         git.run("init", "-q", "--bare", "--", str(repository))
         git.fetch(
-            "fetch",
-            "-q",
-            "--no-tags",
-            *_other_side(url),
-            "--",
-            url,
-            "+refs/*:refs/fetched/*",
+            "fetch", "-q", "--no-tags", *_other_side(url), "--", url, "+refs/*:refs/fetched/*",
             folder=repository,
-        )
+        )  # fmt: skip
 
     def _write(self, repository: Path, commit: str, target: Path) -> dict[str, str]:
         try:

@@ -11,13 +11,8 @@ from mjcompose.sources import archive, descriptions, git, menagerie, package, pa
 from mjcompose.sources.reference import CONTROL, Reference, SourceError, SourceKind, is_this_machine
 
 KINDS: tuple[SourceKind, ...] = (
-    path.KIND,
-    package.KIND,
-    menagerie.KIND,
-    descriptions.KIND,
-    git.KIND,
-    archive.KIND,
-)
+    path.KIND, package.KIND, menagerie.KIND, descriptions.KIND, git.KIND, archive.KIND,
+)  # fmt: skip
 """A kind exists if its row is here; messages and docs list kinds in this order."""
 
 _BY_NAME = {kind.name: kind for kind in KINDS}

@@ -160,18 +160,7 @@ def _normalised(distribution_name: str) -> str:
 
 
 KIND = SourceKind(
-    name="package",
-    forms=(_FORM,),
-    local_schemes=(),
-    separator="/",
-    is_local=False,
-    is_fetched=False,
-    runs_code=False,
-    pins=frozenset({"package", "version"}),
-    variables=("PYTHONPATH",),
-    libraries=(),
-    parse=_parse,
-    resolve=_resolve,
-    host=no_host,
-    is_of_this_machine=always,
-)
+    name="package", forms=(_FORM,), local_schemes=(), separator="/", is_local=False, is_fetched=False,
+    runs_code=False, pins=frozenset({"package", "version"}), variables=("PYTHONPATH",), libraries=(),
+    parse=_parse, resolve=_resolve, host=no_host, is_of_this_machine=always,
+)  # fmt: skip

@@ -112,18 +112,7 @@ def _with_origin(source: Source, fetching: Fetching, folder: Path) -> Source:
 
 
 KIND = SourceKind(
-    name="path",
-    forms=(Form("./path/to/model.xml", "a file, relative to the recipe that names it"),),
-    local_schemes=(),
-    separator="/",
-    is_local=True,
-    is_fetched=False,
-    runs_code=False,
-    pins=frozenset(),
-    variables=(),
-    libraries=(),
-    parse=_parse,
-    resolve=_resolve,
-    host=no_host,
-    is_of_this_machine=never,
-)
+    name="path", forms=(Form("./path/to/model.xml", "a file, relative to the recipe that names it"),),
+    local_schemes=(), separator="/", is_local=True, is_fetched=False, runs_code=False, pins=frozenset(),
+    variables=(), libraries=(), parse=_parse, resolve=_resolve, host=no_host, is_of_this_machine=never,
+)  # fmt: skip

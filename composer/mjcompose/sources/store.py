@@ -333,15 +333,9 @@ class Store:
             used = (folder / ENTRY).stat().st_mtime
             record: Any = json.loads(text)
             return Entry(
-                kind,
-                folder.name,
-                folder,
-                origin=record["origin"],
-                size=record["size"],
-                files=record["files"],
-                about=record["about"],
-                used=used,
-            )
+                kind, folder.name, folder, origin=record["origin"], size=record["size"],
+                files=record["files"], about=record["about"], used=used,
+            )  # fmt: skip
         except (OSError, ValueError, KeyError, TypeError):
             return None
 

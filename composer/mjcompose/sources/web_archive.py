@@ -215,13 +215,9 @@ def resolve(reference: Reference, lookup: Lookup) -> Source:
     if id not in known:
         store = Store.of(lookup.environment)
         entry = _Archive(
-            reference,
-            id,
-            store,
-            environment=lookup.environment,
-            fetching=lookup.fetching,
+            reference, id, store, environment=lookup.environment, fetching=lookup.fetching,
             is_confined=lookup.is_confined,
-        ).entry()
+        ).entry()  # fmt: skip
         known[id] = Origin(id, reference.kind, entry.content, sha256=entry.key, stored=entry.files)
     return source_in(known[id], reference)
 

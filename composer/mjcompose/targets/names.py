@@ -5,17 +5,7 @@ from __future__ import annotations
 MUJOCO = "mujoco"
 """The target that a bundle is for as it is composed."""
 NAMES = (
-    MUJOCO,
-    "plain",
-    "drake",
-    "pinocchio",
-    "pybullet",
-    "newton",
-    "genesis",
-    "mjx",
-    "warp",
-    "isaac",
-    "urdf",
-)
+    MUJOCO, "plain", "drake", "pinocchio", "pybullet", "newton", "genesis", "mjx", "warp", "isaac", "urdf",
+)  # fmt: skip
 CONSUMERS = "MJCOMPOSE_CONSUMERS"
 """The variable that names the folder with environments in which models are read back, one for each program."""

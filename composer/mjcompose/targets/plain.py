@@ -237,13 +237,8 @@ def _free(path: str, files: dict[str, bytes]) -> str:
 
 _DYNAMICS = ("dyntype", "dynprm", "actrange", "actlimited", "actdim", "actearly")
 _MOTOR = {
-    *GRAMMAR.element("actuator/motor").attributes,
-    "gaintype",
-    "gainprm",
-    "biastype",
-    "biasprm",
-    "input",
-}
+    *GRAMMAR.element("actuator/motor").attributes, "gaintype", "gainprm", "biastype", "biasprm", "input",
+}  # fmt: skip
 _GAIN = ("gaintype", "gainprm", "biastype", "biasprm", "input")
 
 

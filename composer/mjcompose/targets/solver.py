@@ -39,13 +39,9 @@ def refused_elements(
 
 
 def refused_options(
-    feature: str,
-    name: str,
-    enums: Sequence[tuple[str, str, Collection[str]]],
-    flags: Collection[str],
-    help: str,
-    together: Flagged | None = None,
-) -> Limit:
+    feature: str, name: str, enums: Sequence[tuple[str, str, Collection[str]]], flags: Collection[str],
+    help: str, together: Flagged | None = None,
+) -> Limit:  # fmt: skip
     """Return a limit that refuses a model with one of these values of an option, or one of these flags enabled.
 
     `together` finds what is refused only in combination with something else; its numbers mean nothing.
@@ -76,13 +72,9 @@ def _members(missing: Sequence[Missing], mujoco: Any, model: Any) -> Iterator[tu
 
 
 def _options_compiled(
-    name: str,
-    enums: Sequence[tuple[str, str, Collection[str]]],
-    flags: Sequence[str],
-    together: Flagged | None,
-    mujoco: Any,
-    model: Any,
-) -> Iterator[tuple[int, str]]:
+    name: str, enums: Sequence[tuple[str, str, Collection[str]]], flags: Sequence[str],
+    together: Flagged | None, mujoco: Any, model: Any,
+) -> Iterator[tuple[int, str]]:  # fmt: skip
     for field, enum, names in enums:
         word = _word(mujoco, enum, int(getattr(model.opt, field)))
         if word in names:

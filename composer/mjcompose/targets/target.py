@@ -143,15 +143,9 @@ class Draft:
         }
 
     def lose(
-        self,
-        feature: str,
-        node: Node,
-        why: str = "",
-        *,
-        what: str = "",
-        outcome: Outcome = Outcome.LEFT_OUT,
+        self, feature: str, node: Node, why: str = "", *, what: str = "", outcome: Outcome = Outcome.LEFT_OUT,
         help: str | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         """Record that the target cannot express an element, or `what` it has."""
         kind, number = self._rows.get(node, ("", -1))
         tag, name = str(node.tag), str(node.get("name") or "")
@@ -175,17 +169,9 @@ class Draft:
 
 
 _SECTIONS = (
-    "actuator",
-    "sensor",
-    "equality",
-    "tendon",
-    "contact",
-    "keyframe",
-    "asset",
-    "custom",
-    "deformable",
+    "actuator", "sensor", "equality", "tendon", "contact", "keyframe", "asset", "custom", "deformable",
     "extension",
-)
+)  # fmt: skip
 
 
 def write_mjcf(draft: Draft) -> dict[str, bytes]:

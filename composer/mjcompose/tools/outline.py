@@ -180,13 +180,9 @@ class _Outliner:
         joints, places, children = self.contents([node], pose, copies)
         own = (Place("body", str(name), Pose(), world=pose),) if name else ()
         return Body(
-            None if not name else str(name),
-            self.part_of(node),
-            joints,
-            places=(*own, *places),
-            children=children,
-            copies=copies,
-        )
+            None if not name else str(name), self.part_of(node), joints, places=(*own, *places),
+            children=children, copies=copies,
+        )  # fmt: skip
 
     def contents(
         self, holders: list[Node], world: Pose, copies: int

@@ -440,15 +440,11 @@ class Reading:
         """The rows as data, with the places of their first elements."""
         return tuple(
             ReadRow(
-                row.what,
-                row.count,
-                row.became,
-                why=row.why,
-                span=unit.origins.span(row.first, unit.file),
+                row.what, row.count, row.became, why=row.why, span=unit.origins.span(row.first, unit.file),
                 is_minor=row.is_minor,
             )
             for row in self.rows.values()
-        )
+        )  # fmt: skip
 
     def note(self, unit: Unit, sink: Sink) -> None:
         """One note with all that is not in the model."""

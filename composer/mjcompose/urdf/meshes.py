@@ -281,14 +281,9 @@ def add_looks(robot: Robot, unit: Unit, pairs: list[tuple[Node, Node]], sink: Si
             found = robot.looks.get(files.get(str(element.get("mesh")), ""))
             if found is not None and isinstance(found.texture, bytes):
                 _give(
-                    unit,
-                    element,
-                    source,
-                    robot=robot,
-                    name=str(element.get("mesh")),
-                    picture=found.texture,
+                    unit, element, source, robot=robot, name=str(element.get("mesh")), picture=found.texture,
                     kept=kept,
-                )
+                )  # fmt: skip
     return read
 
 

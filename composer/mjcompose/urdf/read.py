@@ -186,13 +186,9 @@ class UrdfReader:
         """The unit with what MuJoCo does not read of a URDF, and with the places of everything."""
         written = robot.unit
         unit = parse_text(
-            text,
-            self.sink,
-            file=written.file,
-            directory=self.source.path.parent,
-            label=written.label,
+            text, self.sink, file=written.file, directory=self.source.path.parent, label=written.label,
             door=written.door,
-        )
+        )  # fmt: skip
         assert unit is not None, "MuJoCo writes MJCF"
         unit.origins.texts.clear()
         name_fused_links(unit.root)

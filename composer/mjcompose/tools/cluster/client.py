@@ -209,13 +209,9 @@ class Stations:
     """
 
     def __init__(
-        self,
-        making: CellMaker,
-        cells: Sequence[Cell],
-        out: Location | None,
-        away: Finish | None,
+        self, making: CellMaker, cells: Sequence[Cell], out: Location | None, away: Finish | None,
         held: ExitStack,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self._making = making
         store = making.maker.cache.store.folder if making.maker.cache is not None else None
         freight = freight_of(making, cells)
@@ -231,18 +227,11 @@ class Stations:
         except OSError as error:
             raise unwritable_error(str(out), error) from error
         self.order = Order(
-            os.urandom(8).hex(),
-            pickle.dumps(Job.of(making)),
-            away_job(making, away),
-            folder=os.fspath(making.maker.context.folder),
-            memory=int(in_force().memory),
-            files=freight.files,
-            layout=freight.layout,
-            store=seen,
-            out=out_seen,
-            address=out if isinstance(out, str) else None,
+            os.urandom(8).hex(), pickle.dumps(Job.of(making)), away_job(making, away),
+            folder=os.fspath(making.maker.context.folder), memory=int(in_force().memory), files=freight.files,
+            layout=freight.layout, store=seen, out=out_seen, address=out if isinstance(out, str) else None,
             journal=self._journal,
-        )
+        )  # fmt: skip
 
     def begin(self, client: Client, workers: list[str]) -> None:
         """Prepare workers: each gets its missing files before it gets a cell."""

@@ -119,20 +119,10 @@ ADDRESSES, COUNTS = "address", "count"
 
 
 def diff(
-    a: str,
-    b: str,
-    context: Context,
-    session: Session,
-    *,
-    tolerance: float = 0.0,
-    only: Collection[str] = (),
-    everything: bool = False,
-    given: Given | None = None,
-    pick: str | None = None,
-    sample: int | None = None,
-    renders: Path | None = None,
-    show: Callable[[Side, Side, Diff], object] | None = None,
-) -> Diff | None:
+    a: str, b: str, context: Context, session: Session, *, tolerance: float = 0.0, only: Collection[str] = (),
+    everything: bool = False, given: Given | None = None, pick: str | None = None, sample: int | None = None,
+    renders: Path | None = None, show: Callable[[Side, Side, Diff], object] | None = None,
+) -> Diff | None:  # fmt: skip
     """Return the differences from A to B, or None if one of them is not a model, which goes to `context.sink`.
 
     `tolerance` is relative. `only` are kinds of element, `option`, `visual`, `statistic`, `count` and `address`;
@@ -175,15 +165,9 @@ def diff(
 
 
 def between(
-    a: Side,
-    b: Side,
-    context: Context,
-    session: Session,
-    *,
-    tolerance: float = 0.0,
-    only: Collection[str] = (),
-    everything: bool = False,
-) -> Diff | None:
+    a: Side, b: Side, context: Context, session: Session, *, tolerance: float = 0.0,
+    only: Collection[str] = (), everything: bool = False,
+) -> Diff | None:  # fmt: skip
     """Return the differences between two models that the session keeps, or None if MuJoCo crashes.
 
     A crash is reported.

@@ -90,14 +90,9 @@ def setting_changes(mujoco: Any, a: Model, b: Model, tolerance: float) -> Iterat
     for difference in compare.statistic_differences(a, b):
         if not _close(difference.expected, difference.actual, tolerance):
             yield Change(
-                "changed",
-                "statistic",
-                "",
-                field=difference.name,
-                before=difference.expected,
-                after=difference.actual,
-                follows=True,
-            )
+                "changed", "statistic", "", field=difference.name, before=difference.expected,
+                after=difference.actual, follows=True,
+            )  # fmt: skip
 
 
 def _flags(mujoco: Any, difference: Difference) -> Iterator[Change]:
@@ -110,13 +105,9 @@ def _flags(mujoco: Any, difference: Difference) -> Iterator[Change]:
             ]
             before, after = ("enable" if state else "disable" for state in states)
             yield Change(
-                "changed",
-                "option",
-                "",
-                field=f"flag {word.removeprefix(prefix).lower()}",
-                before=before,
+                "changed", "option", "", field=f"flag {word.removeprefix(prefix).lower()}", before=before,
                 after=after,
-            )
+            )  # fmt: skip
 
 
 def _word(mujoco: Any, name: str, value: Value) -> Value:
@@ -170,19 +161,10 @@ class Values:
             for field, before, after in self._of(unequal[kind, target, index]):
                 note = str(after) if before is None and isinstance(after, str) else ""
                 yield Change(
-                    "changed",
-                    kind,
-                    names[1],
-                    field=field,
-                    before=before,
-                    after=None if note else after,
-                    form=JOINT_TYPES[int(self.b.jnt_type[target])].word if kind == "joint" else "",
-                    entry="",
-                    index=(index, target),
-                    name_before=names[0],
-                    follows=about(field).is_computed,
-                    note=note,
-                )
+                    "changed", kind, names[1], field=field, before=before, after=None if note else after,
+                    form=JOINT_TYPES[int(self.b.jnt_type[target])].word if kind == "joint" else "", entry="",
+                    index=(index, target), name_before=names[0], follows=about(field).is_computed, note=note,
+                )  # fmt: skip
 
     def _of(self, unequal: list[compare.Unequal]) -> Iterator[tuple[str, Value, Value]]:
         first = unequal[0]
@@ -461,16 +443,10 @@ def references(matching: Correspondence) -> Iterator[Change]:
             for each, side in ((mine, matching.alone), (other, matching.composed))
         )
         yield Change(
-            "changed",
-            kind,
-            named(matching.composed, kind, target),
-            field=link.field,
-            before=before,
-            after=after,
-            index=(index, target),
-            name_before=named(matching.alone, kind, index),
+            "changed", kind, named(matching.composed, kind, target), field=link.field, before=before,
+            after=after, index=(index, target), name_before=named(matching.alone, kind, index),
             follows=about(link.field).is_computed,
-        )
+        )  # fmt: skip
 
 
 def _keys(matching: Correspondence, tolerance: float) -> Iterator[Change]:
@@ -490,17 +466,9 @@ def _keys(matching: Correspondence, tolerance: float) -> Iterator[Change]:
         before, after = _alone(difference.expected), _alone(difference.actual)
         both = mine.ids["key"].get(difference.name, ABSENT), theirs.ids["key"].get(difference.name, ABSENT)
         yield Change(
-            "changed",
-            "key",
-            difference.name,
-            field=field,
-            before=before,
-            after=after,
-            form=joints.get(name, ""),
-            entry=name,
-            index=both,
-            name_before=difference.name,
-        )
+            "changed", "key", difference.name, field=field, before=before, after=after,
+            form=joints.get(name, ""), entry=name, index=both, name_before=difference.name,
+        )  # fmt: skip
     known = set(mine.names["key"])
     for index, name in enumerate(theirs.names["key"]):
         if name not in known:

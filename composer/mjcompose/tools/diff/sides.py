@@ -353,13 +353,9 @@ class Side:
         cells = 0 if self.cell is not None else self.cells
         outside = _outside(self.operand, self.inputs)
         return End(
-            self.operand.label,
-            self.operand.kind,
-            whole.hexdigest(),
-            cell=self.cell,
-            cells=cells,
+            self.operand.label, self.operand.kind, whole.hexdigest(), cell=self.cell, cells=cells,
             outside=outside,
-        )
+        )  # fmt: skip
 
     def lines(self, file: str) -> list[str]:
         """Return the lines of a file; none if it cannot be read."""
@@ -375,16 +371,9 @@ class Side:
 
 
 def load(
-    operand: Operand,
-    kept: str,
-    session: Session,
-    given: Given | None = None,
-    pick: str | None = None,
-    sample: int | None = None,
-    library: Library | None = None,
-    *,
-    whole: bool = False,
-) -> Side | None:
+    operand: Operand, kept: str, session: Session, given: Given | None = None, pick: str | None = None,
+    sample: int | None = None, library: Library | None = None, *, whole: bool = False,
+) -> Side | None:  # fmt: skip
     """Return the compiled model of an operand, or None if there is none, which goes to its sink.
 
     For a recipe it is the cell `pick` of its matrix, or the `sample` of its draws. `library` has source files that
@@ -402,14 +391,9 @@ def load(
 
 
 def _recipe(
-    operand: Operand,
-    kept: str,
-    session: Session,
-    given: Given,
-    pick: str | None,
-    sample: int | None,
+    operand: Operand, kept: str, session: Session, given: Given, pick: str | None, sample: int | None,
     library: Library | None,
-) -> Side | None:
+) -> Side | None:  # fmt: skip
     cell = None if pick is None else _cell(operand, given, pick, sample=sample)
     if pick is not None and cell is None:
         return None
@@ -420,14 +404,9 @@ def _recipe(
 
 
 def load_cell(
-    operand: Operand,
-    kept: str,
-    session: Session,
-    given: Given,
-    cell: Cell | None,
-    sample: int = 0,
+    operand: Operand, kept: str, session: Session, given: Given, cell: Cell | None, sample: int = 0,
     library: Library | None = None,
-) -> Side | None:
+) -> Side | None:  # fmt: skip
     """Return the model of a cell of a recipe, or without one the `sample` of its draws; None as in `load`."""
     context, watch = operand.context, Trace()
     if cell is None:
@@ -457,18 +436,9 @@ def load_cell(
     name = None if cell is None else cell.name
     inputs = tuple(source_files(plan, composed.model, composed.files))
     return Side(
-        operand,
-        kept,
-        _digests(bundle),
-        traced=traced,
-        plan=plan,
-        cell=name,
-        cells=cells,
-        given=values,
-        inputs=inputs,
-        bundle=bundle,
-        excluded=composed.excluded,
-    )
+        operand, kept, _digests(bundle), traced=traced, plan=plan, cell=name, cells=cells, given=values,
+        inputs=inputs, bundle=bundle, excluded=composed.excluded,
+    )  # fmt: skip
 
 
 def _outside(operand: Operand, inputs: Iterable[Path]) -> tuple[str, ...]:
@@ -537,14 +507,9 @@ def _bundle(operand: Operand, kept: str, session: Session) -> Side | None:
         return None
     file, text = f"{shown}/{bundle.model}", bundle.files[bundle.model]
     unit = parse_text(
-        text,
-        Sink(),
-        file=file,
-        directory=operand.path,
-        label=operand.path.stem,
-        contents=bundle.files,
+        text, Sink(), file=file, directory=operand.path, label=operand.path.stem, contents=bundle.files,
         door=NOTHING,
-    )
+    )  # fmt: skip
     files = [operand.path / name for name in bundle.files] if os.path.isdir(operand.path) else [operand.path]
     side = Side(operand, kept, _digests(bundle), traced=_traced(unit, context), inputs=tuple(files))
     side.bundle = bundle

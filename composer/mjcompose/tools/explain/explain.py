@@ -196,15 +196,9 @@ class Traced:
         ]
         said = total(found, name, [each.value for each in explained]) if node.tag == "body" else None
         return AttributeExplained(
-            label=self.labels[node],
-            attribute=name,
-            value=said,
-            levels=tuple(levels),
-            in_force=None,
-            about=None,
-            rows=(),
-            notes=() if said is not None else (f"MuJoCo computes `{name}` from these",),
-        )
+            label=self.labels[node], attribute=name, value=said, levels=tuple(levels), in_force=None,
+            about=None, rows=(), notes=() if said is not None else (f"MuJoCo computes `{name}` from these",),
+        )  # fmt: skip
 
     def _called(self, giver: Node, explained: AttributeExplained) -> str:
         return f"<{giver.tag}>" if giver.tag == "inertial" else explained.label

@@ -145,13 +145,9 @@ def read(text: str, attribute: str | None, sink: Sink) -> Asked | None:
                    help="a query is KIND NAME ATTRIBUTE, quoted as one: 'geom gripper/pad friction'")  # fmt: skip
         return None
     return Asked(
-        asked.text,
-        asked.kinds,
-        asked.name,
-        number=asked.number,
-        line=asked.line,
+        asked.text, asked.kinds, asked.name, number=asked.number, line=asked.line,
         attribute=rest[0] if rest else None,
-    )
+    )  # fmt: skip
 
 
 def find(asked: Asked, root: Node, separator: str) -> list[Node]:

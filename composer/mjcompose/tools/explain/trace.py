@@ -196,20 +196,9 @@ class Trace:
         parent = node.getparent()
         root = cause.unit.root
         life = Life(
-            node,
-            root,
-            owner,
-            line=line_of(node),
-            tag=str(node.tag),
-            attributes=dict(items),
-            parent=parent,
-            home=root,
-            made_by=made,
-            born=cause,
-            items=items,
-            last_tag=str(node.tag),
-            last_parent=parent,
-        )
+            node, root, owner, line=line_of(node), tag=str(node.tag), attributes=dict(items), parent=parent,
+            home=root, made_by=made, born=cause, items=items, last_tag=str(node.tag), last_parent=parent,
+        )  # fmt: skip
         self.lives[node] = life
         part = cause.part or (_carried(life, cause.linking) if cause.linking is not None else None)
         if part is not None and made is not None and made.is_pass:

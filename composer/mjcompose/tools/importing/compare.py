@@ -58,15 +58,9 @@ class Comparison:
     """Compares the parts with their state in the merged model, and writes the edits for the differences."""
 
     def __init__(
-        self,
-        merged: Unit,
-        parts: list[Unit],
-        references: list[str],
-        found: list[Instance],
-        separator: str,
-        relative: Callable[[Path], str],
-        likeness: Callable[[Instance, Names], Likeness],
-    ) -> None:
+        self, merged: Unit, parts: list[Unit], references: list[str], found: list[Instance], separator: str,
+        relative: Callable[[Path], str], likeness: Callable[[Instance, Names], Likeness],
+    ) -> None:  # fmt: skip
         self.merged, self.parts, self.references, self.found = merged, parts, references, found
         self.relative = relative
         self.alike: dict[str, tuple[object, ...]] = {}
@@ -269,15 +263,10 @@ class Comparison:
             before = effective(pair.item, self.parts[pair.each.part]).get(name)
             self.found_changes.append(
                 Changed(
-                    "default class",
-                    called,
-                    f"{tag} {name}",
-                    before=before,
-                    after=value,
-                    unit=self.unit(pair, name),
-                    count=len(pairs),
+                    "default class", called, f"{tag} {name}", before=before, after=value,
+                    unit=self.unit(pair, name), count=len(pairs),
                 )
-            )
+            )  # fmt: skip
             for each in pairs:
                 del each.changes[name]
         for owner, tags in settled.items():
@@ -309,13 +298,9 @@ class Comparison:
         for name, value in pair.changes.items():
             if value is not None or name in before:
                 place = Changed(
-                    pair.item.kind.tag,
-                    self.called(pair),
-                    name,
-                    before=before.get(name),
-                    after=value,
+                    pair.item.kind.tag, self.called(pair), name, before=before.get(name), after=value,
                     unit=self.unit(pair, name),
-                )
+                )  # fmt: skip
                 self.found_changes.append(place)
         if pair.changes or pair.moved:
             verbs = {"select": pair.select} | ({"unset": flow_list(unset)} if unset else {})

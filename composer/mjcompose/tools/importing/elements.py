@@ -326,13 +326,9 @@ def unchanged(mujoco: Any, alone: Model, merged: Model, given: Mapping[str, Any]
     prefixed, and the ``body`` that the part is attached to.
     """
     matching = Correspondence(
-        NameTable(alone),
-        NameTable(merged),
-        prefix=given["prefix"],
-        mount=Mount(given["body"], None),
-        renamed=given["names"],
-        by_order=False,
-    )
+        NameTable(alone), NameTable(merged), prefix=given["prefix"], mount=Mount(given["body"], None),
+        renamed=given["names"], by_order=False,
+    )  # fmt: skip
     changed: dict[str, set[tuple[int, int]]] = defaultdict(set)
     for each in (*references(matching), *Values(mujoco, matching, 0.0).changes()):
         if not about(each.field).is_computed and not is_rounding(each):

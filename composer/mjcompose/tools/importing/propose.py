@@ -114,15 +114,9 @@ class _Proposer(Comparison):
             for key in self.parts[each.part].root.iter("key"):
                 keys.setdefault(str(key.get("name") or ""), []).append("base" if each.is_base else each.key)
         return Proposal(
-            head,
-            self.entries,
-            self.found,
-            renamed=renamed,
-            alike=self.alike,
-            nameless_keys=nameless,
-            keys=keys,
-            changed=tuple(self.found_changes),
-        )
+            head, self.entries, self.found, renamed=renamed, alike=self.alike, nameless_keys=nameless,
+            keys=keys, changed=tuple(self.found_changes),
+        )  # fmt: skip
 
     def match_names(self) -> None:
         """Map each name of a part in the merged model to its name in the composition."""
@@ -406,13 +400,9 @@ def _text(path: Path, target: Path, unit: Unit, choices: UrdfChoices, has_unread
     file = file if file.startswith(".") else f"./{file}"
     keys = {"visuals": choices.visuals, "inertia": choices.inertia}
     lines = [
-        "recipe: 1",
-        f"name: {path.name.partition('.')[0]}",
-        "",
-        "base:",
-        f"  model: {file}",
+        "recipe: 1", f"name: {path.name.partition('.')[0]}", "", "base:", f"  model: {file}",
         f"  urdf: {{{', '.join(f'{name}: {value}' for name, value in keys.items() if value)}}}",
-    ]
+    ]  # fmt: skip
     if has_unread:
         lines.append(f"  allow: [{UNREAD}]")
     moving = [each for each in unit.root.iter("joint") if each.get("name")]

@@ -203,13 +203,9 @@ class Recovered:
 
 
 def recover(
-    merged: Path,
-    parts: list[Path],
-    out: Path,
-    context: Context,
-    progress: Callable[[str], None] = lambda _: None,
-    references: Mapping[Path, str] | None = None,
-) -> Recovered | None:
+    merged: Path, parts: list[Path], out: Path, context: Context,
+    progress: Callable[[str], None] = lambda _: None, references: Mapping[Path, str] | None = None,
+) -> Recovered | None:  # fmt: skip
     """Return the recipe to write to `out`, or None if a model cannot be read, which `context.sink` reports.
 
     Entries that do not build become comments, one after the other, until the recipe builds. `progress` is called
@@ -228,15 +224,9 @@ def recover(
         return None
     with Session() as session:
         recovery = _Recovery(
-            merged,
-            parts,
-            out,
-            context=context,
-            session=session,
-            progress=progress,
-            units=units,
+            merged, parts, out, context=context, session=session, progress=progress, units=units,
             references=references or {},
-        )
+        )  # fmt: skip
         return recovery.recovered()
 
 
@@ -247,16 +237,9 @@ def whole_recipe(merged: Path, out: Path) -> str:
 
 class _Recovery:
     def __init__(
-        self,
-        merged: Path,
-        parts: list[Path],
-        out: Path,
-        context: Context,
-        session: Session,
-        progress: Callable[[str], None],
-        units: list[Unit],
-        references: Mapping[Path, str],
-    ) -> None:
+        self, merged: Path, parts: list[Path], out: Path, context: Context, session: Session,
+        progress: Callable[[str], None], units: list[Unit], references: Mapping[Path, str],
+    ) -> None:  # fmt: skip
         self.references = references
         self.merged, self.parts, self.out, self.units = merged, parts, out, units
         self.context, self.session, self.progress = context, session, progress

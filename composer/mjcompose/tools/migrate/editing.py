@@ -473,13 +473,9 @@ class Editing:
         return node
 
     def warn(
-        self,
-        node: Node | None,
-        message: str,
-        help: str | None = None,
-        attribute: str | None = None,
+        self, node: Node | None, message: str, help: str | None = None, attribute: str | None = None,
         arrays: tuple[str, ...] | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         """Something does not mean the same any more."""
         shown = () if self.change is None else self.change.arrays
         span = None if node is None else self.span(node, attribute)

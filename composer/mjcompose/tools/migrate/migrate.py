@@ -137,13 +137,9 @@ def read(model: Path, context: Context) -> Unit | None:
 
 
 def migrate(
-    unit: Unit,
-    before: str,
-    after: str,
-    context: Context,
-    adopt: Collection[str] = (),
+    unit: Unit, before: str, after: str, context: Context, adopt: Collection[str] = (),
     values: Mapping[str, object] | None = None,
-) -> Migrated | None:
+) -> Migrated | None:  # fmt: skip
     """The model for another version, with the models that it attaches; None where it cannot be one, which is reported.
 
     The unit is changed. `values` has what the MuJoCo of `before` measured of the model, where that is known.

@@ -442,17 +442,9 @@ def shortcut_of_another(editing: Editing) -> None:
 
 
 _SHORTCUTS = (
-    "motor",
-    "position",
-    "velocity",
-    "intvelocity",
-    "damper",
-    "cylinder",
-    "muscle",
-    "adhesion",
-    "pid",
+    "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion", "pid",
     "dcmotor",
-)
+)  # fmt: skip
 _GAINS = ("kp", "kv", "dampratio", "timeconst", "area", "diameter", "bias", "force", "scale", "gain")
 
 

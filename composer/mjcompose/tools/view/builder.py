@@ -131,15 +131,9 @@ class Workshop:
     """
 
     def __init__(
-        self,
-        target: str,
-        asked: Asked,
-        session: Session,
-        open: Callable[[], Context],
-        words: Callable[[Context], str],
-        key: str | None = None,
-        editor: str = EDITOR,
-    ) -> None:
+        self, target: str, asked: Asked, session: Session, open: Callable[[], Context],
+        words: Callable[[Context], str], key: str | None = None, editor: str = EDITOR,
+    ) -> None:  # fmt: skip
         self.target, self.asked, self.session = target, asked, session
         self.key, self.editor = key, editor
         self._open, self._words = open, words

@@ -141,14 +141,9 @@ class _NotDrawn(Exception):
 
 
 def render(
-    kept: str,
-    out: Path,
-    wish: Wish,
-    context: Context,
-    session: Session,
-    read: Iterable[Path] = (),
+    kept: str, out: Path, wish: Wish, context: Context, session: Session, read: Iterable[Path] = (),
     option: str = "-o",
-) -> bool:
+) -> bool:  # fmt: skip
     """Write a picture or a film of a model that `session` keeps; return False after an error, which is reported.
 
     It does not take the place of the files that were `read` for the model.
@@ -241,15 +236,9 @@ class _Job:
 
 
 def render_sheet(
-    operand: Operand,
-    cells: Sequence[Cell],
-    out: Path,
-    wish: Wish,
-    session: engine.Session,
-    given: Given,
-    tell: Callable[[str], None],
-    jobs: int | None = None,
-) -> int:
+    operand: Operand, cells: Sequence[Cell], out: Path, wish: Wish, session: engine.Session, given: Given,
+    tell: Callable[[str], None], jobs: int | None = None,
+) -> int:  # fmt: skip
     """Write one picture of all `cells`, each with its name below it; return how many are in it.
 
     Cells that cannot be built are left out, and their errors reported; if none is left, nothing is written. `tell`

@@ -382,13 +382,9 @@ def _position(joint: Joint) -> Entry:
 def _velocity(joint: Joint) -> Entry:
     units = BY_WORD[joint.type].velocity_units
     return Entry(
-        joint.name,
-        joint.dof,
-        units,
-        limits=(UNLIMITED,) * joint.dof_size,
-        body=joint.body,
+        joint.name, joint.dof, units, limits=(UNLIMITED,) * joint.dof_size, body=joint.body,
         origin=joint.origin,
-    )
+    )  # fmt: skip
 
 
 def _activations(actuators: Sequence[Actuator]) -> Iterator[Entry]:

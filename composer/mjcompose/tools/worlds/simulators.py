@@ -387,17 +387,8 @@ def _written(worlds: Worlds, refusal: Refusal) -> Iterator[Note]:
 
 _FLAG = "has"
 NOT_STEPPED = (
-    "key_",
-    "light_",
-    "mat_",
-    "tex_",
-    "cam_",
-    "geom_rgba",
-    "site_rgba",
-    "tendon_rgba",
-    "names",
-    "stat.",
-)
+    "key_", "light_", "mat_", "tex_", "cam_", "geom_rgba", "site_rgba", "tendon_rgba", "names", "stat.",
+)  # fmt: skip
 """Arrays that a step does not read: if a simulator shares them, only its rendering and resets are affected."""
 
 

@@ -141,13 +141,9 @@ def of_sources(bundle: Bundle, models: Sequence[Bundle]) -> Bundle:
 
 
 def _updated(
-    made: Manifest,
-    bundle: Bundle,
-    models: Sequence[Manifest],
-    inputs: dict[tuple[str, str], Input],
-    licences: dict[str, dict[str, None]],
-    read: dict[tuple[str, str], Read],
-) -> Manifest:
+    made: Manifest, bundle: Bundle, models: Sequence[Manifest], inputs: dict[tuple[str, str], Input],
+    licences: dict[str, dict[str, None]], read: dict[tuple[str, str], Read],
+) -> Manifest:  # fmt: skip
     """Return the manifest without `parts`: a part of several models is compared with its source in each of them."""
     first = models[0]
     return made.model_copy(
