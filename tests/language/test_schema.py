@@ -56,6 +56,11 @@ def test_dialect(validator: Any) -> None:
     assert validator.schema["$schema"] == "https://json-schema.org/draft/2020-12/schema"
 
 
+def test_what_is_written_twice_is_a_definition() -> None:
+    """Editors load the whole file before they say anything."""
+    assert len(text().encode()) < 1_300_000
+
+
 def test_choices_by_type_are_no_giant_alternatives() -> None:
     def alternatives(value: Any) -> Iterator[int]:
         if isinstance(value, dict):

@@ -244,9 +244,9 @@ class _Keys:
         return known or bool(_VALUES.fullmatch(pointer)) or pointer.startswith((*_ELEMENTS, "property"))
 
     def _row(self, place: str, schema: Schema, required: bool) -> str:
+        target = self.definitions.get(schema.get("$ref", "").rpartition("/")[2], {})
+        schema = {**{key: target[key] for key in ("description", "default") if key in target}, **schema}
         about = " ".join(schema.get("description", "").split())
-        if not about and (pointer := schema.get("$ref", "").rpartition("/")[2]):
-            about = " ".join(self.definitions[pointer].get("description", "").split())
         about, _, said = about.removesuffix(")").partition(_SAID) if _SAID in about else (about, "", "")
         default = f"`{_shown(schema['default'])}`" if "default" in schema else f"`{said}`" if said else ""
         cells = (f"**`{place}`**" if required else f"`{place}`", self._type(schema), default, about)

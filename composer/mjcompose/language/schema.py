@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import ast
 import inspect
+import itertools
 import json
 import sys
 import textwrap
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
@@ -105,7 +107,9 @@ def _nullable(schema: Any) -> Any:
 
 
 def _one_nullable(schemas: list[Any]) -> list[Any]:
-    """Return the alternatives with null allowed in one of them, which is enough."""
+    """Return the alternatives with null allowed in one of them, which is enough. Definitions of pieces allow it."""
+    if any(str(each.get("$ref", "")).startswith(_DEFS + _PIECE) for each in schemas):
+        return schemas
     for index, each in enumerate(schemas):
         if isinstance(each, dict) and "type" in each:
             return [*schemas[:index], _nullable(each), *schemas[index + 1 :]]
@@ -217,6 +221,7 @@ def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
         "additionalProperties": False,
         "description": "A recipe, written in place of a model reference.",
     }
+    _share(schema, definitions)
     pieces = loosened(properties, definitions)
     definitions["Piece"] = {
         "type": "object",
@@ -225,6 +230,66 @@ def add_variation(schema: Schema, definitions: dict[str, Schema]) -> None:
         "description": "A piece of recipe: any of its keys. `null` takes out what the recipe has there.",
     }
     _demand_less_of_what_extends(schema, pieces)
+
+
+_SHORT = 80
+# What these have is a condition, which editors show where it is written.
+_UNSHARED = ("if", "then", "else", "allOf", "not", "propertyNames")
+
+
+def _share(schema: Schema, definitions: dict[str, Schema]) -> None:
+    """Move each schema that is written more than once, and is not `_SHORT`, to the definitions."""
+    counts: Counter[str] = Counter()
+
+    def count(each: Any, name: str) -> Any:
+        text = json.dumps(each)
+        counts[text] += 1
+        if counts[text] == 1:  # what is in it is written once then
+            _replaced(each, name, count)
+        return each
+
+    names: dict[str, str] = {}
+
+    def move(each: Any, name: str) -> Any:
+        text = json.dumps(each)
+        if counts[text] == 1 or len(text) < _SHORT:
+            return _replaced(each, name, move)
+        if text not in names:
+            names[text] = next(key for key in _numbered(f"shared.{name}") if key not in definitions)
+            definitions[names[text]] = {}  # its name is taken
+            definitions[names[text]] = _replaced(each, name, move)
+        return {"$ref": _DEFS + names[text]}
+
+    for replace_with in (count, move):
+        for name in [None, *definitions]:
+            if name is None:
+                schema.update(_replaced(schema, "recipe", replace_with))
+            else:
+                definitions[name] = _replaced(definitions[name], name.rpartition(".")[2], replace_with)
+
+
+def _numbered(name: str) -> Iterator[str]:
+    yield name
+    yield from (f"{name}.{number}" for number in itertools.count(2))
+
+
+def _replaced(schema: Any, name: str, replace: Callable[[Any, str], Any]) -> Any:
+    """Return the schema with those directly in it replaced; `name` is the key that has it."""
+    if not isinstance(schema, dict):
+        return schema
+    found = dict(schema)
+    for key, value in schema.items():
+        if key in _MAPPINGS:
+            found[key] = {each: replace(inner, each) for each, inner in value.items()}
+        elif key in ("anyOf", "oneOf", "prefixItems"):
+            found[key] = [replace(inner, name) for inner in value]
+        elif key in ("additionalProperties", "items"):
+            found[key] = replace(value, name)
+        elif key in _UNSHARED:
+            inner = value if isinstance(value, list) else [value]
+            inner = [_replaced(each, name, replace) for each in inner]
+            found[key] = inner if isinstance(value, list) else inner[0]
+    return found
 
 
 def _demand_less_of_what_extends(schema: Schema, pieces: Schema) -> None:
