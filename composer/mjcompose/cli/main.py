@@ -85,7 +85,11 @@ class _Verbs(click.Group):
             return _extension(ctx, cmd_name)
         room = f"{cmd_name}_" if keyword.iskeyword(cmd_name) else cmd_name
         module = importlib.import_module(f"mjcompose.cli.{room}")
-        command = module.command
+        command = (
+            getattr(module, "command", None)
+            if isinstance(getattr(module, "command", None), click.Command)
+            else getattr(module, room)
+        )
         assert isinstance(command, click.Command)
         return command
 

@@ -95,7 +95,7 @@ def _recipe(path: Path, context: Context) -> _Outcome:
 def _project(folder: Path | None, context: Context) -> _Outcome:
     from importlib import metadata
 
-    from mjcompose.cli.locking import made_lock
+    from mjcompose.cli.lock import made_lock
     from mjcompose.language.schema import text as schema
     from mjcompose.sources.context import as_text
     from mjcompose.tools.new import needed, project, write_project

@@ -18,6 +18,7 @@ from mjcompose.base.limits import NAMES, allow, read
 from mjcompose.cli import completing
 from mjcompose.cli.process import LEAST, bound
 from mjcompose.cli.reporting import USAGE, exit_code, progress
+from mjcompose.cli.run import PATH, Run, Stop, argument, flag, group, option
 from mjcompose.targets.names import MUJOCO
 from mjcompose.targets.names import NAMES as TARGETS_NAMES
 
@@ -37,6 +38,45 @@ class Amount(click.FloatRange):
         if not math.isfinite(number):
             self.fail(f"{value} is not a finite number.", param, ctx)
         return number
+
+
+def formats(*names: str) -> Any:
+    """Declare `--format` with these values."""
+    return option("--format", type=click.Choice(names), default="text", show_default=True,
+                  help="How the output is printed.")  # fmt: skip
+
+
+def output(help: str) -> Any:
+    """Declare `--output`; the field is called `out`, and is None without the option."""
+    return option("-o", "--output", metavar="OUT", help=help)
+
+
+JSON = flag("--json", help="The same as --format json.")
+QUIET = flag("-q", "--quiet", help="Print only errors and warnings.")
+VERBOSE = flag("-v", "--verbose", help="Also print how long each stage took, and which files were read.")
+STRICT = flag("--strict", help="Treat warnings as errors, except those that the recipe allows.")
+NO_CACHE = flag("--no-cache", help="Do not read models from the build cache or store them in it.")
+RECIPE = argument(type=PATH)
+
+
+@dataclass(frozen=True, slots=True)
+class ReportOptions:
+    """How the output is printed; `Run.form` has the format, and `reporting.is_quiet` the last."""
+
+    form: str = formats("text", "json", "github")
+    json: bool = JSON
+    quiet: bool = QUIET
+
+
+@dataclass(frozen=True, slots=True)
+class FetchOptions:
+    """How models are fetched; `Run.context` has it."""
+
+    locked: bool = flag("--locked", help="Fail if the lock file is missing or outdated.")
+    offline: bool = flag(
+        "--offline", help="Fetch nothing. Use the locked or last fetched sources in the store."
+    )
+    frozen: bool = flag("--frozen", help="The same as --locked --offline.")
 
 
 def caching_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -81,10 +121,21 @@ def _cache(context: Context) -> Cache | None:
 class Choices:
     """The values of `--set`, `--set-file` and `--variant`."""
 
-    sets: tuple[str, ...] = ()
-    set_files: tuple[Path, ...] = ()
-    variants: tuple[str, ...] = ()
+    sets: tuple[str, ...] = option("--set", multiple=True, metavar="NAME=VALUE", help="Set the value of a parameter.",
+                                   shell_complete=completing.parameters)  # fmt: skip
+    set_files: tuple[Path, ...] = option(
+        "--set-file", multiple=True, type=PATH, metavar="FILE",
+        help="Read the values of parameters and variants from this YAML file.",
+    )  # fmt: skip
+    variants: tuple[str, ...] = option("--variant", multiple=True, metavar="AXIS=VALUE", help="Select the value of a"
+                                       " variant.", shell_complete=completing.variants)  # fmt: skip
     _read: dict[Path, bytes] = field(default_factory=dict, compare=False, repr=False)
+
+    def given(self, run: Run) -> dict[str, Node]:
+        """Return the values by name, or end the command if one is wrong."""
+        given = self.values(run.context)
+        run.check()
+        return given
 
     def values(self, context: Context) -> dict[str, Node]:
         """Return the values by name, with options overriding files; errors go to the context's sink."""
@@ -110,16 +161,16 @@ class Choices:
                 context.sink.error(
                     "wrong-type", "a file of values is a mapping from names to values", node.span
                 )
-        for option, written in [("--set", each) for each in self.sets] + [
+        for name_of_option, written in [("--set", each) for each in self.sets] + [
             ("--variant", each) for each in self.variants
         ]:
             name, equals, text_of_value = written.partition("=")
             if not equals or not name:
-                context.sink.error("wrong-type", f"`{option} {written}` is not NAME=VALUE",
-                                   help=f"write for instance `{option} {name or 'reach'}=0.5`")  # fmt: skip
+                context.sink.error("wrong-type", f"`{name_of_option} {written}` is not NAME=VALUE",
+                                   help=f"write for instance `{name_of_option} {name or 'reach'}=0.5`")  # fmt: skip
                 continue
-            span = Span(f"{option} {name}", 1, 1)
-            if option == "--variant" or not text_of_value:
+            span = Span(f"{name_of_option} {name}", 1, 1)
+            if name_of_option == "--variant" or not text_of_value:
                 found[name] = Scalar(text_of_value, span, text_of_value, plain=False)
             elif (value := load(text_of_value, span.file, context.sink)) is not None:
                 found[name] = value
@@ -167,7 +218,7 @@ def choice_options(command: Callable[..., Any]) -> Callable[..., Any]:
     ) -> Any:
         return command(*args, choices=Choices(sets, set_files, variants), **rest)
 
-    for option in reversed((
+    for each in reversed((
         click.option("--set", "sets", multiple=True, metavar="NAME=VALUE", help="Set the value of a parameter.",
                      shell_complete=completing.parameters),
         click.option("--set-file", "set_files", multiple=True, type=click.Path(path_type=Path), metavar="FILE",
@@ -176,7 +227,7 @@ def choice_options(command: Callable[..., Any]) -> Callable[..., Any]:
                      help="Select the value of a variant.",
                      shell_complete=completing.variants),
     )):  # fmt: skip
-        choosing = option(choosing)
+        choosing = each(choosing)
     return choosing
 
 
@@ -185,12 +236,12 @@ _LOCKED, _OFFLINE = "mjcompose.locked", "mjcompose.offline"
 
 def fetching_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add `--locked`, `--offline`, and `--frozen` for both. They are not arguments of the command: see `fetching`."""
-    for flag, said, *asked in (
+    for name, said, *asked in (
         ("--frozen", "The same as --locked --offline.", _LOCKED, _OFFLINE),
         ("--offline", "Fetch nothing. Use the locked or last fetched sources in the store.", _OFFLINE),
         ("--locked", "Fail if the lock file is missing or outdated.", _LOCKED),
     ):
-        command = click.option(flag, is_flag=True, expose_value=False, help=said, callback=_noting(asked))(
+        command = click.option(name, is_flag=True, expose_value=False, help=said, callback=_noting(asked))(
             command
         )
     return command
@@ -271,6 +322,25 @@ def _time(ctx: click.Context, parameter: click.Parameter, given: float | None) -
         ctx.with_resource(allow(time=given))
 
 
+@dataclass(frozen=True, slots=True)
+class LimitOptions:
+    """Limits of a run, which are in force as soon as they are read: see `mjcompose.base.limits.in_force`."""
+
+    limit: None = option("--limit", multiple=True, metavar="NAME=VALUE", callback=_limits,
+                         shell_complete=completing.limits,
+                         help="Change a limit, for example expansion=50000.")  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class TimeOptions:
+    """The limits of a command that runs MuJoCo: `--timeout` is short for `--limit time=`."""
+
+    limits: LimitOptions = group(LimitOptions)
+    timeout: None = option("--timeout", type=Amount(min=0, min_open=True), callback=_time, metavar="SECONDS",
+                           help="The most time that MuJoCo may take for a model; the same as --limit time=SECONDS."
+                                "  [default: 300]")  # fmt: skip
+
+
 def output_option(help: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Return the option; the command gets it as `out`, None if it is not given."""
     return click.option("-o", "--output", "out", metavar="OUT", help=help)
@@ -306,7 +376,7 @@ class Shard:
 
 def cells_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add `--all`, `--pick` and `--sample`; the command gets them as `every`, `picks` and `only_samples`."""
-    for option in reversed((
+    for each in reversed((
         click.option("--all", "every", is_flag=True,
                      help="Select every cell of the recipe's matrix, and every sample."),
         click.option("--pick", "picks", multiple=True, metavar="CELL", shell_complete=completing.cells,
@@ -316,7 +386,7 @@ def cells_options(command: Callable[..., Any]) -> Callable[..., Any]:
                      shell_complete=completing.samples,
                      help="Select only this sample, of all cells or of those of --pick. 0 is the model without draws."),
     )):  # fmt: skip
-        command = option(command)
+        command = each(command)
     return command
 
 
@@ -353,9 +423,9 @@ def check_several(
     one: bool, *, jobs: int | None, shard: Shard | None = None, cluster: str | None = None
 ) -> None:
     """Raise a usage error if options for several models are given for one, which cannot be split."""
-    for option, given in (("--shard", shard), ("--jobs", jobs), ("--cluster", cluster)):
-        if one and given is not None and _is_written(option):
-            raise click.UsageError(f"{option} is for --all, --pick and --sample: here is one model.")
+    for name, given in (("--shard", shard), ("--jobs", jobs), ("--cluster", cluster)):
+        if one and given is not None and _is_written(name):
+            raise click.UsageError(f"{name} is for --all, --pick and --sample: here is one model.")
     if cluster is not None and cluster != "local" and _is_written("--jobs"):
         raise click.UsageError("--jobs is for --cluster local: another cluster has the workers that it has.")
 
@@ -376,6 +446,39 @@ def cell_options(command: Callable[..., Any]) -> Callable[..., Any]:
                      shell_complete=completing.samples,
                             help="Select this sample of the recipe's draws. 0, the default, has no draws.")  # fmt: skip
     return pick_option(numbered(command))
+
+
+@dataclass(frozen=True, slots=True)
+class CellOptions:
+    """The choice of one cell or sample."""
+
+    pick: str | None = option("--pick", metavar="CELL", shell_complete=completing.cells,
+                              help="Select this cell of the matrix, this sample, or AXIS=VALUE[,...].")  # fmt: skip
+    sample: int | None = option("--sample", type=click.IntRange(min=0), metavar="NUMBER",
+                                shell_complete=completing.samples,
+                                help="Select this sample of the recipe's draws. 0, the default, has no"
+                                " draws.")  # fmt: skip
+
+    def check(self, model: str | Path, *, is_recipe: bool) -> None:
+        """Raise UsageError if a cell of something else than a recipe is chosen."""
+        if self.pick is not None and not is_recipe:
+            raise click.UsageError(f"{model} is not a recipe and has no cells: leave --pick out")
+
+    def chosen(self, recipe: Path, given: dict[str, Node], run: Run, verb: str) -> Cell | None:
+        """Return the cell of `--pick`, or None without that; if there is no such cell, end the command."""
+        if self.pick is None:
+            return None
+        cell, code = chosen_cell(recipe, self.pick, self.sample, given=given, context=run.context, verb=verb)
+        if cell is None:
+            raise Stop(code)
+        return cell
+
+    def values(
+        self, recipe: Path, given: dict[str, Node], run: Run, verb: str
+    ) -> tuple[dict[str, Node], int]:
+        """Return the values with those of the chosen cell, and the number of the sample."""
+        cell = self.chosen(recipe, given, run=run, verb=verb)
+        return (given, self.sample or 0) if cell is None else ({**given, **cell.given}, cell.sample)
 
 
 def chosen_cells(

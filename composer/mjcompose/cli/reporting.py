@@ -50,7 +50,7 @@ def noted_files() -> set[Path]:
 
 FINDINGS, USAGE, INTERRUPTED = 1, 2, 130
 ARGUMENTS = "mjcompose.arguments"
-_QUIET, _JSON, _FORM, _STANDING = "mjcompose.quiet", "mjcompose.json", "mjcompose.form", "mjcompose.standing"
+_QUIET, _JSON, FORM, _STANDING = "mjcompose.quiet", "mjcompose.json", "mjcompose.form", "mjcompose.standing"
 _STRICT, _VERBOSE = "mjcompose.strict", "mjcompose.verbose"
 _FORMATS = ("text", "json", "github")
 
@@ -67,8 +67,8 @@ def format_options(formats: Iterable[str]) -> Callable[[Callable[..., Any]], Cal
         ctx.meta[_JSON] = given
 
     def form(ctx: click.Context, parameter: click.Parameter, given: str) -> str:
-        ctx.meta[_FORM] = "json" if ctx.meta.get(_JSON) else given
-        return str(ctx.meta[_FORM])
+        ctx.meta[FORM] = "json" if ctx.meta.get(_JSON) else given
+        return str(ctx.meta[FORM])
 
     def options(command: Callable[..., Any]) -> Callable[..., Any]:
         command = click.option("--json", is_flag=True, expose_value=False, is_eager=True, callback=note,
@@ -112,7 +112,7 @@ def _noted(flag: str, key: str, help: str, *more: str) -> Callable[[Callable[...
 
 def say_details(context: Context, files: Iterable[str] = ()) -> None:
     """Print for `--verbose`, to standard error, how long each stage took, and the files that were read."""
-    if not _meta().get(_VERBOSE):
+    if not _meta().get(_VERBOSE) and not _given("verbose"):
         return
     clear_progress()
     seconds: dict[str, float] = {}
@@ -140,7 +140,7 @@ def say(words: str, *, err: bool = False, form: str = "text") -> None:
 
 
 def is_quiet() -> bool:
-    return bool(_meta().get(_QUIET))
+    return bool(_meta().get(_QUIET)) or _given("quiet")
 
 
 def report(
@@ -159,7 +159,7 @@ def report(
 
 def report_as_chosen(context: Context) -> None:
     """Print all diagnostics in the chosen format, for code that does not know the command."""
-    report(context, str(_meta().get(_FORM, "text")))
+    report(context, str(_meta().get(FORM, "text")))
 
 
 def words_of(context: Context) -> str:
@@ -233,6 +233,23 @@ def _meta() -> dict[str, Any]:
     """Return the current command's data; empty outside of a command."""
     context = click.get_current_context(silent=True)
     return {} if context is None else context.meta
+
+
+def _given(name: str) -> bool:
+    """Return whether the current command was given this flag."""
+    context = click.get_current_context(silent=True)
+    return context is not None and bool(context.params.get(name))
+
+
+def progress_of_command() -> Callable[[str], None]:
+    """Return `progress` for other threads, which lack Click's context."""
+    context = click.get_current_context()
+
+    def show(message: str) -> None:
+        with context.scope(cleanup=False):
+            progress(message)
+
+    return show
 
 
 def arguments() -> list[str]:

@@ -2,76 +2,53 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from pathlib import Path
 
 import click
 
-from mjcompose.base.report import printable
+from mjcompose.base.dataclass import dataclass
 from mjcompose.cli import completing
-from mjcompose.cli.options import (
-    Choices,
-    cell_options,
-    choice_options,
-    chosen_cell,
-    fetching,
-    fetching_options,
-    limit_option,
-)
-from mjcompose.cli.reporting import USAGE, clear_progress, exit_code, report, reporting_options, use_color
+from mjcompose.cli.options import CellOptions, Choices, FetchOptions, LimitOptions, ReportOptions
+from mjcompose.cli.reporting import use_color
+from mjcompose.cli.run import Answer, Run, argument, command, flag, group, option
 
 
-@click.command()
-@click.argument("model", shell_complete=completing.files)
-@click.option(
-    "--places", is_flag=True, help="List the places where a part can be attached, as written in a recipe."
-)
-@click.option("--depth", type=click.IntRange(min=1), metavar="N", help="Show only N levels of bodies.")
-@choice_options
-@cell_options
-@fetching_options
-@limit_option
-@reporting_options
-def command(
-    model: str,
-    places: bool,
-    depth: int | None,
-    choices: Choices,
-    pick: str | None,
-    sample: int | None,
-    form: str,
-) -> None:
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options of `tree`."""
+
+    model: str = argument(shell_complete=completing.files)
+    places: bool = flag(
+        "--places", help="List the places where a part can be attached, as written in a recipe."
+    )
+    depth: int | None = option(
+        "--depth", type=click.IntRange(min=1), metavar="N", help="Show only N levels of bodies."
+    )
+    choices: Choices = group(Choices)
+    cell: CellOptions = group(CellOptions)
+    fetching: FetchOptions = group(FetchOptions)
+    limits: LimitOptions = group(LimitOptions)
+    reporting: ReportOptions = group(ReportOptions)
+
+
+@command(Options)
+def tree(options: Options, run: Run) -> Answer:
     """Show the parts, bodies and joints of MODEL: a recipe, a bundle, a model file, or a reference to one.
 
     Poses are in the reference configuration. Joint ranges are in degrees and metres, in JSON in radians and metres.
     """
-    from mjcompose.sources.context import Context
     from mjcompose.tools.outline import as_data, outline, render, render_places
 
-    context = Context(fetching=fetching())
-    given = choices.values(context)
-    if context.sink.has_errors:
-        report(context, form)
-        sys.exit(USAGE)
-    is_recipe = Path(model).suffix.lower() in (".yaml", ".yml")
-    if pick is not None:
-        if not is_recipe:
-            raise click.UsageError(f"{model} is not a recipe and has no cells: leave --pick out")
-        cell, code = chosen_cell(Path(model), pick, sample, given=given, context=context, verb="show")
-        if cell is None:
-            report(context, form)
-            sys.exit(code)
-        given, sample = {**given, **cell.given}, cell.sample
-    found = outline(model, context, given, sample=sample or 0)
-    if found is None or not is_recipe:  # `check` and `build` report warnings of a recipe
-        report(context, form)
-    if found is None:
-        sys.exit(exit_code(context.folder, [Path(model)]))
-    clear_progress()
-    color = use_color(out=True)
-    if form == "json":
-        click.echo(json.dumps(as_data(found, depth), indent=2))
-    else:
-        words = (render_places if places else render)(found, depth, color)
-        click.echo(printable(words, colors=True), color=color)
+    model = Path(options.model)
+    is_recipe = model.suffix.lower() in (".yaml", ".yml")
+    given = options.choices.given(run)
+    options.cell.check(model, is_recipe=is_recipe)
+    given, sample = options.cell.values(model, given, run=run, verb="show")
+    found = run.need(outline(options.model, run.context, given, sample=sample), model)
+    show = render_places if options.places else render
+    return Answer(
+        lambda: show(found, options.depth, use_color(out=True)),
+        lambda: as_data(found, options.depth),
+        code=0,
+        reports=not is_recipe,  # `check` and `build` report warnings of a recipe
+    )

@@ -4,27 +4,27 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import click
+from mjcompose.base.dataclass import dataclass
+from mjcompose.cli.lock import write_lock
+from mjcompose.cli.options import RECIPE, Choices, LimitOptions, ReportOptions
+from mjcompose.cli.run import Answer, Run, argument, command, group
 
-from mjcompose.cli.locking import write_lock
-from mjcompose.cli.options import Choices, choice_options, limit_option
-from mjcompose.cli.reporting import reporting_options
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options of `update`."""
+
+    recipe: Path = RECIPE
+    names: tuple[str, ...] = argument(metavar="[NAME]...", nargs=-1)
+    choices: Choices = group(Choices)
+    limits: LimitOptions = group(LimitOptions)
+    reporting: ReportOptions = group(ReportOptions)
 
 
-@click.command()
-@click.argument("recipe", type=click.Path(path_type=Path))
-@click.argument("names", metavar="[NAME]...", nargs=-1)
-@choice_options
-@limit_option
-@reporting_options
-def command(
-    recipe: Path,
-    names: tuple[str, ...],
-    choices: Choices,
-    form: str,
-) -> None:
+@command(Options, fetches=True)
+def update(options: Options, run: Run) -> Answer:
     """Lock the current state of the sources of RECIPE: the newest commits of branches, and archives as served now.
 
     NAME is the prefix of a part, `base`, or a source as named in the lock. Without NAME, all sources are updated.
     """
-    write_lock(recipe, names, form, choices=choices)
+    return write_lock(options.recipe, options.names, choices=options.choices, run=run)

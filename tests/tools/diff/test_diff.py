@@ -177,7 +177,7 @@ def test_what_only_recipes_have_is_not_passed_over(tmp_path: Path, session: Sess
     for name in ("a.xml", "b.xml"):
         (tmp_path / name).write_text("<mujoco/>")
     (tmp_path / "c.yaml").write_text("recipe: 1\nparams: {reach: 1}\n")
-    given = Choices(("reach=2",)).values(Context(folder=tmp_path))
+    given = Choices(("reach=2",), (), ()).values(Context(folder=tmp_path))
     for wanted in ({"given": given}, {"pick": "cell"}):
         context = Context(folder=tmp_path)
         assert diff("a.xml", "b.xml", context, session, **wanted) is None  # type: ignore[arg-type]

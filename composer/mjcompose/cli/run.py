@@ -1,0 +1,318 @@
+"""One pipeline for all commands: options as one frozen object, and one place that reports and exits.
+
+A command is a class of options and a function of them and a `Run`; docs/extending.md shows one.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from threading import Event
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from mjcompose.base.dataclass import dataclass
+from mjcompose.base.report import printable
+from mjcompose.cli.reporting import (
+    FINDINGS,
+    FORM,
+    USAGE,
+    clear_progress,
+    is_quiet,
+    note_files,
+    noted_files,
+    progress_of_command,
+    report,
+    say,
+    use_color,
+    write_junit,
+)
+from mjcompose.sources.context import Context
+
+if TYPE_CHECKING:
+    from mjcompose.base.report import Suite
+    from mjcompose.mujoco.engine import Session
+    from mjcompose.tools.view.builder import Mark
+
+Options = TypeVar("Options")
+Value = TypeVar("Value")
+PATH = click.Path(path_type=Path)
+_PATIENCE = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class _Declared:
+    """The default of a field of options: a parameter for Click, or a class of options as a group of them."""
+
+    of: Callable[..., click.Parameter] | type
+    flags: tuple[str, ...] = ()
+    attributes: Mapping[str, Any] | None = None
+
+
+def argument(**attributes: Any) -> Any:
+    """Declare a field as an argument of the command line. The attributes are those of `click.Argument`."""
+    return _Declared(click.Argument, (), attributes)
+
+
+def option(*flags: str, **attributes: Any) -> Any:
+    """Declare a field as an option with these flags. The attributes are those of `click.Option`."""
+    return _Declared(click.Option, flags, attributes)
+
+
+def flag(*flags: str, help: str) -> Any:
+    """Declare a field as an option without a value, which is true if it is given."""
+    return _Declared(click.Option, flags, {"is_flag": True, "help": help})
+
+
+def group(options: type) -> Any:
+    """Declare a field as a group of options: an object of this class."""
+    return _Declared(options)
+
+
+def command(
+    options: type[Options], *, within: click.Group | None = None, fetches: bool = False
+) -> Callable[[Callable[[Options, Run], Answer | int | None]], click.Command]:
+    """Return a decorator that makes a function a command, with its docstring as the help text.
+
+    The function gets its options and a `Run`, and returns what is printed after the report, or the exit code, or
+    None: the exit code is then 1 if there are errors. It may raise `Stop`. With `fetches`, the command may fetch
+    models even though it has no `--offline`.
+    """
+
+    def decorate(function: Callable[[Options, Run], Answer | int | None]) -> click.Command:
+        def callback(**given: Any) -> None:
+            context = click.get_current_context()
+            chosen = _object(options, given)
+
+            def once() -> int:
+                return _ended(function, chosen, Run(context, fetches))
+
+            sys.exit(_again_and_again(once, _recipes(given)) if given.get("watch") else once())
+
+        name = function.__name__.rstrip("_")
+        callback.__doc__ = function.__doc__
+        make = click.command if within is None else within.command
+        return make(name, params=list(_parameters(options)))(callback)
+
+    return decorate
+
+
+def _parameters(options: type) -> Iterator[click.Parameter]:
+    for name, declared in _declarations(options):
+        if isinstance(declared.of, type) and not issubclass(declared.of, click.Parameter):
+            yield from _parameters(declared.of)
+        else:
+            yield declared.of([*declared.flags, name], **declared.attributes or {})
+
+
+def _object(options: type[Options], given: Mapping[str, Any]) -> Options:
+    """Return the options as an object, from the values of all parameters by name."""
+    return options(**{
+        name: given[name] if declared.attributes is not None else _object(declared.of, given)  # type: ignore[arg-type]
+        for name, declared in _declarations(options)
+    })  # fmt: skip
+
+
+def _declarations(options: Any) -> Iterator[tuple[str, _Declared]]:
+    for name, field in options.__dataclass_fields__.items():
+        if isinstance(field.default, _Declared):
+            yield name, field.default
+
+
+class Stop(Exception):
+    """Ends the command: what is in the sink is reported, and the process exits with this code."""
+
+    def __init__(self, code: int) -> None:
+        super().__init__(code)
+        self.code = code
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What a command prints after its report: `data` with `--format json`, otherwise `text`.
+
+    A function in place of either is called only if its result is printed. The text of an outcome, such as what was
+    written where, is omitted with `--quiet`. `reports` is False if diagnostics are not shown on success. Without a
+    `code`, the process exits with 1 if there are errors. `aside` is an outcome for standard error. JSON
+    has other letters than those of ASCII as they are unless `is_ascii`.
+    """
+
+    text: str | Callable[[], str]
+    data: object = None
+    code: int | None = None
+    is_outcome: bool = False
+    reports: bool = True
+    is_ascii: bool = True
+    aside: str | None = None
+
+    def show(self, form: str) -> None:
+        if form == "json" and self.data is not None:
+            data = self.data() if callable(self.data) else self.data
+            click.echo(json.dumps(data, indent=None if self.is_outcome else 2, ensure_ascii=self.is_ascii))
+            return
+        text = self.text() if callable(self.text) else self.text
+        if self.is_outcome:
+            say(text, form=form)
+        else:
+            click.echo(printable(text, colors=True), color=use_color(out=True))
+
+
+class Run:
+    """One run of a command: its context with the sink, the format of its output, and how it ends.
+
+    `to_stderr` is set by a command whose standard output is a model. `texts` are new contents of files that messages
+    show, by their names. `suites` are the results for `--junit`.
+    """
+
+    def __init__(self, command: click.Context, fetches: bool) -> None:
+        given = command.params
+        self.form = "json" if given.get("json") else str(given.get("form", "text"))
+        command.meta[FORM] = self.form
+        self.is_strict = bool(given.get("strict"))
+        self.junit: str | None = given.get("junit")
+        self.suites: list[Suite] = []
+        self.texts: Mapping[str, bytes] = {}
+        self.to_stderr = False
+        self._given, self._meta = given, command.meta
+        self._fetches = fetches or "offline" in given
+        self._is_reported = False
+        self.context = self.new_context()
+
+    def new_context(self) -> Context:
+        """Return a context with a sink of its own and the options of this run."""
+        if not self._fetches:
+            return Context(strict=self.is_strict)
+        from mjcompose.sources.fetching import Fetching
+
+        locked, offline, both = (bool(self._given.get(each)) for each in ("locked", "offline", "frozen"))
+        how = Fetching(locked=locked or both, offline=offline or both, progress=progress_of_command())
+        return Context(fetching=how, strict=self.is_strict)
+
+    def report(self, context: Context | None = None) -> None:
+        """Print all diagnostics now, of another context if one is given."""
+        self._is_reported |= context is None
+        form = "text" if self.form == "markdown" else self.form
+        report(context or self.context, form, err=self.to_stderr, texts=self.texts)
+
+    def check(self, code: int = USAGE) -> None:
+        """End the command with this code if there are errors."""
+        if self.context.sink.has_errors:
+            raise Stop(code)
+
+    def need(self, value: Value | None, *named: Path) -> Value:
+        """Return the value, or end the command if there is none, with the code for the files that were named."""
+        if value is None:
+            raise Stop(self.code_of_failure(*named))
+        return value
+
+    def code_of_failure(self, *named: Path) -> int:
+        """Return the exit code of a failed command: a usage error if one of its files does not exist."""
+        return FINDINGS if all(os.path.exists(self.context.folder / each) for each in named) else USAGE
+
+    def end(self, answer: Answer | int | None) -> int:
+        """Report what has not been reported, print the answer, and return the exit code."""
+        context = self.context
+        if not self._is_reported and (not isinstance(answer, Answer) or answer.reports):
+            self.report()
+        clear_progress()
+        code = answer
+        if isinstance(answer, Answer):
+            answer.show(self.form)
+            if answer.aside is not None:
+                say(answer.aside, err=True)
+            code = answer.code
+        if not isinstance(code, int):
+            code = FINDINGS if context.sink.has_errors else 0
+        if self.junit is not None:
+            writing = Context()
+            write_junit(self.suites, self.junit, writing)
+            report(writing, self.form)
+            code = max(code, FINDINGS if writing.sink.has_errors else 0)
+        return code
+
+    @contextmanager
+    def session(self, *, remembers: bool) -> Iterator[Session]:
+        """Yield a session for MuJoCo. With `--watch` all runs have the same one, which remembers assets."""
+        from mjcompose.mujoco.engine import Session
+
+        kept = self._meta.get(_SESSIONS)
+        if kept is None:
+            with Session(remembers=remembers) as session:
+                yield session
+            return
+        opened, sessions = kept
+        if not sessions:
+            sessions.append(opened.enter_context(Session(remembers=True)))
+        yield sessions[0]
+
+
+_SESSIONS = "mjcompose.sessions"
+
+
+def _ended(function: Callable[[Options, Run], Answer | int | None], options: Options, run: Run) -> int:
+    try:
+        answer = function(options, run)
+    except Stop as stop:
+        answer = stop.code
+    return run.end(answer)
+
+
+def _recipes(given: Mapping[str, Any]) -> list[Path]:
+    """Return the recipes given to the command, and their locks."""
+    recipes = [path for key in ("recipe", "recipes") for path in _listed(given.get(key))]
+    return [path for recipe in recipes for path in (recipe, recipe.with_suffix(".lock"))]
+
+
+def _listed(value: Any) -> Iterable[Path]:
+    return () if value is None else value if isinstance(value, tuple) else (value,)
+
+
+def _again_and_again(once: Callable[[], int], named: list[Path]) -> int:
+    """Run the command again whenever a file changes that it read, until the user interrupts it."""
+    from mjcompose.sources.blobs import let_go
+    from mjcompose.tools.view.builder import marks
+
+    before: dict[Path, Mark] = {}
+    with ExitStack() as opened:
+        click.get_current_context().meta[_SESSIONS] = opened, []
+        try:
+            while True:
+                started = marks([*before, *named])
+                note_files(named)
+                code = once()
+                let_go()
+                if code == USAGE and not before:  # there is nothing to watch
+                    return code
+                files = [Path.cwd() / path for path in noted_files()]
+                before = {path: started.get(path, mark) for path, mark in marks(files).items()}
+                if not is_quiet():
+                    clear_progress()
+                    click.echo(f"watching {len(before)} files; Ctrl-C ends it", err=True)
+                _wait(before)
+        except KeyboardInterrupt:
+            clear_progress()
+    return 0
+
+
+def _wait(before: dict[Path, Mark]) -> None:
+    """Wait until a file has changed.
+
+    In a thread of its own, because a watch swallows the signal that ends a command.
+    """
+    from concurrent.futures import ThreadPoolExecutor
+
+    from mjcompose.tools.view.builder import Watch
+
+    stop, done = Event(), Event()
+    # Set up what stops the thread before it starts: otherwise an interrupt at that moment would wait for it
+    # forever.
+    with ThreadPoolExecutor(1) as executor, ExitStack() as at_the_end:
+        at_the_end.callback(stop.set)
+        executor.submit(Watch(stop).wait, before).add_done_callback(lambda _: done.set())
+        while not done.wait(_PATIENCE):
+            pass
