@@ -20,7 +20,7 @@ FUNCTIONS_LEFT = Counter(
     """
     Comparison Composer Correspondence Workshop _Check _Recovery _Run _assembled _bundle _check _flag
     _give _given _look_up _of_use _one _page _recipe _rename_special _sheet _take _write _wrong add_file
-    add_named_file between build_cells build_worlds check_fragment compare compile convert_urdf diff element
+    add_named_file between build_cells build_worlds check_fragment chosen_cells compare compile convert_urdf diff element
     error load load_cell loose_end make parse_text plan render render_sheet select_counted unknown
     unknown_attribute unknown_name unresolved warning write
     """.split()
