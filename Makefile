@@ -24,7 +24,7 @@ SLOW := $(VENV)/.slow$(if $(MUJOCO),-mujoco-$(MUJOCO))
 
 demo: $(if $(wildcard $(STAMP)),$(STAMP),$(LIGHT))
 	@$(BIN)/mjcompose build recipes/demo.yaml -o build/demo.zip
-	@echo "The bundle is build/demo.zip: model.xml, its assets, the licences of its parts and manifest.json."
+	@echo "The bundle is build/demo.zip: model.xml, its assets, the licenses of its parts and manifest.json."
 	@$(BIN)/mjcompose view build/demo.zip --html build/demo.html -q
 	@$(BIN)/mjcompose render recipes/demo.yaml -o build/demo.png || echo "Without OpenGL there is no picture; the page needs none."
 	@echo "Look at it:  $(BIN)/mjcompose view recipes/demo.yaml     or open build/demo.html"

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 _WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 560, 320, 56, 16, 34, 40
 _FONT = 'font-family="sans-serif" font-size="12"'
-_COLOURS = ("#1565c0", "#e65100")
+_COLORS = ("#1565c0", "#e65100")
 
 
 def plot(title: str, across: str, unit: str, series: Mapping[str, Mapping[int, float]]) -> str:
@@ -37,12 +37,12 @@ def plot(title: str, across: str, unit: str, series: Mapping[str, Mapping[int, f
         out.append(f'<text x="{left - 6}" y="{y + 4}" text-anchor="end">{10.0**power:g} {unit}</text>')
     out.append(f'<text x="{_WIDTH - _RIGHT}" y="{_HEIGHT - 6}" text-anchor="end">{across}</text>')
     for number, (name, points) in enumerate(series.items()):
-        colour = _COLOURS[number % len(_COLOURS)]
+        color = _COLORS[number % len(_COLORS)]
         found = [place(x, y) for x, y in sorted(points.items())]
         line = " ".join(f"{x},{y}" for x, y in found)
-        out.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="2"/>')
-        out += [f'<circle cx="{x}" cy="{y}" r="3" fill="{colour}"/>' for x, y in found]
-        out.append(f'<text x="{_LEFT + 10}" y="{_TOP + 16 + 16 * number}" fill="{colour}">{name}</text>')
+        out.append(f'<polyline points="{line}" fill="none" stroke="{color}" stroke-width="2"/>')
+        out += [f'<circle cx="{x}" cy="{y}" r="3" fill="{color}"/>' for x, y in found]
+        out.append(f'<text x="{_LEFT + 10}" y="{_TOP + 16 + 16 * number}" fill="{color}">{name}</text>')
     return "\n".join([*out, "</svg>", ""])
 
 

@@ -37,7 +37,7 @@ def make_leg(name: str, length: float, color: list[float]) -> mjcf.RootElement:
 
 
 def make_creature(name: str, legs: int, random: np.random.Generator) -> mjcf.RootElement:
-    """A flat trunk with legs all around, in a colour and with a length of leg of its own."""
+    """A flat trunk with legs all around, in a color and with a length of leg of its own."""
     color = [*random.uniform(0.2, 1, 3), 1]
     length = random.uniform(0.6, 1.2) * RADIUS
     creature = mjcf.RootElement(name)

@@ -30,7 +30,7 @@ from editors.code_server import code_server  # noqa: E402
 GIF, PICTURE = ROOT / "docs" / "pictures" / "editor.gif", ROOT / "editors" / "vscode" / "picture.png"
 FILE = "cell.recipe.yaml"
 SIZE = {"width": 1120, "height": 630}
-COLOURS = 160
+COLORS = 160
 KEY_SECONDS, LOOK_SECONDS, LONGEST, SHORTEST = 0.055, 0.8, 1.6, 0.08
 SETTINGS = {
     "[mjcompose-recipe]": {"editor.tabSize": 2},
@@ -108,7 +108,7 @@ class Film:
             else:
                 kept.append((at, frame))
         images = [Image.open(BytesIO(frame)).convert("RGB") for _, frame in kept]
-        palette = images[-1].quantize(COLOURS)
+        palette = images[-1].quantize(COLORS)
         times = [at for at, _ in kept] + [kept[-1][0] + 3]
         lasts = [round(1000 * min(LONGEST, after - at)) for at, after in pairwise(times)]
         lasts[-1] = 3000
@@ -188,7 +188,7 @@ def main(entry: str) -> None:
                 play(film)
             finally:
                 shot = Image.open(BytesIO(page.screenshot())).convert("RGB")
-                shot.quantize(COLOURS).save(PICTURE, optimize=True)
+                shot.quantize(COLORS).save(PICTURE, optimize=True)
             film.write(GIF)
         sys.stdout.write((folder / FILE).read_text())
 

@@ -1,4 +1,4 @@
-// Bundles the extension, and with `--tests` its tests; writes down the licences of the libraries that are in the bundle.
+// Bundles the extension, and with `--tests` its tests; writes down the licenses of the libraries that are in the bundle.
 import { copyFile, mkdir, readdir, readFile, rm, writeFile } from "node:fs/promises";
 import { build } from "esbuild";
 
@@ -20,14 +20,14 @@ if (process.argv.includes("--tests")) {
   await build({ ...kept, entryPoints: ["test/vscode/run.ts", "test/vscode/suite.ts"], outdir: "build/vscode" });
 }
 
-/** The licences of the packages whose files are in the bundle. */
+/** The licenses of the packages whose files are in the bundle. */
 async function notices(inputs) {
   const packages = new Set(inputs.flatMap((path) => path.match(/.*node_modules\/(?:@[^/]+\/)?[^/]+/) ?? []));
   const parts = ["The extension is mjcompose's, Apache License 2.0. It has these libraries in it:\n"];
   for (const folder of [...packages].sort()) {
     const { name, version, license } = JSON.parse(await readFile(`${folder}/package.json`, "utf8"));
     const file = (await readdir(folder)).find((each) => /^licen[cs]e/i.test(each));
-    if (!file) throw new Error(`${name} has no licence`);
+    if (!file) throw new Error(`${name} has no license`);
     parts.push(`${name} ${version}, ${license}\n\n${(await readFile(`${folder}/${file}`, "utf8")).trim()}\n`);
   }
   return parts.join(`\n${"-".repeat(80)}\n\n`);

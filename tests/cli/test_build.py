@@ -110,35 +110,35 @@ def test_the_name_of_an_mjb_says_where_the_version_goes(folder: Path) -> None:
     assert (folder / f"v{mujoco.__version__}" / "cell.mjb").is_file()
 
 
-def test_licences_are_shown(folder: Path) -> None:
+def test_licenses_are_shown(folder: Path) -> None:
     done = run("build", "cell.yaml", "--licenses")
-    assert done.exit_code == 0 and "licence-missing" not in done.stderr
+    assert done.exit_code == 0 and "license-missing" not in done.stderr
     rows = [line.split() for line in done.stdout.splitlines()[-3:]]
-    assert rows[0] == ["part", "source", "licence", "file"]
+    assert rows[0] == ["part", "source", "license", "file"]
     assert rows[1][1:] == ["./models/arm.xml", "unknown", "models/LICENSE"]
 
 
-def test_a_recipe_without_parts_has_no_licences_to_show(folder: Path) -> None:
+def test_a_recipe_without_parts_has_no_licenses_to_show(folder: Path) -> None:
     (folder / "scene.yaml").write_text("recipe: 1\nname: scene\n")
     for _ in "ab":  # built, and found built
-        assert "no licences" in run("build", "scene.yaml", "--licenses").stdout
+        assert "no licenses" in run("build", "scene.yaml", "--licenses").stdout
 
 
-def test_parts_without_a_licence_are_told_at_once(folder: Path) -> None:
+def test_parts_without_a_license_are_told_at_once(folder: Path) -> None:
     (folder / "models" / "LICENSE").unlink()
     done = run("build", "cell.yaml")
     assert done.exit_code == 0
-    assert done.stderr.count("licence-missing") == 1 and "`arm`, `tool`" in done.stderr
+    assert done.stderr.count("license-missing") == 1 and "`arm`, `tool`" in done.stderr
     (folder / "models" / "LICENSE").write_text("\n")
     done = run("build", "cell.yaml", "--licenses")
-    assert done.stderr.count("licence-missing") == 1 and "models/LICENSE" not in done.stdout
+    assert done.stderr.count("license-missing") == 1 and "models/LICENSE" not in done.stdout
     (folder / "models" / "LICENSE").write_text("Do as you please.\n")
-    assert "licence" not in run("build", "cell.yaml").stderr
+    assert "license" not in run("build", "cell.yaml").stderr
     (folder / "models" / "LICENSE").unlink()
     for name in ("arm", "tool"):
         model = folder / "models" / f"{name}.xml"
         model.write_text("<!-- SPDX-License-Identifier: CC0-1.0 -->\n" + model.read_text())
-    assert "licence" not in run("build", "cell.yaml").stderr
+    assert "license" not in run("build", "cell.yaml").stderr
 
 
 def test_recipe_and_output_anywhere(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

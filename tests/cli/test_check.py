@@ -193,17 +193,17 @@ def test_strict_and_allow(folder: Path) -> None:
         assert (result.exit_code, result.stderr) == (0, "")
 
 
-def test_licences_are_allowed_at_the_top(folder: Path) -> None:
+def test_licenses_are_allowed_at_the_top(folder: Path) -> None:
     (folder / "models" / "LICENSE").unlink()
-    assert "warning[licence-missing]" in run("build", "cell.yaml", "-o", "a.zip").stderr
+    assert "warning[license-missing]" in run("build", "cell.yaml", "-o", "a.zip").stderr
     result = run("build", "cell.yaml", "-o", "b.zip", "--strict")
     assert (
         result.exit_code == 1
-        and "error[licence-missing]" in result.stderr
+        and "error[license-missing]" in result.stderr
         and not (folder / "b.zip").exists()
     )
     recipe = folder / "cell.yaml"
-    recipe.write_text(recipe.read_text() + "allow: [licence-missing]\n")
+    recipe.write_text(recipe.read_text() + "allow: [license-missing]\n")
     for _ in range(2):
         result = run("build", "cell.yaml", "-o", "b.zip", "--strict")
         assert (result.exit_code, result.stderr) == (0, "")

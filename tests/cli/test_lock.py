@@ -70,7 +70,7 @@ def test_a_lock_has_every_source_once(work: Path) -> None:
     assert locked["tree"] == git(work.parent / "robots", "rev-parse", "HEAD^{tree}")
     expected = {"arm/arm.xml", "arm/meshes/cover.obj", "arm/LICENSE", "arm/cell.yaml", "tool.xml"}
     assert set(locked["files"]) == expected  # type: ignore[call-overload]
-    assert locked["licences"] == ["arm/LICENSE"]
+    assert locked["licenses"] == ["arm/LICENSE"]
     assert locked["used_by"] == ["base", "cell", "cell/base", "cell/tool"]
     assert "up to date" in run("lock", "cell.yaml").stdout
 

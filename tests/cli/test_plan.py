@@ -67,7 +67,7 @@ def test_as_json(folder: Path) -> None:
     result = run("plan", "cell.yaml", "--json")
     told = json.loads(result.stdout)
     assert told["name"] == "cell" and told["recipe"] == "cell.yaml"
-    assert told["base"]["reference"] == "./models/arm.xml" and told["base"]["licences"] == ["LICENSE"]
+    assert told["base"]["reference"] == "./models/arm.xml" and told["base"]["licenses"] == ["LICENSE"]
     assert [part["prefix"] for part in told["parts"]] == ["tool/"]
     assert told["steps"] == ["add jointpos angle to sensor"]
 

@@ -106,7 +106,7 @@ def test_without_an_encoder_there_is_no_mp4_but_a_line(folder: Path) -> None:
         (["ball.xml", "--camera", "frnt"], 1, "did you mean `--camera front`?"),
         (["ball.xml", "-o", "a.jpg"], 1, "error[output-kind]"),
         (["ball.xml", "--size", "big"], 2, "is not WIDTHxHEIGHT"),
-        (["ball.xml", "--background", "pinkish"], 2, "is not a colour"),
+        (["ball.xml", "--background", "pinkish"], 2, "is not a color"),
         (["ball.xml", "--set", "a=1"], 1, "is not a recipe and has no parameter `a`"),
         (["ball.xml", "--all"], 1, "has neither cells nor samples"),
         (["ball.yaml", "--all", "--turntable"], 2, "does not move"),

@@ -63,10 +63,10 @@ def test_nothing_but_text_where_there_is_no_terminal(folder: Path) -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a pseudo-terminal")
 @pytest.mark.parametrize(
-    ("settings", "colours"),
+    ("settings", "colors"),
     [({}, True), ({"NO_COLOR": "1"}, False), ({"NO_COLOR": ""}, True), ({"TERM": "dumb"}, False)],
 )
-def test_colours_and_progress_on_a_terminal(folder: Path, settings: dict[str, str], colours: bool) -> None:
+def test_colors_and_progress_on_a_terminal(folder: Path, settings: dict[str, str], colors: bool) -> None:
     import pty
 
     ours, theirs = pty.openpty()
@@ -83,7 +83,7 @@ def test_colours_and_progress_on_a_terminal(folder: Path, settings: dict[str, st
     # The line of progress is removed again, where the terminal can.
     cleared = "\r\n" if settings.get("TERM") == "dumb" else "\r\x1b[K"
     assert told.startswith(f"checking wrong.yaml{cleared}")
-    assert (f"{ESCAPE}1;31m" in told) == colours
+    assert (f"{ESCAPE}1;31m" in told) == colors
     assert "error" in told and "^^^^^" in told
 
 

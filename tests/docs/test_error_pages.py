@@ -232,8 +232,8 @@ def test_a_session_ends_with_the_error(code: str, text: str, tmp_path: Path) -> 
     (tmp_path / "models").mkdir()
     for name in ("recipe.yaml", "recipes/arm.yaml"):
         (tmp_path / name).write_text("recipe: 1\nbase: ./models/arm.xml\n")
-    licence = "<!-- SPDX-License-Identifier: CC0-1.0 -->\n"
-    text_of_arm = MODELS["arm.xml"] if code == "licence-missing" else licence + MODELS["arm.xml"]
+    license = "<!-- SPDX-License-Identifier: CC0-1.0 -->\n"
+    text_of_arm = MODELS["arm.xml"] if code == "license-missing" else license + MODELS["arm.xml"]
     (tmp_path / "models" / "arm.xml").write_text(text_of_arm)
     script = f'mjcompose() {{ {shlex.quote(sys.executable)} -m mjcompose "$@"; }}\n'
     script += "".join(line[2:] for line in text.splitlines(keepends=True) if line.startswith("$ "))

@@ -44,20 +44,20 @@ def test_its_types_fit_and_its_tests_pass(extension: Path, monkeypatch: pytest.M
         assert ran.returncode == 0, ran.stdout + ran.stderr
 
 
-def test_the_package_has_the_bundle_and_the_licences_of_what_is_in_it(extension: Path) -> None:
+def test_the_package_has_the_bundle_and_the_licenses_of_what_is_in_it(extension: Path) -> None:
     ran = _run(["npm", "run", "--silent", "package"], extension)
     assert ran.returncode == 0, ran.stdout + ran.stderr
     (package,) = extension.glob("*.vsix")
     with zipfile.ZipFile(package) as archive:
         names = {name.removeprefix("extension/") for name in archive.namelist()}
         notice = archive.read("extension/dist/NOTICE").decode()
-        licence = archive.read("extension/LICENSE.txt").decode()
+        license = archive.read("extension/LICENSE.txt").decode()
     assert names == {
         "[Content_Types].xml", "extension.vsixmanifest", "package.json", "readme.md", "changelog.md", "LICENSE.txt", "icon.png",
         "picture.png", "language-configuration.json", "syntaxes/recipe.tmLanguage.json", "dist/extension.js", "dist/bridge.js",
         "dist/NOTICE",
     }  # fmt: skip
-    assert licence == (ROOT / "LICENSE").read_text(encoding="utf-8")
+    assert license == (ROOT / "LICENSE").read_text(encoding="utf-8")
     assert "\nvscode-languageclient 11.0.0, MIT\n" in notice and "\nsemver " in notice
 
 

@@ -103,7 +103,7 @@ def test_type_of_a_joint_in_a_class_is_not_guessed(recipe: Callable[[str], Recip
         ("{model: m, prefix: 3}", "wrong-type"),
         ("{model: m, keys: all}", "wrong-keyword"),
         ("{model: m, with: [reach]}", "wrong-type"),
-        ("{model: m, colour: red}", "unknown-key"),
+        ("{model: m, color: red}", "unknown-key"),
     ],
 )
 def test_wrong_part(faults: Callable[[str], list[Diagnostic]], part: str, code: str) -> None:

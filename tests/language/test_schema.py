@@ -102,7 +102,7 @@ def test_refuses_wrong_recipe(validator: Any, case: Case) -> None:
         "{recipe: 1, contact: {exclude: {auto: {samples: '${n}', seed: '${n}'}}}}",
         "{recipe: 1, base: {model: a.xml, drop: [key]}}",
         "{recipe: 1, attach: {a: {model: m, prefix: '', joint: [{name: x, type: slide}]}}}",
-        "{recipe: 1, attach: {a: {model: m, before: b, replicate: [{count: 2}, {count: '${n}', euler: [0, 0, 9deg]}]}}}",
+        "{recipe: 1, attach: {a: {model: m, replicate: [{count: 2}, {count: '${n}', euler: [0, 0, 9deg]}]}}}",
         "{recipe: 1, keyframe: {a: {}, b: {time: 1, from: {base: home}, qpos: {x: 90deg, y: [1, 2]}, mpos: {z: [1, 2, 3]}}}}",
     ],
 )

@@ -96,7 +96,7 @@ def test_without_base_version_or_separator_nothing_can_be_judged() -> None:
 
 def test_nothing_remains_without_the_base_however_it_is_spelt() -> None:
     assert remaining("recipe: 1\nbsae: ./arm.xml\nadd: []\n") is None
-    assert remaining("recipe: 1\ncolour: ./arm.xml\nadd: []\n") is not None
+    assert remaining("recipe: 1\ncolor: ./arm.xml\nadd: []\n") is not None
 
 
 def test_two_faults_in_a_part_of_which_one_takes_all_of_it() -> None:

@@ -20,7 +20,7 @@ from mjcompose.model.unit import Unit
 
 
 def png(red: int = 255) -> bytes:
-    """A picture of one colour, another one for each shade."""
+    """A picture of one color, another one for each shade."""
 
     def chunk(kind: bytes, data: bytes) -> bytes:
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))

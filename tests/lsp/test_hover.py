@@ -65,7 +65,7 @@ def test_what_a_model_reference_leads_to(editor: Editor) -> None:
     text = shown(editor, mark(DEMO, "./models/arm6/arm6.xml"))
     assert "7 bodies, 6 joints, 6 actuators, 1 key" in text
     assert "- site `attachment_site` at [" in text
-    assert "licence: " in text
+    assert "license: " in text
     assert " MB" in text
 
 
@@ -102,5 +102,5 @@ def test_nothing_about_comments(editor: Editor) -> None:
 def test_a_robot_of_menagerie(editor: Editor) -> None:
     name = "menagerie_ur5e_2f85.yaml"
     text = shown(editor, mark((RECIPES / name).read_text(), "menagerie:robotiq_2f85/2f85"), name)
-    assert "licence: " in text
+    assert "license: " in text
     assert "`pinch`" in text

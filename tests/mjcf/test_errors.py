@@ -24,7 +24,7 @@ def test_a_fault_is_a_value_error_with_diagnostics() -> None:
 
 def test_an_unknown_attribute_is_an_attribute_error_too() -> None:
     with pytest.raises(AttributeError) as caught:
-        _ = mjcf.RootElement().colour
+        _ = mjcf.RootElement().color
     assert isinstance(caught.value, mjcf.MjcfError)
 
 

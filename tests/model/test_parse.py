@@ -8,7 +8,7 @@ from mjcompose.model.parse import above, parse_file, parse_text
 from mjcompose.model.xml_text import write
 
 TEXT = """<?xml version="1.0"?>
-<!-- licence -->
+<!-- license -->
 <!-- more -->
 <mujoco>
   <!-- world -->
@@ -21,13 +21,13 @@ def test_the_comments_before_the_root_stand_in_it() -> None:
     unit = parse_text(TEXT, Sink(), file="a.xml", directory=Path(), label="a")
     assert unit is not None
     for each in (unit, unit.copied()):
-        assert [comment.text for comment in each.header] == [" licence ", " more "]
+        assert [comment.text for comment in each.header] == [" license ", " more "]
         world = each.root.find("worldbody")
         assert world is not None
         assert [comment.text for comment in above(world, each.header)] == [" world "]
         each.section("default")
         assert write(each.root).decode().split("\n")[1:4] == [
-            "  <!-- licence -->",
+            "  <!-- license -->",
             "  <!-- more -->",
             "  <default/>",
         ]

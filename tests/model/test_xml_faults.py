@@ -22,7 +22,7 @@ def test_below_frames_and_replicates() -> None:
         ("frame", "x"),
         ("joint", "rang"),
     ]
-    assert found('<replicate count="2"><site colour="1"/></replicate>') == [("site", "colour")]
+    assert found('<replicate count="2"><site color="1"/></replicate>') == [("site", "color")]
 
 
 def test_nothing_where_mujoco_looks_itself() -> None:
@@ -39,7 +39,7 @@ def test_nothing_where_mujoco_looks_itself() -> None:
 @pytest.mark.parametrize("holder", ["frame", 'replicate count="2"'])
 def test_mujoco_does_not_look_there(holder: str) -> None:
     """The reason for all this; the day it looks, this can go."""
-    inside = f'<{holder}><geom size="1" colour="1"/></{holder.split()[0]}>'
+    inside = f'<{holder}><geom size="1" color="1"/></{holder.split()[0]}>'
     assert mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{inside}</worldbody></mujoco>").ngeom > 0
 
 

@@ -22,7 +22,7 @@ def _read(data: bytes) -> list[np.ndarray]:
     return found
 
 
-def test_few_colours_stay_as_they_are() -> None:
+def test_few_colors_stay_as_they_are() -> None:
     first = np.zeros((5, 7, 3), np.uint8)
     first[2:, 3:] = 250, 120, 0
     second = np.full((5, 7, 3), 200, np.uint8)

@@ -94,8 +94,8 @@ def test_what_it_is_about(message: str, topic: Topic | None) -> None:
 
 
 def test_what_it_names() -> None:
-    said = read_sentence("Schema violation: unrecognized attribute: 'colour'")
-    assert (said.unknown_attribute, said.attribute, said.names) == ("colour", None, ("colour",))
+    said = read_sentence("Schema violation: unrecognized attribute: 'color'")
+    assert (said.unknown_attribute, said.attribute, said.names) == ("color", None, ("color",))
     assert read_sentence("required attribute missing: 'pos'").missing_attribute == "pos"
     assert read_sentence("URDF missing element: 'inertial'").missing_element == "inertial"
     assert read_sentence("size 2 must be positive in geom").size_index == 2
@@ -140,9 +140,9 @@ def test_advice() -> None:
 
 
 def test_unknown_words_of_mjcf() -> None:
-    said = translate("Schema violation: unrecognized attribute: 'colour'", element('<geom colour="1"/>'))
-    assert (said.diagnostic.code, said.attribute, said.key) == ("unknown-attribute", "colour", True)
-    assert said == unknown_attribute(element("<geom/>"), "colour")
+    said = translate("Schema violation: unrecognized attribute: 'color'", element('<geom color="1"/>'))
+    assert (said.diagnostic.code, said.attribute, said.key) == ("unknown-attribute", "color", True)
+    assert said == unknown_attribute(element("<geom/>"), "color")
     said = translate("Schema violation: unrecognized element", element("<gem/>"))
     assert (said.diagnostic.code, said.diagnostic.message, said.diagnostic.help) == (
         "unknown-element", "`<gem>` cannot stand in `<worldbody>`", "did you mean `<geom>`?",
@@ -167,10 +167,10 @@ def test_what_another_mujoco_reads() -> None:
     assert found.help == "`mjcompose migrate old.xml --from 3.1.6 -o NEW` writes the model for this MuJoCo"
     in_recipe = of_other_version(option, "mpr_iterations", "cell.yaml")
     assert in_recipe is not None and in_recipe.help is None
-    assert of_other_version(option, "colour", "old.xml") is None
+    assert of_other_version(option, "color", "old.xml") is None
     assert version_of([(compiler, "convexhull"), (option, "mpr_iterations")]) == "3.2.2"
     new = etree.fromstring(
         "<mujoco><worldbody><replicate/><body><joint springyield='1'/></body></worldbody></mujoco>"
     )
     assert version_of([(new[0][0], None), (new[0][1][0], "springyield")]) == "4.0.0"
-    assert version_of([(option, "colour")]) is None
+    assert version_of([(option, "color")]) is None

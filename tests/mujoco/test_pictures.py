@@ -32,7 +32,7 @@ def test_without_a_sky_it_is_light() -> None:
     assert over(PICTURE, DRAWN, None)[0, 0].tolist() == list(SKYLESS[:3])
 
 
-def test_a_transparent_one_keeps_the_colour_of_edges() -> None:
+def test_a_transparent_one_keeps_the_color_of_edges() -> None:
     assert over(PICTURE, DRAWN, (0, 0, 0, 0)).tolist() == [[[0, 0, 0, 0], [100, 0, 0, 128], [100, 0, 0, 255]]]
 
 

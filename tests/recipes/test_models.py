@@ -6,7 +6,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from mjcompose.sources import licence
+from mjcompose.sources import license
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "recipes" / "models"
@@ -99,8 +99,8 @@ def test_files_are_small(path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", MODELS, ids=named)
-def test_the_licence_travels_along(path: Path) -> None:
-    assert licence.find(path) == (ROOT / "LICENSE",)
+def test_the_license_travels_along(path: Path) -> None:
+    assert license.find(path) == (ROOT / "LICENSE",)
 
 
 def test_the_meshes_are_those_that_the_script_makes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

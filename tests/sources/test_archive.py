@@ -38,11 +38,11 @@ def test_every_kind_of_tar(web: Any, take: Callable[..., Any], mode: str) -> Non
     assert take(f"{web.url}/robots.tar#robots/arm.xml").path.read_bytes() == MODEL
 
 
-def test_a_zip_with_its_licence_and_sha256(web: Any, take: Callable[..., Any]) -> None:
+def test_a_zip_with_its_license_and_sha256(web: Any, take: Callable[..., Any]) -> None:
     web.pages["/robots.zip"] = ROBOTS
     source = take(f"{web.url}/robots.zip#robots/arm.xml")
     assert source.version == source.origin.sha256 == SHA256
-    assert [path.name for path in source.licences] == ["LICENSE"]
+    assert [path.name for path in source.licenses] == ["LICENSE"]
 
 
 def test_what_is_pinned_is_fetched_once(web: Any, take: Callable[..., Any]) -> None:

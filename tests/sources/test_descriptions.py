@@ -65,7 +65,7 @@ def test_finds_a_description(
     source = resolve(text, relative_to=Path(), environment={})
     assert source.path == library / "arm" / file
     assert (source.kind.name, source.package, source.format) == ("descriptions", "robot_descriptions", kind)
-    assert source.licences == ((library / "LICENSE").resolve(),)
+    assert source.licenses == ((library / "LICENSE").resolve(),)
     assert capsys.readouterr().out == ""
 
 

@@ -35,11 +35,11 @@ def test_names_with_characters_of_references_are_escaped(
     assert "`%40`" in str(refused(robots.reference("arm@1.0")).help)
 
 
-def test_a_source_tells_commit_tree_and_licence(robots: Any, take: Callable[..., Any]) -> None:
+def test_a_source_tells_commit_tree_and_license(robots: Any, take: Callable[..., Any]) -> None:
     source = take(robots.reference("v1"))
     assert source.version == source.origin.commit == robots.git("rev-parse", "v1^{commit}")
     assert source.origin.tree == robots.git("rev-parse", "v1^{tree}")
-    assert [path.name for path in source.licences] == ["LICENSE"]
+    assert [path.name for path in source.licenses] == ["LICENSE"]
     assert source.origin.id == f"git+file://{robots.folder}@v1"
 
 

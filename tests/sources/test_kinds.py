@@ -46,7 +46,7 @@ def test_messages_list_every_form_once() -> None:
     [
         ({"forms": ()}, "at least one form"),
         ({"name": "a b"}, "needs a name"),
-        ({"pins": frozenset({"colour"})}, "no lock has that"),
+        ({"pins": frozenset({"color"})}, "no lock has that"),
         ({"pins": frozenset({"sha256"}), "is_local": True}, "are not pinned"),
     ],
 )
@@ -56,7 +56,7 @@ def test_a_row_that_contradicts_itself_fails(change: dict[str, Any], problem: st
 
 
 def test_what_a_kind_pins_is_what_a_lock_has() -> None:
-    own = {"kind", "files", "licences", "used_by"}
+    own = {"kind", "files", "licenses", "used_by"}
     assert {*PINS} == Locked.model_fields.keys() - own
 
 

@@ -22,7 +22,7 @@ LOCK = Lock(
             commit="1" * 40,
             tree="2" * 40,
             files={"arm.xml": "3" * 64},
-            licences=["LICENSE"],
+            licenses=["LICENSE"],
             used_by=["base"],
         ),
         "./tool.xml": Locked(kind="path", files={"tool.xml": "4" * 64, "a.obj": "5" * 64}),
@@ -63,7 +63,7 @@ def test_a_newer_lock_says_so() -> None:
         ('"commit": "1111', '"commit": "xyz', "`commit` is not a hash"),
         ('"arm.xml": "33', '"arm.xml": "3', "`arm.xml` is not a hash"),
         ('"kind": "git"', '"kind": "hg"', "`kind` is not what it must be"),
-        ('"kind": "git",', '"kind": "git", "colour": 1,', "`colour` is not a key of a lock"),
+        ('"kind": "git",', '"kind": "git", "color": 1,', "`color` is not a key of a lock"),
         ('"mjcompose": "0.1.0",', "", "`mjcompose` is missing"),
         ('"lock": 1,', '"lock": true,', "`lock` is not what it must be"),
         ('"lock": 1,', '"lock": 1.0,', "`lock` is not what it must be"),
@@ -166,7 +166,7 @@ def test_a_path_in_what_was_fetched_belongs_to_it(
     recipe = take(robots.reference("main", "arm/cell.yaml"), tmp_path)
     inside = take("./arm.xml", recipe.path.parent)
     assert inside.origin == recipe.origin and inside.version == recipe.version
-    assert [path.name for path in inside.licences] == ["LICENSE"]
+    assert [path.name for path in inside.licenses] == ["LICENSE"]
     (tmp_path / "arm.xml").write_text("<mujoco/>")
     for outside in (take("./arm.xml", tmp_path), take(str(inside.path), tmp_path)):
         assert outside.origin is None

@@ -52,7 +52,7 @@ def test_entries_of_a_robot(root: Path, text: str, file: str) -> None:
     source = find(text, MENAGERIE_ROOT=root)
     assert source.path == root / "robotiq_2f85" / file
     assert (source.kind.name, source.package) == ("menagerie", "mujoco-menagerie")
-    assert source.licences == ((root / "robotiq_2f85" / "LICENSE").resolve(),)
+    assert source.licenses == ((root / "robotiq_2f85" / "LICENSE").resolve(),)
 
 
 @needs_library
@@ -151,7 +151,7 @@ def test_real_robots(menagerie_root: Path) -> None:
     for robot in ("universal_robots_ur5e", "robotiq_2f85"):
         source = find(f"menagerie:{robot}", MENAGERIE_ROOT=menagerie_root)
         assert source.path.read_text().lstrip().startswith("<mujoco")
-        assert source.licences
+        assert source.licenses
 
 
 def test_without_the_package(monkeypatch: pytest.MonkeyPatch) -> None:

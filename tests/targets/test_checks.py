@@ -54,7 +54,7 @@ def checked(model: str, check: str, folder: Path, **environment: str) -> tuple[B
     (folder / "model.xml").write_text(model)
     recipe = folder / "recipe.yaml"
     recipe.write_text(
-        f"recipe: 1\nallow: [licence-missing]\nbase: ./model.xml\ncheck:\n  it: {{{check}}}\n",
+        f"recipe: 1\nallow: [license-missing]\nbase: ./model.xml\ncheck:\n  it: {{{check}}}\n",
         encoding="utf-8",
     )
     context = Context(folder=folder, environment=environment)

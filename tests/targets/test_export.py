@@ -58,7 +58,7 @@ def test_contacts_that_mjx_lacks(tmp_path: Path) -> None:
 def test_losses_are_allowed_or_errors(tmp_path: Path) -> None:
     written(SENSORS, "drake", tmp_path)
     recipe = tmp_path / "recipe.yaml"
-    recipe.write_text(recipe.read_text().replace("[licence-missing]", "[licence-missing, target-loss]"))
+    recipe.write_text(recipe.read_text().replace("[license-missing]", "[license-missing, target-loss]"))
     context = Context(folder=tmp_path)
     assert build(Request(recipe, target="drake"), context) is not None and codes(context) == []
 

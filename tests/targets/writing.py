@@ -14,7 +14,7 @@ from mjcompose.sources.context import Context
 def written(model: str, target: str | None, folder: Path) -> tuple[Bundle | None, Context]:
     """The bundle of a model that is given as text, and what was reported."""
     (folder / "model.xml").write_text(model)
-    (folder / "recipe.yaml").write_text("recipe: 1\nallow: [licence-missing]\nbase: ./model.xml\n")
+    (folder / "recipe.yaml").write_text("recipe: 1\nallow: [license-missing]\nbase: ./model.xml\n")
     context = Context(folder=folder)
     built = build(Request(folder / "recipe.yaml", target=target), context)
     return (None if built is None else built.bundle), context

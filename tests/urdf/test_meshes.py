@@ -107,12 +107,12 @@ COLLADA = """<?xml version="1.0"?>
 </COLLADA>"""
 
 
-def collada(*colours: str) -> str:
-    """A wedge for each colour, 20 cm large."""
+def collada(*colors: str) -> str:
+    """A wedge for each color, 20 cm large."""
     given: dict[str, list[str]] = {"effects": [], "materials": [], "geometries": [], "nodes": []}
-    for k, colour in enumerate(colours):
+    for k, color in enumerate(colors):
         given["effects"].append(
-            f'<effect id="e{k}"><profile_COMMON><technique sid="t"><lambert><diffuse><color>{colour}</color></diffuse>'
+            f'<effect id="e{k}"><profile_COMMON><technique sid="t"><lambert><diffuse><color>{color}</color></diffuse>'
             "</lambert></technique></profile_COMMON></effect>"
         )
         given["materials"].append(
@@ -150,7 +150,7 @@ def test_collada_becomes_a_geom_for_each_material(reader: Reader, tmp_path: Path
     assert heights == pytest.approx([0.2, 0.2])  # the file is in centimetres
 
 
-def test_the_colour_of_the_urdf_comes_first(reader: Reader, tmp_path: Path) -> None:
+def test_the_color_of_the_urdf_comes_first(reader: Reader, tmp_path: Path) -> None:
     pytest.importorskip("collada")
     (tmp_path / "m.dae").write_text(collada("1 0 0 1"))
     looks = shape("m.dae", "visual", '<material name="g"><color rgba="0 1 0 1"/></material>')
@@ -234,10 +234,10 @@ def test_gltf_stands_upright(
     assert sorted(found) == [pytest.approx(each, abs=1e-7) for each in sorted(wanted)]
 
 
-def picture(path: Path, colour: tuple[int, int, int] = (200, 10, 10)) -> None:
+def picture(path: Path, color: tuple[int, int, int] = (200, 10, 10)) -> None:
     from PIL import Image
 
-    Image.new("RGB", (4, 4), colour).save(path)
+    Image.new("RGB", (4, 4), color).save(path)
 
 
 def test_obj_with_its_materials(reader: Reader, tmp_path: Path) -> None:

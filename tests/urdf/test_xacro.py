@@ -159,7 +159,7 @@ def recipe(folder: Path, **parts: str) -> Path:
                 "attach:",
                 *lines,
                 "check: {whole: {unchanged: {}}}",
-                "allow: [licence-missing]",
+                "allow: [license-missing]",
                 "",
             ]
         )

@@ -32,7 +32,7 @@ _COLOR = {
 
 
 class Paint:
-    """Wraps text in a colour if enabled. The styles are the keys of `_COLOR`."""
+    """Wraps text in a color if enabled. The styles are the keys of `_COLOR`."""
 
     def __init__(self, enabled: bool) -> None:
         self._enabled = enabled
@@ -58,7 +58,7 @@ def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color:
     """Return the diagnostic as several lines of text, without a final line break.
 
     `read_source(file)` returns the text of a file, or None if there is none to show; without it, no source lines
-    are shown. `color` adds ANSI colours. No I/O of its own.
+    are shown. `color` adds ANSI colors. No I/O of its own.
     """
     excerpts = [_excerpt(span, read_source) for span in _spans(diagnostic)]
     margin = max((len(str(each.number)) for each in excerpts if each), default=1)
@@ -104,7 +104,7 @@ def render(diagnostic: Diagnostic, read_source: ReadSource | None = None, color:
 def printable(text: str, colors: bool = False) -> str:
     r"""Return a text in which no character acts on a terminal, a log or the order of others; lines and tabs stay.
 
-    With `colors`, codes of colours stay too, and bytes of file names that are no text in this locale.
+    With `colors`, codes of colors stay too, and bytes of file names that are no text in this locale.
 
     >>> printable("a\x9b2Jb\u202ec")
     'a\ufffd2Jb\ufffdc'

@@ -82,7 +82,7 @@ from mjcompose.cli.watching import session_of_run, watch_option
     help="Also write a picture, NAME.png, next to the model and list it in the manifest.",
 )
 @target_option
-@click.option("--licenses", is_flag=True, help="Print the licence of every part.")
+@click.option("--licenses", is_flag=True, help="Print the license of every part.")
 @timeout_option
 @caching_options
 @fetching_options

@@ -52,7 +52,7 @@ class Options:
                                   " that both have.")  # fmt: skip
     html: Path | None = option("--html", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
                                help="Write an HTML page that shows both models, with the differences in"
-                               " colour.")  # fmt: skip
+                               " color.")  # fmt: skip
     limits: TimeOptions = group(TimeOptions)
     form: str = formats("text", "json", "markdown")
     json: bool = JSON

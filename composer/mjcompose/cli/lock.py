@@ -34,7 +34,7 @@ class Options:
 
 @command(Options)
 def lock(options: Options, run: Run) -> Answer:
-    """Lock the sources of RECIPE: write their commits, hashes and licences to a file next to it.
+    """Lock the sources of RECIPE: write their commits, hashes and licenses to a file next to it.
 
     The lock of ARM.yaml is ARM.lock. Sources that are already locked keep their entries. New sources are added, your
     own files are hashed again, and sources that are no longer used are removed.

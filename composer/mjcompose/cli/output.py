@@ -202,7 +202,7 @@ def _data(result: BuildResult, wanted: Wanted, out: str) -> dict[str, object]:
     if result.replaced:
         answer["replaced"] = dict(result.replaced)
     if wanted.licenses:
-        answer["licences"] = [asdict(row) for row in result.licences]
+        answer["licenses"] = [asdict(row) for row in result.licenses]
     if wanted.picturing is not None:
         answer["picture"] = picture_of(result.name)
     if wanted.why:
@@ -229,12 +229,12 @@ def _lines(result: BuildResult, wanted: Wanted, out: str) -> Iterator[str]:
         yield f"  picture {picture_of(result.name)}"
     yield from remarks(result, wanted)
     yield f"  contents sha256 {result.sha256}"
-    if wanted.licenses and not result.licences:
-        yield "  no licences: it takes nothing from other models"
+    if wanted.licenses and not result.licenses:
+        yield "  no licenses: it takes nothing from other models"
     elif wanted.licenses:
-        from mjcompose.build.bundle.licences import licence_table
+        from mjcompose.build.bundle.licenses import license_table
 
-        yield licence_table(result.licences)
+        yield license_table(result.licenses)
 
 
 def remarks(result: BuildResult, wanted: Wanted) -> Iterator[str]:
@@ -321,10 +321,10 @@ def put(
 ) -> BuildResult | None:
     """Write a model to its output; return it as written, or None after an error, which is reported."""
     from mjcompose.build.bundle.bundle import OutputError
-    from mjcompose.build.bundle.licences import report_unlicensed
+    from mjcompose.build.bundle.licenses import report_unlicensed
 
     clear_progress()
-    report_unlicensed(result.licences, context)
+    report_unlicensed(result.licenses, context)
     _judge_warnings(result, context)
     if context.strict and context.sink.has_errors:
         return None

@@ -28,7 +28,7 @@ class Options:
     expanded: bool = flag(
         "--expanded", help="Print the concrete recipe, with the file and line of every value."
     )
-    licenses: bool = flag("--licenses", help="Print only the licence of every part.")
+    licenses: bool = flag("--licenses", help="Print only the license of every part.")
     fetching: FetchOptions = group(FetchOptions)
     limits: LimitOptions = group(LimitOptions)
     reporting: ReportOptions = group(ReportOptions)
@@ -58,10 +58,10 @@ def plan(options: Options, run: Run) -> Answer:
             cells = cells_of(recipe, context, given)
     planned = run.need(plan, recipe)
     if options.licenses:
-        from mjcompose.build.bundle.licences import licence_rows, licence_table
+        from mjcompose.build.bundle.licenses import license_rows, license_table
 
-        rows = licence_rows(planned, context)
-        return Answer(lambda: licence_table(rows), [asdict(row) for row in rows])
+        rows = license_rows(planned, context)
+        return Answer(lambda: license_table(rows), [asdict(row) for row in rows])
     if options.expanded:
         return Answer(lambda: expanded_text(planned))
     from mjcompose.build.compose.preview import foresee

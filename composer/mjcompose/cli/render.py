@@ -47,14 +47,14 @@ def _size(context: click.Context, option: click.Parameter, text: str | None) -> 
     return found
 
 
-def _colour(
+def _color(
     context: click.Context, option: click.Parameter, text: str | None
 ) -> tuple[int, int, int, int] | None:
-    from mjcompose.tools.view.render import COLOURS, colour_of
+    from mjcompose.tools.view.render import COLORS, color_of
 
-    found = None if text is None else colour_of(text)
+    found = None if text is None else color_of(text)
     if text is not None and found is None:
-        raise click.BadParameter(f"`{text}` is not a colour: write `#RRGGBB`, or {', '.join(COLOURS)}.")
+        raise click.BadParameter(f"`{text}` is not a color: write `#RRGGBB`, or {', '.join(COLORS)}.")
     return found
 
 
@@ -71,7 +71,7 @@ def _colour(
               shell_complete=completing.cameras)  # fmt: skip
 @click.option("--size", callback=_size, metavar="WIDTHxHEIGHT", help="The size in pixels. Default: 960x720, or"
               " 320x240 for each picture of a contact sheet.")  # fmt: skip
-@click.option("--background", callback=_colour, metavar="COLOUR", help="#RRGGBB, white, black, grey or transparent."
+@click.option("--background", callback=_color, metavar="COLOR", help="#RRGGBB, white, black, grey or transparent."
               " Default: the model's sky, or grey if it has none.")  # fmt: skip
 @click.option("--turntable", is_flag=True, help="Make a film in which the camera goes around the model once.")
 @click.option("--play", type=Amount(min=0, min_open=True, max=_LONGEST_FILM), metavar="SECONDS",

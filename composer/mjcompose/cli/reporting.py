@@ -163,7 +163,7 @@ def report_as_chosen(context: Context) -> None:
 
 
 def words_of(context: Context) -> str:
-    """Return all diagnostics as on a terminal, without colours."""
+    """Return all diagnostics as on a terminal, without colors."""
     found, read = context.sink.sorted(), source_reader(context.folder)
     return "".join(f"{text.render(each, read, False)}\n\n" for each in found) + text.summary(found)
 
@@ -202,7 +202,7 @@ def _more_about(found: Sequence[Diagnostic]) -> str:
 
 
 def use_color(*, out: bool = False) -> bool:
-    """Return whether to use colours: only on a terminal that has them, and never if NO_COLOR is set.
+    """Return whether to use colors: only on a terminal that has them, and never if NO_COLOR is set.
 
     `out` is for standard output, where answers go; messages go to standard error.
     """

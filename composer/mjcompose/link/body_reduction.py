@@ -2,7 +2,7 @@
 
 MuJoCo compiles the unit alone to determine which elements these are, because its rules differ between versions.
 `discardvisual` removes geoms that nothing collides with, the assets that only these use, and everything that gives
-colour. `fusestatic` merges a body without joints into its parent, so a frame replaces it. The bodies that change
+color. `fusestatic` merges a body without joints into its parent, so a frame replaces it. The bodies that change
 get the inertia that they have in the unit alone.
 """
 
@@ -60,7 +60,7 @@ def _reduce(linking: Linking, unit: Unit, part: Part | None) -> None:
 
 
 _ASSETS = ("mesh", "material", "texture")
-_COLOURS = ("material", "texture")
+_COLORS = ("material", "texture")
 
 
 def discard(unit: Unit, found: Survey) -> set[Node]:
@@ -77,7 +77,7 @@ def discard(unit: Unit, found: Survey) -> set[Node]:
     # With `discardvisual` MuJoCo 4.0 leaves out every material, also those of geoms that stay: `nmat` is 0 for
     # `<material name="m"/>` and `<geom size=".1" material="m"/>`.
     for section in unit.root.iterchildren("*"):
-        _leave_uncoloured(section)
+        _leave_uncolored(section)
     left = {tag: found.names(tag) for tag in _ASSETS}
     for section in unit.root.iterchildren("asset"):
         for asset in list(section.iterchildren(*_ASSETS)):
@@ -86,12 +86,12 @@ def discard(unit: Unit, found: Survey) -> set[Node]:
     return changed
 
 
-def _leave_uncoloured(section: Node) -> None:
+def _leave_uncolored(section: Node) -> None:
     """Remove every reference to a material or texture, except those that keep it in the model."""
     table = naming_table(str(section.tag))
     for element in list(section.iter("*")):
         for name, (kind, namespace) in table.get(str(element.tag), {}).items():
-            if kind in (REFERS, LISTS) and namespace in _COLOURS and name in element.attrib:
+            if kind in (REFERS, LISTS) and namespace in _COLORS and name in element.attrib:
                 del element.attrib[name]
                 if section.tag == "default" and not element.attrib:
                     _remove(element)

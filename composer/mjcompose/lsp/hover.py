@@ -205,8 +205,8 @@ def _lines(place: Place, question: Question) -> Iterator[str]:
         version = f", version {source.version}" if source.version else ""
         yield f"- {source.kind.name}, {'recipe' if isinstance(model, Plan) else source.format.upper()}{version}"
         yield f"- file: `{question.analysis.path.parent.joinpath(source.path)}`"
-        texts = ", ".join(f"`{each.name}`" for each in source.licences)
-        yield f"- licence: {source.licence or ''}{' ' if source.licence else ''}{texts or 'no text was found'}"
+        texts = ", ".join(f"`{each.name}`" for each in source.licenses)
+        yield f"- license: {source.license or ''}{' ' if source.license else ''}{texts or 'no text was found'}"
     if isinstance(model, Plan):
         yield from _of_recipe(model, question)
         return

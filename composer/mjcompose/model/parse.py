@@ -37,7 +37,7 @@ from mjcompose.model.xml_text import take_cdata_in
 
 
 def take_header_in(root: Node) -> tuple[Node, ...]:
-    """Move the comments before a root, such as a licence, inside of it.
+    """Move the comments before a root, such as a license, inside of it.
 
     Otherwise they would be lost when the tree moves.
     """

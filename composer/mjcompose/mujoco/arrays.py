@@ -253,14 +253,14 @@ geom_friction | | friction | | friction
 geom_dataid | id | shape | | mesh hfield
 geom_matid | id | material | | material
 geom_fluid | | fluid coefficients | | fluidcoef fluidshape
-geom_rgba | | colour (rgba) | | rgba
+geom_rgba | | color (rgba) | | rgba
 geom_aabb | triangles, computed, rewritten
 geom_castshadow | 1, switch
 geom_rbound | computed, rewritten
 site_pos | root pose | position | m | {_POSE}
 site_quat | root pose | orientation | | {_TURN}
 site_size | rewritten | size | m | size fromto
-site_rgba | | colour (rgba) | | rgba
+site_rgba | | color (rgba) | | rgba
 site_matid | id | material | | material
 site_dataid | id, -1
 site_type | mjtGeom
@@ -283,7 +283,7 @@ light_range | 10
 light_softness | unread
 light_texid | id, -1
 light_type | mjtLightType
-mat_rgba | | colour (rgba) | | rgba
+mat_rgba | | color (rgba) | | rgba
 mat_texid | id | textures | | texture
 mat_metallic | -1 0 1, unsaid
 mat_roughness | -1 1, unsaid
@@ -359,7 +359,7 @@ tendon_armature | 0 | armature | kg | armature
 tendon_lengthspring | global length | rest length of its spring | m | springlength
 tendon_actfrcrange | 0 | force limit of its actuators | N | actuatorfrcrange
 tendon_width | | width | m | width
-tendon_rgba | | colour (rgba) | | rgba
+tendon_rgba | | color (rgba) | | rgba
 tendon_solref_lim | | softness of its limit (solref) | | solreflimit
 tendon_solimp_lim | | softness of its limit (solimp) | | solimplimit
 tendon_solref_fri | | softness of its friction loss (solref) | | solreffriction

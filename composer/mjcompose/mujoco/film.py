@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
-_COLOUR_TYPES = {3: 2, 4: 6}
+_COLOR_TYPES = {3: 2, 4: 6}
 _UP = 2
 
 
@@ -25,7 +25,7 @@ def png(picture: NDArray[Any]) -> bytes:
     flat = picture.reshape(height, -1)
     rows[:, 1:] = flat
     rows[1:, 0], rows[1:, 1:] = _UP, flat[1:] - flat[:-1]
-    header = struct.pack(">2I5B", width, height, 8, _COLOUR_TYPES[channels], 0, 0, 0)
+    header = struct.pack(">2I5B", width, height, 8, _COLOR_TYPES[channels], 0, 0, 0)
     return (
         _SIGNATURE
         + _chunk(b"IHDR", header)
@@ -38,9 +38,9 @@ def _chunk(kind: bytes, data: bytes) -> bytes:
     return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
 
-_COLOURS = 256
+_COLORS = 256
 _BITS = 8
-# Bits of each channel that distinguish colours while the palette is computed.
+# Bits of each channel that distinguish colors while the palette is computed.
 _KEPT = 5
 
 
@@ -72,7 +72,7 @@ def _coarse(frame: NDArray[Any]) -> NDArray[Any]:
 
 
 def _palette(frames: Sequence[NDArray[Any]]) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Return 256 RGB colours by median cut, and the number of the palette colour for each coarse colour."""
+    """Return 256 RGB colors by median cut, and the number of the palette color for each coarse color."""
     size = 1 << 3 * _KEPT
     counts = np.zeros(size, np.int64)
     sums = np.zeros((size, 3))
@@ -83,35 +83,35 @@ def _palette(frames: Sequence[NDArray[Any]]) -> tuple[NDArray[Any], NDArray[Any]
             sums[:, channel] += np.bincount(at, weights=frame[..., channel].ravel(), minlength=size)
     used = np.flatnonzero(counts)
     means, weights = sums[used] / counts[used, None], counts[used]
-    palette, nearest = np.zeros((_COLOURS, 3), np.uint8), np.zeros(size, np.uint8)
+    palette, nearest = np.zeros((_COLORS, 3), np.uint8), np.zeros(size, np.uint8)
     for number, box in enumerate(_cut(means, weights)):
         palette[number] = np.rint(np.average(means[box], axis=0, weights=weights[box]))
         nearest[used[box]] = number
     return palette, nearest
 
 
-def _cut(colours: NDArray[Any], weights: NDArray[Any]) -> list[NDArray[Any]]:
-    """Return at most 256 boxes of similar colours: the one with the largest error is halved until there are enough."""
-    boxes = [np.arange(len(colours))]
-    errors = [_error(colours, weights, boxes[0])]
-    while len(boxes) < _COLOURS and max(errors) > 0:
+def _cut(colors: NDArray[Any], weights: NDArray[Any]) -> list[NDArray[Any]]:
+    """Return at most 256 boxes of similar colors: the one with the largest error is halved until there are enough."""
+    boxes = [np.arange(len(colors))]
+    errors = [_error(colors, weights, boxes[0])]
+    while len(boxes) < _COLORS and max(errors) > 0:
         at = int(np.argmax(errors))
         box = boxes[at]
-        channel = int(np.ptp(colours[box], axis=0).argmax())
-        box = box[np.argsort(colours[box, channel], kind="stable")]
+        channel = int(np.ptp(colors[box], axis=0).argmax())
+        box = box[np.argsort(colors[box, channel], kind="stable")]
         half = int(np.searchsorted(np.cumsum(weights[box]), weights[box].sum() / 2)) + 1
         half = min(max(half, 1), len(box) - 1)
-        boxes[at], errors[at] = box[:half], _error(colours, weights, box[:half])
+        boxes[at], errors[at] = box[:half], _error(colors, weights, box[:half])
         boxes.append(box[half:])
-        errors.append(_error(colours, weights, box[half:]))
+        errors.append(_error(colors, weights, box[half:]))
     return boxes
 
 
-def _error(colours: NDArray[Any], weights: NDArray[Any], box: NDArray[Any]) -> float:
+def _error(colors: NDArray[Any], weights: NDArray[Any], box: NDArray[Any]) -> float:
     if len(box) < 2:
         return 0.0
-    middle = np.average(colours[box], axis=0, weights=weights[box])
-    return float((((colours[box] - middle) ** 2).sum(axis=1) * weights[box]).sum())
+    middle = np.average(colors[box], axis=0, weights=weights[box])
+    return float((((colors[box] - middle) ** 2).sum(axis=1) * weights[box]).sum())
 
 
 def _packed(pixels: bytes) -> bytes:

@@ -25,12 +25,12 @@ def over(picture: Any, drawn: Any, background: tuple[int, int, int, int] | None)
 
     MuJoCo blends edges with black, so only the background has to be added there.
     """
-    *colour, opacity = SKYLESS if background is None else background
+    *color, opacity = SKYLESS if background is None else background
     if opacity:
-        behind = (1 - drawn)[:, :, None] * np.array(colour)
+        behind = (1 - drawn)[:, :, None] * np.array(color)
         return np.clip(np.rint(picture + behind), 0, 255).astype(np.uint8)
     share = np.rint(drawn * 255).astype(np.uint8)
-    # A PNG has colours that are not multiplied by their opacity.
+    # A PNG has colors that are not multiplied by their opacity.
     own = np.clip(picture / np.maximum(drawn, 1 / 255)[:, :, None], 0, 255)
     return np.dstack([np.rint(own).astype(np.uint8), share])
 
@@ -386,7 +386,7 @@ _WRITERS: dict[str, Callable[[Path, list[Any], int], None]] = {".gif": _write_gi
 
 
 WHOLE = "the whole"
-# Renderers differ in the last bits of a colour value (0 to 255).
+# Renderers differ in the last bits of a color value (0 to 255).
 _SAME = 2
 
 

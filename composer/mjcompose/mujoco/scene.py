@@ -237,7 +237,7 @@ def height_fields(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
 FLAT, CUBE, SKY = 0, 1, 2
 _KINDS = {FLAT: "2d", CUBE: "cube", SKY: "skybox"}
 # mjTEXROLE_RGB and mjTEXROLE_RGBA.
-_COLOUR_ROLES = (1, 8)
+_COLOR_ROLES = (1, 8)
 
 
 def textures(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
@@ -260,9 +260,9 @@ def textures(model: Any, blobs: Blobs) -> list[dict[str, Any]]:
 
 
 def of_materials(model: Any) -> list[int]:
-    """Return the texture for the colour of each material, -1 for none."""
+    """Return the texture for the color of each material, -1 for none."""
     roles: Any = np.asarray(model.mat_texid).reshape(model.nmat, -1) if model.nmat else []
-    return [next((int(row[role]) for role in _COLOUR_ROLES if row[role] >= 0), -1) for row in roles]
+    return [next((int(row[role]) for role in _COLOR_ROLES if row[role] >= 0), -1) for row in roles]
 
 
 def skins(model: Any, blobs: Blobs) -> list[dict[str, Any]]:

@@ -12,7 +12,7 @@ from typing import Any
 
 from mjcompose.base.files import read_regular
 from mjcompose.base.suggest import closest, exists_note
-from mjcompose.sources import licence
+from mjcompose.sources import license
 from mjcompose.sources.fetching import Fetching, Lookup, not_at_hand
 from mjcompose.sources.package import distribution, folders
 from mjcompose.sources.reference import (
@@ -70,7 +70,7 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
         reference.text,
         package=_PACKAGE,
         version=owner.version if owner is not None else None,
-        licences=licence.find(path, Path(repository) if repository else None),
+        licenses=license.find(path, Path(repository) if repository else None),
         origin=Origin(
             reference.id, reference.kind, Path(repository) if repository else path.parent,
             commit=_commit(Path(repository)) if repository else None,

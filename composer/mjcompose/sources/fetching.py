@@ -15,7 +15,7 @@ from mjcompose.base.access import ALL, Door, folder_of_recipe, own_door
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import foreign_format, real_path
 from mjcompose.base.suggest import closest, exists_note
-from mjcompose.sources import licence
+from mjcompose.sources import license
 from mjcompose.sources.blobs import sha256_of
 from mjcompose.sources.reference import Origin, Reference, Source, SourceError, has_format
 from mjcompose.sources.trust import Trust
@@ -233,7 +233,7 @@ def source_in(origin: Origin, reference: Reference) -> Source:
     if not os.path.isfile(path):
         raise not_found(reference.text, path, existing)
     return Source(
-        path, reference.kind, reference.text, version=origin.pin, licences=licence.find(path, origin.root),
+        path, reference.kind, reference.text, version=origin.pin, licenses=license.find(path, origin.root),
         origin=origin,
     )  # fmt: skip
 

@@ -42,7 +42,7 @@ class Locked(_Part):
     package: str | None = None
     version: str | None = None
     files: dict[str, _Sha256]
-    licences: list[str] = Field(default_factory=list)
+    licenses: list[str] = Field(default_factory=list)
     used_by: list[str] = Field(default_factory=list)
 
     @property
@@ -278,7 +278,7 @@ def _joined(mine: Locked, other: Locked) -> Locked:
     return mine.model_copy(
         update={
             "files": {**other.files, **mine.files},
-            "licences": sorted({*mine.licences, *other.licences}),
+            "licenses": sorted({*mine.licenses, *other.licenses}),
             "used_by": sorted({*mine.used_by, *other.used_by}),
         }
     )
@@ -291,7 +291,7 @@ def _pinned(locked: Locked) -> str:
 def resolve(
     reference: str, *, relative_to: Path, environment: AbcMapping[str, str], fetching: Fetching | None = None
 ) -> Source:
-    """Find the file of a model reference and its licences; fetch it if necessary.
+    """Find the file of a model reference and its licenses; fetch it if necessary.
 
     `relative_to` is the folder of the file that contains the reference; `environment` replaces the environment of
     the process; `fetching` has the rules and the memory of the run. A reference in a fetched file may not name
@@ -318,12 +318,12 @@ def resolve(
 
 
 def _with_door(source: Source, door: Door) -> Source:
-    """Return the source with its door, after the door has admitted its file and its licences, which may be links."""
+    """Return the source with its door, after the door has admitted its file and its licenses, which may be links."""
     try:
         door.admit(source.path)
-        for licence in source.licences:
-            if licence.is_symlink():
-                door.admit(licence)
+        for license in source.licenses:
+            if license.is_symlink():
+                door.admit(license)
     except Refused as refused:
         raise SourceError(CODE, refused.message(), refused.help) from None
     return replace(source, door=door)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from mjcompose.base.suggest import closest, exists_note
-from mjcompose.sources import licence
+from mjcompose.sources import license
 from mjcompose.sources.fetching import Fetching, Lookup, not_at_hand
 from mjcompose.sources.reference import (
     Form,
@@ -74,7 +74,7 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
         reference.text,
         package=_PACKAGE,
         version=library.__version__ if is_own else None,
-        licences=licence.find(path, folder),
+        licenses=license.find(path, folder),
         origin=Origin(
             reference.id, reference.kind, folder,
             commit=library.commit() if is_own else None, tree=robot.oid if is_own else None,

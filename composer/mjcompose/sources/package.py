@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 from mjcompose.base.suggest import closest
 from mjcompose.sources import fetching as nearby
-from mjcompose.sources import licence
+from mjcompose.sources import license
 from mjcompose.sources.fetching import Lookup
-from mjcompose.sources.licence import of_package
+from mjcompose.sources.license import of_package
 from mjcompose.sources.reference import (
     Form,
     Origin,
@@ -103,32 +103,32 @@ def distribution(name: str) -> Distribution | None:
 
 def _found(reference: Reference, path: Path, root: Path) -> Source:
     owner = distribution(reference.name)
-    licences = licence.find(path, root)
-    if not licences and owner is not None:
-        licences = tuple(sorted(_licences_of(owner)))
+    licenses = license.find(path, root)
+    if not licenses and owner is not None:
+        licenses = tuple(sorted(_licenses_of(owner)))
     return Source(
         path,
         reference.kind,
         reference.text,
         package=owner.metadata["Name"] if owner is not None else reference.name,
         version=owner.version if owner is not None else None,
-        licences=licences,
+        licenses=licenses,
         origin=Origin(reference.id, reference.kind, root),
-        licence=None if owner is None else _licence_of(owner),
+        license=None if owner is None else _license_of(owner),
     )
 
 
-def _licence_of(owner: Distribution) -> str | None:
+def _license_of(owner: Distribution) -> str | None:
     metadata = owner.metadata
     written = {name: (metadata.get_all(name) or [None])[0] for name in ("License-Expression", "License")}
     return of_package(written["License-Expression"], written["License"], metadata.get_all("Classifier") or ())
 
 
-def _licences_of(owner: Distribution) -> Iterator[Path]:
+def _licenses_of(owner: Distribution) -> Iterator[Path]:
     for file in owner.files or ():
         if not file.parts[0].endswith((".dist-info", ".egg-info")):
             continue
-        if licence.is_licence(file.name) or "licenses" in file.parts[1:-1]:
+        if license.is_license(file.name) or "licenses" in file.parts[1:-1]:
             path = Path(str(owner.locate_file(file)))
             if os.path.isfile(path):
                 yield path

@@ -9,7 +9,7 @@ from pathlib import Path, PurePath
 from mjcompose.base.files import CODE
 from mjcompose.base.suggest import exists_note
 from mjcompose.sources import fetching as nearby
-from mjcompose.sources import licence
+from mjcompose.sources import license
 from mjcompose.sources.fetching import Fetching, Lookup
 from mjcompose.sources.reference import (
     Form,
@@ -58,7 +58,7 @@ def _file(reference: Reference, relative_to: Path) -> Source:
         raise nearby.not_found(
             reference.text, wanted, _existing(reference.path, wanted, relative_to), hint=hint
         )
-    return Source(wanted, reference.kind, reference.text, licences=licence.find(wanted))
+    return Source(wanted, reference.kind, reference.text, licenses=license.find(wanted))
 
 
 def _existing(written: str, wanted: Path, relative_to: Path) -> list[str]:
@@ -103,11 +103,11 @@ def _with_origin(source: Source, fetching: Fetching, folder: Path) -> Source:
     if origin is None or fetching.around(source.path) != origin:
         return source
     asked = fetching.first.get(origin.id, source)
-    own = licence.find(source.path, origin.root)
-    of_the_whole = tuple(each for each in asked.licences if not each.is_relative_to(origin.root))
+    own = license.find(source.path, origin.root)
+    of_the_whole = tuple(each for each in asked.licenses if not each.is_relative_to(origin.root))
     return replace(
-        source, package=asked.package, version=asked.version, licence=asked.licence,
-        licences=own or of_the_whole, origin=origin,
+        source, package=asked.package, version=asked.version, license=asked.license,
+        licenses=own or of_the_whole, origin=origin,
     )  # fmt: skip
 
 

@@ -266,9 +266,9 @@ class Source:
 
     `reference` is the text as written. `package` and `version` name the distribution of the file; the version is
     None if the file may differ from the distribution's; for a repository it is the commit, for an archive its
-    sha256. `licences` are the licence files of the model, sorted by name. `packages` are the folders for
+    sha256. `licenses` are the license files of the model, sorted by name. `packages` are the folders for
     `package://NAME` in URDF, if the recipe gives them. `origin` is what the file belongs to, None for a plain path.
-    `licence` is the SPDX expression of its package. `door` limits what the model may read.
+    `license` is the SPDX expression of its package. `door` limits what the model may read.
     `urdf` is how a URDF is to be read.
     """
 
@@ -277,10 +277,10 @@ class Source:
     reference: str
     package: str | None = None
     version: str | None = None
-    licences: tuple[Path, ...] = ()
+    licenses: tuple[Path, ...] = ()
     packages: tuple[tuple[str, Path], ...] = ()
     origin: Origin | None = None
-    licence: str | None = None
+    license: str | None = None
     door: Door = field(default=NOTHING, compare=False, repr=False)
     urdf: UrdfChoices = AS_WRITTEN
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Note, Span
 from mjcompose.base.scratch import scratch
-from mjcompose.build.bundle.bundle import LICENCES, MANIFEST, WORLDS, Bundle
+from mjcompose.build.bundle.bundle import LICENSES, MANIFEST, WORLDS, Bundle
 from mjcompose.build.bundle.manifest import (
     TargetRecord,
     UnsupportedFeature,
@@ -157,9 +157,9 @@ def _files(folder: Path) -> dict[str, bytes]:
 def _bundle(
     bundle: Bundle, target: str, found: Mapping[str, Any], made: Mapping[str, bytes], losses: Sequence[Loss]
 ) -> Bundle:
-    """Return the files, with the licences and the manifest of the model from which they are made."""
-    licences = {path: text for path, text in bundle.files.items() if path.startswith(f"{LICENCES}/")}
-    aimed = Bundle({**made, **licences}, found["model"])
+    """Return the files, with the licenses and the manifest of the model from which they are made."""
+    licenses = {path: text for path, text in bundle.files.items() if path.startswith(f"{LICENSES}/")}
+    aimed = Bundle({**made, **licenses}, found["model"])
     manifest = from_json(bundle.files[MANIFEST])
     title = TARGETS[target].title
     left_out = tuple(

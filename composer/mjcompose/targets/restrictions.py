@@ -245,7 +245,7 @@ def _linear(draft: Draft) -> None:
                     )
 
 
-def _plain_colours(draft: Draft) -> None:
+def _plain_colors(draft: Draft) -> None:
     for material in draft.root.iterfind("asset/material"):
         layers = list(material.iterchildren("layer"))
         for layer in layers:
@@ -292,7 +292,7 @@ NO_EFFORT = without_attribute(
     what="the greatest force",
     also=("actuatorfrclimited", "actuatorgravcomp"),
 )
-NO_TEXTURES = Limit("textures", Outcome.LEFT_OUT, _plain_colours)
+NO_TEXTURES = Limit("textures", Outcome.LEFT_OUT, _plain_colors)
 NO_YIELD = without_attribute("springs", ".//joint", "springyield", what="`springyield`")
 NO_POLYNOMIALS = Limit("polynomials", Outcome.LEFT_OUT, _linear)
 

@@ -92,10 +92,10 @@ def _shapes(draft: Draft, number: int, geom: Node, into: Node, package: str) -> 
             etree.SubElement(holder, "geometry").append(etree.fromstring(etree.tostring(shape)))
             if kind == "visual":
                 material = etree.SubElement(holder, "material", name=f"{into.get('name')}_{number}")
-                etree.SubElement(material, "color", rgba=text(_colour(model, number)))
+                etree.SubElement(material, "color", rgba=text(_color(model, number)))
 
 
-def _colour(model: Any, number: int) -> Any:
+def _color(model: Any, number: int) -> Any:
     material = int(model.geom_matid[number])
     default = bool(np.allclose(model.geom_rgba[number], (0.5, 0.5, 0.5, 1)))
     return model.mat_rgba[material] if material >= 0 and default else model.geom_rgba[number]

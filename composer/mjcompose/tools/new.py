@@ -75,19 +75,19 @@ _NOT_MODELS = ("README.md", "make_meshes.py")
 
 
 def examples(schema: str) -> dict[str, bytes]:
-    """Return the files of the examples by path, with their licence; `schema` is the schema of recipes."""
-    folder, licence = _places()
+    """Return the files of the examples by path, with their license; `schema` is the schema of recipes."""
+    folder, license = _places()
     paths = (
         path for path in sorted(folder.rglob("*")) if os.path.isfile(path) and path.name not in _NOT_MODELS
     )
     files = {
         path.relative_to(folder).as_posix(): _read(path) for path in paths if "__pycache__" not in path.parts
     }
-    return {**files, "LICENSE": licence.read_bytes(), "recipe.schema.json": schema.encode()}
+    return {**files, "LICENSE": license.read_bytes(), "recipe.schema.json": schema.encode()}
 
 
 def _places() -> tuple[Path, Path]:
-    """Return the folder and the licence: beside this file in an installed package, at the top of a clone."""
+    """Return the folder and the license: beside this file in an installed package, at the top of a clone."""
     beside = Path(__file__).with_name("examples")
     root = Path(__file__).parents[3]
     return (beside, beside / "LICENSE") if os.path.isdir(beside) else (root / "recipes", root / "LICENSE")

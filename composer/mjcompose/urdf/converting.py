@@ -76,8 +76,8 @@ def _without_textures(data: bytes) -> bytes | None:
         if holder is None:
             continue
         if element in textures:
-            colour = etree.SubElement(holder, f"{{{etree.QName(element).namespace}}}color")
-            colour.text = "0.7 0.7 0.7 1"
+            color = etree.SubElement(holder, f"{{{etree.QName(element).namespace}}}color")
+            color.text = "0.7 0.7 0.7 1"
         holder.remove(element)
     return etree.tostring(root) if textures else None
 
@@ -197,7 +197,7 @@ def _part(mesh: Any, scale: float) -> dict[str, Any] | None:
 
 
 def _look(visual: Any) -> tuple[list[float] | None, bytes | None]:
-    """The colour and the picture (PNG) of a mesh, each None where it has none."""
+    """The color and the picture (PNG) of a mesh, each None where it has none."""
     import numpy
 
     material = getattr(visual, "material", None)
@@ -207,15 +207,15 @@ def _look(visual: Any) -> tuple[list[float] | None, bytes | None]:
         main = numpy.asarray(visual.main_color, float) / 255
         return [round(float(each), 4) for each in main], None
     picture = getattr(material, "image", None) or getattr(material, "baseColorTexture", None)
-    colour: Any = getattr(material, "baseColorFactor", None)
-    if colour is None:
-        colour = getattr(material, "diffuse", None)
+    color: Any = getattr(material, "baseColorFactor", None)
+    if color is None:
+        color = getattr(material, "diffuse", None)
     rgba = None
-    if colour is not None:
-        numbers = numpy.asarray(colour, float).ravel()
+    if color is not None:
+        numbers = numpy.asarray(color, float).ravel()
         numbers = (
             numbers / 255
-            if numpy.asarray(colour).dtype.kind in "iu" or numbers.max(initial=0) > 1
+            if numpy.asarray(color).dtype.kind in "iu" or numbers.max(initial=0) > 1
             else numbers
         )
         rgba = [round(float(each), 4) for each in (*numbers[:3], numbers[3] if len(numbers) > 3 else 1.0)]

@@ -182,9 +182,9 @@ class Meshes:
         return name
 
     def _split(self, mesh: Node, names: list[str]) -> None:
-        """A shape for each part of its mesh; what the URDF says of its colour comes first."""
+        """A shape for each part of its mesh; what the URDF says of its color comes first."""
         shape = _shape(mesh)
-        coloured = shape.find("material") is not None
+        colored = shape.find("material") is not None
         for name in names:
             one = self.robot.copied(shape) if name is not names[-1] else shape
             if name is not names[0] and one.get("name"):
@@ -193,7 +193,7 @@ class Meshes:
             assert inner is not None
             inner.set("filename", name)
             rgba = self.robot.looks[name].rgba
-            if one.tag == "visual" and not coloured and rgba is not None:
+            if one.tag == "visual" and not colored and rgba is not None:
                 material = etree.SubElement(one, "material", name="")
                 etree.SubElement(material, "color", rgba=" ".join(f"{each:g}" for each in rgba))
 

@@ -177,7 +177,7 @@ _FILE = "file://"
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What a mesh or a material of URDF looks like: a colour, and a picture as PNG, each None where it has none."""
+    """What a mesh or a material of URDF looks like: a color, and a picture as PNG, each None where it has none."""
 
     rgba: tuple[float, ...] | None
     texture: bytes | Path | None = None

@@ -131,10 +131,10 @@ def test_what_was_chosen_and_what_was_found(folder: Path, session: engine.Sessio
     assert from_json(made(folder / "cell.yaml", session, folder, name="cell-dim")).cell == "cell-dim"
 
 
-def test_licences_are_summed_up(folder: Path, session: engine.Session) -> None:
+def test_licenses_are_summed_up(folder: Path, session: engine.Session) -> None:
     found = manifest(folder, session)
-    assert found.licences == {"MIT": ("left", "right/base")}
-    assert {each.licence for each in found.inputs} == {"MIT"}
+    assert found.licenses == {"MIT": ("left", "right/base")}
+    assert {each.license for each in found.inputs} == {"MIT"}
 
 
 def test_what_is_multiplied_has_no_place(folder: Path, session: engine.Session) -> None:

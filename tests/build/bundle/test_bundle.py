@@ -17,8 +17,8 @@ from mjcompose.build.bundle.bundle import (
     Bundle,
     BundleError,
     check_paths,
-    licence_files,
-    licence_folder,
+    license_files,
+    license_folder,
     unwritable_error,
     with_moment,
 )
@@ -148,7 +148,7 @@ def put(path: Path, text: str) -> Path:
 def test_each_label_has_a_folder(tmp_path: Path) -> None:
     arm, hand = put(tmp_path / "arm" / "LICENSE", "Apache"), put(tmp_path / "hand" / "LICENSE", "BSD")
     notice = put(tmp_path / "hand" / "NOTICE.txt", "thanks")
-    found = licence_files({"base": [arm], "left/gripper": [hand, notice], "none": []})
+    found = license_files({"base": [arm], "left/gripper": [hand, notice], "none": []})
     assert found.files == {
         "LICENSES/base/LICENSE": b"Apache",
         "LICENSES/left/gripper/LICENSE": b"BSD",
@@ -170,7 +170,7 @@ def test_equal_files_of_several_labels_are_kept_once(tmp_path: Path) -> None:
         read.append(path)
         return path.read_bytes()
 
-    found = licence_files({"b0": [brick], "b1": [brick], "c": [other], "d": [named]}, reading)
+    found = license_files({"b0": [brick], "b1": [brick], "c": [other], "d": [named]}, reading)
     assert found.files == {"LICENSES/b0/LICENSE": b"MIT", "LICENSES/d/COPYING": b"MIT"}
     assert [found.of[label] for label in ("b0", "b1", "c")] == [("LICENSES/b0/LICENSE",)] * 3
     assert len(read) == 3  # no file twice
@@ -180,7 +180,7 @@ def test_equal_names_of_one_label_are_numbered_and_equal_files_kept_once(tmp_pat
     files = [
         put(tmp_path / folder / "LICENSE.txt", text) for folder, text in zip("abcd", "xyxz", strict=True)
     ]
-    assert licence_files({"p": files}).files == {
+    assert license_files({"p": files}).files == {
         "LICENSES/p/LICENSE.txt": b"x",
         "LICENSES/p/LICENSE-2.txt": b"y",
         "LICENSES/p/LICENSE-3.txt": b"z",
@@ -189,7 +189,7 @@ def test_equal_names_of_one_label_are_numbered_and_equal_files_kept_once(tmp_pat
 
 def test_files_that_differ_in_case_do_not_meet(tmp_path: Path) -> None:
     files = [put(tmp_path / "a" / "LICENSE", "x"), put(tmp_path / "b" / "License", "y")]
-    found = licence_files({"p": files}).files
+    found = license_files({"p": files}).files
     assert sorted(found.values()) == [b"x", b"y"]
     check_paths(found)
 
@@ -205,7 +205,7 @@ def test_files_that_differ_in_case_do_not_meet(tmp_path: Path) -> None:
     ],
 )
 def test_a_label_becomes_a_folder_that_every_system_can_hold(label: str, folder: str) -> None:
-    assert licence_folder(label) == folder
+    assert license_folder(label) == folder
     check_paths([f"{folder}/LICENSE"])
 
 

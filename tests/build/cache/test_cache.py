@@ -144,26 +144,26 @@ def test_why(store: Path, folder: Path) -> None:
     mesh.write_text(before)
     assert built(*out)[0] == []  # as it was before
     (folder / "models" / "NOTICE").write_text("more\n")
-    assert built(*out)[0] == ["the licences in `models` are others"]
+    assert built(*out)[0] == ["the licenses in `models` are others"]
     assert built(*out, "--dedup")[0] == ["`--dedup` is given"]
     assert (
         run("build", *out, "--no-cache", "--why").stdout.splitlines()[2] == "  built: the cache is not used"
     )
 
 
-def test_why_of_the_first_licence_of_a_folder(store: Path, folder: Path) -> None:
+def test_why_of_the_first_license_of_a_folder(store: Path, folder: Path) -> None:
     (folder / "here").mkdir()
     (folder / "here" / "cell.yaml").write_text("recipe: 1\nbase: ./arm.xml\n")
     (folder / "here" / "arm.xml").write_text("<mujoco><worldbody/></mujoco>")
     out = ("here/cell.yaml", "-o", "a.zip")
     built(*out)
     (folder / "LICENSE").write_text("Do as you please.\n")
-    assert built(*out)[0] == ["the licences in `.` are others"]
+    assert built(*out)[0] == ["the licenses in `.` are others"]
     (folder / "LICENSE").rename(folder / "here" / "LICENSE")
-    assert built(*out)[0][1:] == ["the licences in `here` are others", "the licences in `.` are others"]
+    assert built(*out)[0][1:] == ["the licenses in `here` are others", "the licenses in `.` are others"]
 
 
-def test_why_of_a_licence_as_far_above_as_licences_are_looked_for(store: Path, folder: Path) -> None:
+def test_why_of_a_license_as_far_above_as_licenses_are_looked_for(store: Path, folder: Path) -> None:
     deep = folder / "a" / "b" / "c"
     deep.mkdir(parents=True)
     (deep / "arm.xml").write_text("<mujoco><worldbody/></mujoco>")
@@ -171,20 +171,20 @@ def test_why_of_a_licence_as_far_above_as_licences_are_looked_for(store: Path, f
     out = ("far.yaml", "-o", "a.zip")
     built(*out)
     (folder / "LICENSE").write_text("Do as you please.\n")
-    assert built(*out)[0] == ["the licences in `.` are others"]
+    assert built(*out)[0] == ["the licenses in `.` are others"]
 
 
 @pytest.mark.slow
-def test_why_of_a_licence_in_a_folder_of_licences(store: Path, folder: Path) -> None:
+def test_why_of_a_license_in_a_folder_of_licenses(store: Path, folder: Path) -> None:
     (folder / "models" / "LICENSES" / "arm").mkdir(parents=True)
     (folder / "models" / "LICENSES" / "MIT.txt").write_text("free\n")
     out = ("cell.yaml", "-o", "a.zip")
     built(*out)
     (folder / "models" / "LICENSES" / "Zlib.txt").write_text("altered\n")
-    assert built(*out)[0] == ["the licences in `models/LICENSES` are others"]
+    assert built(*out)[0] == ["the licenses in `models/LICENSES` are others"]
     assert built(*out)[0] == []
     (folder / "models" / "LICENSES" / "arm" / "LICENSE").write_text("mine\n")
-    assert built(*out)[0] == ["the licences in `models/LICENSES/arm` are others"]
+    assert built(*out)[0] == ["the licenses in `models/LICENSES/arm` are others"]
     (folder / "models" / "LICENSES" / "MIT.txt").write_text("freer\n")
     assert built(*out)[0] == ["`models/LICENSES/MIT.txt` changed"]
 
@@ -506,7 +506,7 @@ WARNING = Diagnostic(
     subjects=frozenset({"tool", "arm"}),
 )  # fmt: skip
 RECORD = Record(
-    name="cell", model="model.xml", sha256="0" * 64, sizes=None, merged={}, files=(), text=None, mujoco=None, licences=(),
+    name="cell", model="model.xml", sha256="0" * 64, sizes=None, merged={}, files=(), text=None, mujoco=None, licenses=(),
     diagnostics=(WARNING,), checks=(Outcome("upright", "stable", SPAN, (WARNING,), {}),), draws=None, recipes=(),
     places="", names_places=False, cells=0, cells_at=None,
 )  # fmt: skip

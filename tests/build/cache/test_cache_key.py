@@ -100,7 +100,7 @@ def test_a_file_that_was_just_written_is_known_by_its_content_alone(tmp_path: Pa
     assert Files().look(str(file)).stamp is None
 
 
-def test_a_folder_is_its_licences(tmp_path: Path) -> None:
+def test_a_folder_is_its_licenses(tmp_path: Path) -> None:
     (tmp_path / "LICENSE").write_text("free")
     before = Files().look(str(tmp_path))
     (tmp_path / "model.xml").write_text("<mujoco/>")

@@ -119,7 +119,7 @@ def _touch(folder: Path) -> None:
         lambda folder: (folder / "models" / "tool.xml").unlink(),
         _touch,
     ],
-    ids=["recipe", "model", "mesh", "licence", "lock", "gone", "touched"],
+    ids=["recipe", "model", "mesh", "license", "lock", "gone", "touched"],
 )
 def test_whatever_changes_is_seen(recipes: Path, change: Callable[[Path], object]) -> None:
     command(*BUILD)

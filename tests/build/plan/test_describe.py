@@ -48,7 +48,7 @@ ODD_ONE = "warning unknown-attribute odd.xml"
         (f"base: ./arm.xml\nattach: {{b: {{model: ./odd.xml, allow: [unknown-attribute]}}}}\nedit: [{CONVERT % ''}]", [LOSS]),
         (f"base: ./arm.xml\nattach: {{b: {{model: ./odd.xml, allow: [convert-loss]}}}}\nedit:\n  - {CONVERT % ''}", [ODD_ONE, LOSS, UNUSED]),
         (f"base: ./arm.xml\nedit:\n  - {{select: {{joint: elbow}}, set: {{damping: 1}}, allow: [convert-loss]}}\n  - {CONVERT % ''}", [LOSS, UNUSED]),
-        ("base: ./odd.xml\nallow: [unknown-attribute, licence-missing]", []),
+        ("base: ./odd.xml\nallow: [unknown-attribute, license-missing]", []),
         ("base: ./odd.xml\nallow: [usd-loss, mujoco-warning]", [ODD_ONE, UNUSED]),
     ],
 )  # fmt: skip

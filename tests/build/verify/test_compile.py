@@ -39,7 +39,7 @@ def told(folder: Path, monkeypatch: pytest.MonkeyPatch, version: str | None, mod
     return [
         f"{each.severity.name}: {each.code}"
         for each in context.sink.sorted()
-        if each.code != "licence-missing"
+        if each.code != "license-missing"
     ]
 
 

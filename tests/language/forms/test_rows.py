@@ -19,9 +19,9 @@ from pydantic import Field, ValidationError, ValidationInfo, field_validator
 
 
 class Paint(Model):
-    """The colour that it gets."""
+    """The color that it gets."""
 
-    colour: str
+    color: str
     """which"""
 
 
@@ -61,10 +61,10 @@ class Late(Model):
 
 
 def test_the_words_of_a_table_are_keys() -> None:
-    entry = Entry.model_validate({"turn": 1.5, "of": "arm", "paint": {"colour": "red"}, "call": "x"})
+    entry = Entry.model_validate({"turn": 1.5, "of": "arm", "paint": {"color": "red"}, "call": "x"})
     assert list(entry.work) == ["call", "paint", "turn"]  # in the order of the table
     assert entry.work["call"].name == "arm/x"
-    assert entry.work["paint"].colour == "red"
+    assert entry.work["paint"].color == "red"
     assert entry.work["turn"] == 1.5
     assert Entry.key_names() == ["of", "call", "paint", "turn", "often"]
 
@@ -105,7 +105,7 @@ def test_the_schema_has_the_words_where_the_field_stands() -> None:
     assert list(schema["properties"]) == ["of", "call", "paint", "turn", "often"]
     assert schema["properties"]["call"] == {"mjcf": "form:Call", "description": "The name that it gets."}
     assert define("form:Call") == {"type": "string", "minLength": 1, "description": "the name"}
-    assert schema["properties"]["paint"]["description"] == "The colour that it gets."
+    assert schema["properties"]["paint"]["description"] == "The color that it gets."
 
 
 def test_a_lazy_form_is_imported_when_it_is_written() -> None:
@@ -139,7 +139,7 @@ def test_the_walk_sees_through_all_of_them() -> None:
         ("entries", "*", "call"): ("body",),
     }
     assert key_order(Late)[("entries", "*")] == Entry.key_names()
-    assert ("entries", "*", "paint", "colour") in {each.at for each in spots(Late)}
+    assert ("entries", "*", "paint", "color") in {each.at for each in spots(Late)}
 
 
 class Short(Model):

@@ -24,7 +24,7 @@ MESH = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A recipe that extends another, with a mesh behind a link and a licence above."""
+    """A recipe that extends another, with a mesh behind a link and a license above."""
     monkeypatch.setenv("MJCOMPOSE_CACHE", str(tmp_path / "store"))
     here = tmp_path / "here"
     (here / "parts").mkdir(parents=True)

@@ -1,4 +1,4 @@
-"""An answer on a terminal has the colours that messages have, and the same words."""
+"""An answer on a terminal has the colors that messages have, and the same words."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MODEL = """<mujoco>
 
 
 @pytest.mark.parametrize("attribute", [None, "size", "mass"])
-def test_colours_change_no_word(tmp_path: Path, attribute: str | None) -> None:
+def test_colors_change_no_word(tmp_path: Path, attribute: str | None) -> None:
     (tmp_path / "model.xml").write_text(MODEL, encoding="utf-8")
     traced = trace(Path("model.xml"), Context(environment={}, folder=tmp_path))
     assert traced is not None
@@ -30,13 +30,13 @@ def test_colours_change_no_word(tmp_path: Path, attribute: str | None) -> None:
     def read(file: str) -> str:
         return (tmp_path / file).read_text(encoding="utf-8")
 
-    plain, coloured = render(explained, read), render(explained, read, color=True)
-    assert _ESCAPE.sub("", coloured) == plain
-    assert coloured.startswith("\x1b[1m") and "\x1b[34m2 |\x1b[0m" in coloured
+    plain, colored = render(explained, read), render(explained, read, color=True)
+    assert _ESCAPE.sub("", colored) == plain
+    assert colored.startswith("\x1b[1m") and "\x1b[34m2 |\x1b[0m" in colored
     assert "\x1b" not in plain
 
 
-def test_colours_are_for_the_terminal_that_reads_the_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_colors_are_for_the_terminal_that_reads_the_answer(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.delenv("NO_COLOR", raising=False)
     monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)

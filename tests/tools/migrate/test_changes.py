@@ -71,7 +71,7 @@ def test_what_becomes_of_a_model(feature: Feature, tmp_path: Path) -> None:
     assert not any(each in text for each in feature.gone), text
     told = [each for each in result.meanings if each.change == feature.change]
     assert bool(told) == feature.warns, result.meanings
-    if feature.written and feature.change != "texture-colours":
+    if feature.written and feature.change != "texture-colors":
         without, _ = migrated(feature, model, (feature.change,))
         assert without is None or without.files[model][1] != result.files[model][1]
 

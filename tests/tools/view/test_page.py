@@ -32,7 +32,7 @@ NEW = '<body name="new" pos="0 -1 0"><geom name="new" type="box" size="0.1 0.2 0
 WHAT = """() => Object.fromEntries(mjcompose.world.model.scene.geom.name.map(
     (name, index) => [name, mjcompose.contrast.of({kind: "geom", index})]))"""
 
-COLOUR = """() => Object.fromEntries(mjcompose.world.batches.filter(each => each.kind === "geom").flatMap(
+COLOR = """() => Object.fromEntries(mjcompose.world.batches.filter(each => each.kind === "geom").flatMap(
     ({ mesh, members }) => members.map((index, at) => [mjcompose.world.model.scene.geom.name[index],
         Array.from(mesh.instanceColor.array.slice(3 * at, 3 * at + 3)).map(each => Number(each.toFixed(2)))])))"""
 
@@ -61,11 +61,11 @@ def compared(a: str, b: str, folder: Path) -> Path:
 
 
 @pytest.mark.slow
-def test_what_differs_is_coloured_on_both_sides(page: Path, open_page: Callable[..., Any]) -> None:
+def test_what_differs_is_colored_on_both_sides(page: Path, open_page: Callable[..., Any]) -> None:
     shown = open_page(page.as_uri())
     same = {"still": None, "lid": "moved", "handle": "moved", "jar": "changed", "paint": "changed"}
     assert shown.evaluate(WHAT) == {**same, "new": "added"}
-    drawn = shown.evaluate(COLOUR)
+    drawn = shown.evaluate(COLOR)
     assert drawn["still"] == [0.5, 0.5, 0.5] and drawn["new"] == [0.18, 0.75, 0.36]
     assert shown.locator(".difference pre").inner_text().startswith("A model.xml\nB b/model.xml\ndifferent: ")
     shown.get_by_role("button", name="before").click()
@@ -79,7 +79,7 @@ def test_what_differs_is_coloured_on_both_sides(page: Path, open_page: Callable[
 
 
 @pytest.mark.slow
-def test_a_textured_thing_is_coloured_too(tmp_path: Path, open_page: Callable[..., Any]) -> None:
+def test_a_textured_thing_is_colored_too(tmp_path: Path, open_page: Callable[..., Any]) -> None:
     assets = '<asset><texture name="t" type="2d" builtin="flat" rgb1="0 0 0" width="8" height="8"/><material name="m" texture="t"/></asset>'
     model = f'<mujoco>{assets}<worldbody><body name="b"><geom type="box" size="1 1 1" mass="{{}}" material="m"/></body></worldbody></mujoco>'
     for name, mass in (("a", 1), ("b", 2)):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from mjcompose.build.bundle.bundle import OutputError
-from mjcompose.tools.view.render import TRANSPARENT, Format, Wish, colour_of, format_of, size_of
+from mjcompose.tools.view.render import TRANSPARENT, Format, Wish, color_of, format_of, size_of
 
 
 @pytest.mark.parametrize(
@@ -54,5 +54,5 @@ def test_a_size_is_two_numbers_of_pixels(text: str) -> None:
         ("#gg0000", None),
     ],
 )
-def test_a_colour_is_a_name_or_six_digits(text: str, expected: object) -> None:
-    assert colour_of(text) == expected
+def test_a_color_is_a_name_or_six_digits(text: str, expected: object) -> None:
+    assert color_of(text) == expected

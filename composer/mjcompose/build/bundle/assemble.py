@@ -14,7 +14,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import Refused, real_path
-from mjcompose.build.bundle.bundle import MODEL, Bundle, BundleError, Licences, licence_files, picture_of
+from mjcompose.build.bundle.bundle import MODEL, Bundle, BundleError, Licenses, license_files, picture_of
 from mjcompose.build.bundle.collect import collect
 from mjcompose.build.bundle.manifest import (
     Adopted,
@@ -44,7 +44,7 @@ from mjcompose.model.unit import Unit
 from mjcompose.model.xml_text import write
 from mjcompose.sources.blobs import remembered_sha256
 from mjcompose.sources.context import Context, as_text
-from mjcompose.sources.licence import UNKNOWN, licence_of
+from mjcompose.sources.license import UNKNOWN, license_of
 from mjcompose.sources.reference import Origin as Fetched
 from mjcompose.sources.reference import Source
 from mjcompose.text.node import spans
@@ -219,7 +219,7 @@ def assemble(plan: Plan, model: Unit, uses: Iterable[FileUse], context: Context)
     uses = tuple(uses)
     files = collect(model, uses, context.sink, shown=context.shown)
     try:
-        files.update(_licences(sources(plan)).files)
+        files.update(_licenses(sources(plan)).files)
         if context.sink.error_count > before:
             return None
         return Bundle({**files, MODEL: write(model.root)})
@@ -261,9 +261,9 @@ def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bun
     plan, compiled, model = making.plan, making.compiled, making.model
     named = list(sources(plan))
     names = portable(plan, model, context)
-    licences = _licences(named)
+    licenses = _licenses(named)
     inputs = tuple(
-        _input(source, licences.of[label], names, table=making.tables.get(source.read_as, ()))
+        _input(source, licenses.of[label], names, table=making.tables.get(source.read_as, ()))
         for label, source in named
     )
     renamed = renamed_in(model, making.members)
@@ -297,7 +297,7 @@ def add_manifest(bundle: Bundle, making: ManifestInput, context: Context) -> Bun
             if each.is_written
         ),
         read=tuple(Read(path=path, sha256=digest) for path, digest in _read(bundle, making, names)),
-        licences=_by_licence(inputs, making.members),
+        licenses=_by_license(inputs, making.members),
         files=files_of(bundle),
         merged=making.merged,
         picture=picture_of(plan.name) if making.pictured else None,
@@ -331,7 +331,7 @@ def _read(bundle: Bundle, making: ManifestInput, portable: Portable) -> list[tup
     files = {
         *portable.texts_on_disk(),
         *map(portable.path, {*_files_of(making.plan)}),
-        *(path for _, source in sources(making.plan) for path in (source.path, *source.licences)),
+        *(path for _, source in sources(making.plan) for path in (source.path, *source.licenses)),
         *(Path(use.source) for use in making.uses if use.content is None),
     }
     found: dict[str, str] = {}
@@ -349,11 +349,11 @@ def _files_of(plan: Plan) -> Iterator[str]:
         yield from (span.file for span in spans(each.document))
 
 
-def _by_licence(inputs: tuple[Input, ...], members: tuple[PartRecord, ...]) -> dict[str, tuple[str, ...]]:
+def _by_license(inputs: tuple[Input, ...], members: tuple[PartRecord, ...]) -> dict[str, tuple[str, ...]]:
     found: dict[str, list[str]] = {}
     for each, member in zip(inputs, members, strict=True):
-        found.setdefault(each.licence or UNKNOWN, []).append(member.part)
-    return {licence: tuple(parts) for licence, parts in sorted(found.items())}
+        found.setdefault(each.license or UNKNOWN, []).append(member.part)
+    return {license: tuple(parts) for license, parts in sorted(found.items())}
 
 
 def _origins(plan: Plan) -> Iterator[Fetched | None]:
@@ -370,16 +370,16 @@ def sources(plan: Plan) -> Iterator[tuple[str, Source]]:
             yield place.prefix.strip(plan.separator) or place.model.path.stem, place.model
 
 
-def _licences(named: Iterable[tuple[str, Source]]) -> Licences:
-    """Return the licences by label; a base may have the same label as a part."""
+def _licenses(named: Iterable[tuple[str, Source]]) -> Licenses:
+    """Return the licenses by label; a base may have the same label as a part."""
     found: dict[str, list[Path]] = {}
     for label, source in named:
-        found.setdefault(label, []).extend(source.licences)
-    return licence_files(found)
+        found.setdefault(label, []).extend(source.licenses)
+    return license_files(found)
 
 
 def _input(
-    source: Source, licences: tuple[str, ...], portable: Portable, table: tuple[ReadRow, ...]
+    source: Source, licenses: tuple[str, ...], portable: Portable, table: tuple[ReadRow, ...]
 ) -> Input:
     origin = source.origin
     return Input(
@@ -390,8 +390,8 @@ def _input(
         origin=None
         if origin is None
         else Origin(id=origin.id, commit=origin.commit, tree=origin.tree, sha256=origin.sha256),
-        licence=licence_of(source),
-        licences=licences,
+        license=license_of(source),
+        licenses=licenses,
         package=source.package,
         version=source.version,
         urdf=tuple(

@@ -1,4 +1,4 @@
-"""A finished model as files by path, its form, its place, its names and its licences."""
+"""A finished model as files by path, its form, its place, its names and its licenses."""
 
 from __future__ import annotations
 
@@ -294,24 +294,24 @@ def _folded(path: str) -> str:
     return unicodedata.normalize("NFC", unicodedata.normalize("NFC", path).casefold())
 
 
-LICENCES = "LICENSES"
+LICENSES = "LICENSES"
 _UNSAFE = re.compile(r"[^\w.+@=-]+")
 
 
 @dataclass(frozen=True, slots=True)
-class Licences:
-    """The licence files of a bundle: `files` by their paths in it, `of` their paths by label."""
+class Licenses:
+    """The license files of a bundle: `files` by their paths in it, `of` their paths by label."""
 
     files: Mapping[str, bytes]
     of: Mapping[str, tuple[str, ...]]
 
 
-def licence_files(
-    licences: Mapping[str, Iterable[Path]], read: Callable[[Path], bytes] = read_regular
-) -> Licences:
-    """Return every licence file once, as `LICENSES/LABEL/FILE NAME`.
+def license_files(
+    licenses: Mapping[str, Iterable[Path]], read: Callable[[Path], bytes] = read_regular
+) -> Licenses:
+    """Return every license file once, as `LICENSES/LABEL/FILE NAME`.
 
-    `licences` maps a label (a part's prefix such as `left/gripper`, or a source) to its licence files. Equal files
+    `licenses` maps a label (a part's prefix such as `left/gripper`, or a source) to its license files. Equal files
     of one name go under the first label. Files of one label with the same name and different contents are numbered.
     Raises OSError if a file cannot be read.
     """
@@ -320,19 +320,19 @@ def licence_files(
     taken: set[str] = set()
     placed: dict[tuple[str, bytes], str] = {}
     known: dict[Path, bytes] = {}
-    for label, sources in sorted(licences.items()):
+    for label, sources in sorted(licenses.items()):
         paths: dict[str, None] = {}
         for file in sorted(sources):
             if file not in known:
                 known[file] = read(file)
             name, content = _segment(file.name), known[file]
             if (name, content) not in placed:
-                path = _free(f"{licence_folder(label)}/{name}", file.suffix, taken)
+                path = _free(f"{license_folder(label)}/{name}", file.suffix, taken)
                 placed[name, content] = path
                 files[path] = content
             paths[placed[name, content]] = None
         of[label] = tuple(paths)
-    return Licences(files, of)
+    return Licenses(files, of)
 
 
 def _free(path: str, suffix: str, taken: set[str]) -> str:
@@ -345,14 +345,14 @@ def _free(path: str, suffix: str, taken: set[str]) -> str:
     return path
 
 
-def licence_folder(label: str) -> str:
-    """Return the folder in the bundle for the licences of a label.
+def license_folder(label: str) -> str:
+    """Return the folder in the bundle for the licenses of a label.
 
-    >>> licence_folder("left/gripper")
+    >>> license_folder("left/gripper")
     'LICENSES/left/gripper'
     """
     parts = [_segment(part) for part in re.split(r"[/\\]", label) if part]
-    return "/".join([LICENCES, *(parts or ["model"])])
+    return "/".join([LICENSES, *(parts or ["model"])])
 
 
 def _segment(name: str) -> str:

@@ -105,10 +105,10 @@ class Input(_Part):
     kind: str = Field(description="The kind of reference.", json_schema_extra=_list_kinds)
     sha256: str
     origin: Origin | None = Field(default=None, description="null for a file that is named by its path.")
-    licence: str | None = Field(default=None, description="As an SPDX expression; null when it is not known.")
-    licences: tuple[str, ...] = Field(
+    license: str | None = Field(default=None, description="As an SPDX expression; null when it is not known.")
+    licenses: tuple[str, ...] = Field(
         default=(),
-        description="Its licence files, as paths in this bundle; equal ones of several parts are one file.",
+        description="Its license files, as paths in this bundle; equal ones of several parts are one file.",
     )
     package: str | None = Field(default=None, description="The Python package it came from.")
     version: str | None = Field(default=None, description="The version of that package, or the commit.")
@@ -167,7 +167,7 @@ class Adopted(_Part):
 
 
 class Read(_Part):
-    """One file that was read: a recipe, a model, what these include, a mesh, a licence."""
+    """One file that was read: a recipe, a model, what these include, a mesh, a license."""
 
     path: str = Field(
         description="Relative to the recipe, or after the reference of what it was fetched or installed with."
@@ -386,8 +386,8 @@ class Manifest(_Part):
         default=(), description="The settings that the model takes from its parts, which agree on them."
     )
     read: tuple[Read, ...] = Field(default=(), description="Every file that the model was made from.")
-    licences: dict[str, tuple[str, ...]] = Field(
-        default={}, description="The parts by licence; those of which it is not known are under `unknown`."
+    licenses: dict[str, tuple[str, ...]] = Field(
+        default={}, description="The parts by license; those of which it is not known are under `unknown`."
     )
     files: tuple[File, ...]
     merged: Mapping[str, Mapping[str, str]] = Field(

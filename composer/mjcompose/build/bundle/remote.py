@@ -8,7 +8,7 @@ written last and removed first. A single file is written in one step.
 Bundles as neighbouring folders that share one folder of assets: `NAME/model.xml` refers to `../assets/…`.
 
 A shared asset is named after its content too, so that it is the same file for all models, independent of which
-models are written, in which order and by how many processes. Other files (manifest, licences, submodels) are not
+models are written, in which order and by how many processes. Other files (manifest, licenses, submodels) are not
 shared.
 """
 

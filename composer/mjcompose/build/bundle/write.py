@@ -30,7 +30,7 @@ from mjcompose.base.files import open_regular, read_regular
 from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle.bundle import (
     LARGEST_MANIFEST,
-    LICENCES,
+    LICENSES,
     MANIFEST,
     MODEL,
     Bundle,
@@ -199,7 +199,7 @@ def _rank(path: str, model: str) -> tuple[int, str]:
 
 
 def write_text(bundle: Bundle, out: Path) -> None:
-    """Write only the model's MJCF to `out`, without manifest and licences.
+    """Write only the model's MJCF to `out`, without manifest and licenses.
 
     Raises OutputError if the model needs other files, which would be lost, and then leaves an older `out`
     untouched.
@@ -220,7 +220,7 @@ def needed_files(bundle: Bundle) -> list[str]:
     return [
         path
         for path in bundle.files
-        if path not in (bundle.model, MANIFEST) and not path.startswith(f"{LICENCES}/")
+        if path not in (bundle.model, MANIFEST) and not path.startswith(f"{LICENSES}/")
     ]
 
 

@@ -18,7 +18,7 @@ from mjcompose.sources.blobs import key_of
 if TYPE_CHECKING:
     from mjcompose.base.diagnostic import Span
     from mjcompose.build.bundle.bundle import Bundle, Location
-    from mjcompose.build.bundle.licences import Row
+    from mjcompose.build.bundle.licenses import Row
     from mjcompose.build.bundle.write import BackgroundPacker, Packed
     from mjcompose.build.cache.cache import Answer, Cache, KeptFile, Record
     from mjcompose.build.cache.inputs import Inputs
@@ -60,7 +60,7 @@ class BuildResult:
     is_written: bool = False
     why: tuple[str, ...] = ()
     mujoco: str | None = None
-    licences: tuple[Row, ...] = ()
+    licenses: tuple[Row, ...] = ()
     key: CacheKey | None = None
     inputs: tuple[str, ...] = ()
     draws: Mapping[str, Value] | None = None
@@ -78,7 +78,7 @@ class BuildResult:
 
 
 def result_of_build(
-    built: Built, licences: Iterable[Row], why: tuple[str, ...], key: CacheKey | None
+    built: Built, licenses: Iterable[Row], why: tuple[str, ...], key: CacheKey | None
 ) -> BuildResult:
     """Return a model that was built now."""
     from mjcompose.build.plan.describe import allowed_everywhere
@@ -88,7 +88,7 @@ def result_of_build(
     adopted = tuple(each.located() for each in built.composed.model.adopted)
     return BuildResult(
         built.plan.name, built.bundle.sha256, sizes, merged=built.merged, built=built, bundle=built.bundle, why=why,
-        mujoco=mujoco, licences=tuple(licences), key=key, draws=_draws(built),
+        mujoco=mujoco, licenses=tuple(licenses), key=key, draws=_draws(built),
         cells=built.plan.cells, cells_at=built.plan.cells_at, adopted=adopted,
         allowed=allowed_everywhere(built.plan), excluded=len(built.composed.excluded), is_new=True,
     )  # fmt: skip
@@ -104,7 +104,7 @@ def _draws(built: Built) -> dict[str, Value] | None:
 def result_from_cache(record: Record, inputs: tuple[str, ...]) -> BuildResult:
     """Return a model from the cache, without its files."""
     return BuildResult(record.name, record.sha256, record.sizes, merged=record.merged, record=record, inputs=inputs,
-                mujoco=record.mujoco, licences=record.licences, draws=record.draws,
+                mujoco=record.mujoco, licenses=record.licenses, draws=record.draws,
                 cells=record.cells, cells_at=record.cells_at, adopted=record.adopted,
                 allowed=record.allowed, excluded=record.excluded)  # fmt: skip
 
@@ -272,9 +272,9 @@ class Maker:
         built = build.run()
         if built is None:
             return None
-        from mjcompose.build.bundle.licences import licence_rows
+        from mjcompose.build.bundle.licenses import license_rows
 
-        made = result_of_build(built, licence_rows(plan, context), why, key=key)
+        made = result_of_build(built, license_rows(plan, context), why, key=key)
         if self.options.text_beside is None:
             self._keep(made, outcomes, context, cell=name)
         return made
@@ -441,7 +441,7 @@ class Maker:
             files=self._kept(built.bundle, known) if text is None else (),
             text=digest,
             mujoco=result.mujoco,
-            licences=result.licences,
+            licenses=result.licenses,
             diagnostics=tuple(context.sink.diagnostics),
             checks=tuple(outcomes),
             draws=result.draws,

@@ -26,7 +26,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Fix, Note, Severity, Span
 from mjcompose.base.files import read_regular
 from mjcompose.build.bundle.bundle import is_address
-from mjcompose.build.bundle.licences import Row
+from mjcompose.build.bundle.licenses import Row
 from mjcompose.build.cache.cache_key import CacheKey, Files, FileState, differences, file_state, stamp_of
 from mjcompose.build.verify.outcome import Outcome
 from mjcompose.model.merged_settings import Adopted, known
@@ -129,7 +129,7 @@ class Record:
     files: tuple[KeptFile, ...]
     text: str | None
     mujoco: str | None
-    licences: tuple[Row, ...]
+    licenses: tuple[Row, ...]
     diagnostics: tuple[Diagnostic, ...]
     checks: tuple[Outcome, ...]
     draws: Mapping[str, Value] | None
@@ -155,7 +155,7 @@ def from_json(text: bytes) -> Record:
     data: dict[str, Any] = json.loads(text)
     data["files"] = tuple(KeptFile(**each) for each in data["files"])
     data["recipes"] = tuple(KeptRecipe(**each) for each in data["recipes"])
-    data["licences"] = tuple(Row(**{**each, "files": tuple(each["files"])}) for each in data["licences"])
+    data["licenses"] = tuple(Row(**{**each, "files": tuple(each["files"])}) for each in data["licenses"])
     data["diagnostics"] = tuple(map(_diagnostic, data["diagnostics"]))
     data["checks"] = tuple(
         Outcome(
@@ -431,7 +431,7 @@ def _change(before: FileState, now: FileState) -> str:
     below = f"{before.path}{os.sep}".startswith(os.getcwd() + os.sep)
     name = os.path.relpath(before.path) if below else before.path
     if os.path.isdir(before.path):
-        return f"the licences in `{name}` are others"
+        return f"the licenses in `{name}` are others"
     if not before.state:
         return f"`{name}` is new"
     if not now.state:

@@ -33,7 +33,7 @@ from mjcompose.base.version import __version__
 from mjcompose.sources import blobs
 from mjcompose.sources.blobs import key_of
 from mjcompose.sources.kinds import KINDS
-from mjcompose.sources.licence import licence_names
+from mjcompose.sources.license import license_names
 from mjcompose.targets.names import CONSUMERS
 
 if TYPE_CHECKING:
@@ -118,7 +118,7 @@ _SETTLED = 2_000_000_000
 
 @dataclass(frozen=True, slots=True)
 class FileState:
-    """The state of a path: the sha256 of a file, the names of a folder's licences, or `ABSENT`."""
+    """The state of a path: the sha256 of a file, the names of a folder's licenses, or `ABSENT`."""
 
     path: str
     state: str
@@ -151,7 +151,7 @@ class Files:
         stamp, is_folder = stamped
         key = path, stamp
         if key not in self._states:
-            self._states[key] = _licences(path) if is_folder else _sha256(path)
+            self._states[key] = _licenses(path) if is_folder else _sha256(path)
         settled = max(stamp[1], stamp[2]) + _SETTLED < time.time_ns()
         return FileState(path, self._states[key], stamp if settled else None)
 
@@ -204,9 +204,9 @@ def _sha256(path: str) -> str:
         return ABSENT
 
 
-def _licences(folder: str) -> str:
+def _licenses(folder: str) -> str:
     try:
-        return licence_names(folder)
+        return license_names(folder)
     except OSError:
         return ABSENT
 
@@ -307,10 +307,10 @@ def _source(model: Plan | Source | None) -> object:
 
     if not isinstance(model, Source):
         return model is None
-    licences, packages = [map(str, model.licences), ((name, str(path)) for name, path in model.packages)]
+    licenses, packages = [map(str, model.licenses), ((name, str(path)) for name, path in model.packages)]
     about = [str(model.path), model.kind.name, model.reference, model.package, model.version]
     origin = model.origin.id if model.origin else None
-    return [*about, list(licences), list(packages), repr(model.urdf), origin, list(model.door.roots)]
+    return [*about, list(licenses), list(packages), repr(model.urdf), origin, list(model.door.roots)]
 
 
 def _values(node: Node, file: str) -> Iterator[object]:

@@ -20,7 +20,7 @@ from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.read import files_of_recipe, files_of_source
 from mjcompose.build.stages import Built
 from mjcompose.sources.context import Context
-from mjcompose.sources.licence import LEVELS, licence_folders
+from mjcompose.sources.license import LEVELS, license_folders
 from mjcompose.sources.lock import shapes_folder
 from mjcompose.sources.reference import Source
 from mjcompose.text.node import spans
@@ -73,7 +73,7 @@ class Inputs:
         return tuple(dict.fromkeys(map(os.path.abspath, paths)))
 
     def others(self, built: Built, context: Context) -> tuple[str, ...]:
-        """Return all other files: models, included files, assets, licences and the folders searched for them, lock.
+        """Return all other files: models, included files, assets, licenses and the folders searched for them, lock.
 
         Shapes made of meshes are searched for beside the lock, even if there are none yet.
         """
@@ -126,7 +126,7 @@ class Inputs:
             folder = Path(os.path.abspath(source.path)).parent
             searched = [os.fspath(each) for each in (folder, *folder.parents[:LEVELS])]
             read = [os.path.abspath(path) for path in files_of_source(source)]
-            inside = [each for above in searched for each in licence_folders(above)]
+            inside = [each for above in searched for each in license_folders(above)]
             self._of_sources[source.path] = (*read, *searched, *inside)
         return self._of_sources[source.path]
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from mjcompose.link.subtree import Left, Subtree
 
 Shown = Callable[[File], str]
-_BEYOND = ("licence-missing", "usd-loss", "target-loss", "store-unusable", "lock-stale")
+_BEYOND = ("license-missing", "usd-loss", "target-loss", "store-unusable", "lock-stale")
 """Warnings from outside of a single build, whose absence in a build proves nothing."""
 
 
@@ -392,7 +392,7 @@ def _model_data(model: Source | Plan | None, foreseen: Foreseen) -> Any:
         "format": model.format,
         "package": model.package,
         "version": model.version,
-        "licences": [path.name for path in model.licences],
+        "licenses": [path.name for path in model.licenses],
     }
 
 

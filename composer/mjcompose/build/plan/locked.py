@@ -79,7 +79,7 @@ class _Use:
     source: Source | None
     span: Span | None
     files: dict[str, Path] = field(default_factory=dict)
-    licences: set[str] = field(default_factory=set)
+    licenses: set[str] = field(default_factory=set)
     used_by: dict[str, None] = field(default_factory=dict)
 
 
@@ -314,7 +314,7 @@ class _Gathering:
         for source, span in plan.extended:
             if place.part or source.origin is not None:
                 self._put(
-                    source.path, [source.path, *source.licences], source, label=label, span=place.span or span
+                    source.path, [source.path, *source.licenses], source, label=label, span=place.span or span
                 )
         for file in files_of_recipe(plan, self.context):
             main = plan.path if self.fetching.around(file) is None else file
@@ -329,12 +329,12 @@ class _Gathering:
         if files:
             use = self.uses.setdefault(id, _Use(root, origin, source, span=span))
             use.used_by.setdefault(label)
-            licences = {os.path.realpath(each) for each in source.licences} if source is not None else set()
+            licenses = {os.path.realpath(each) for each in source.licenses} if source is not None else set()
             for file in files:
                 name = _relative(file, root)
                 use.files[name] = file
-                if os.path.realpath(file) in licences:
-                    use.licences.add(name)
+                if os.path.realpath(file) in licenses:
+                    use.licenses.add(name)
 
     def _files_of(self, source: Source) -> list[Path]:
         read = self.fetching.files
@@ -366,13 +366,13 @@ def _locked(use: _Use, fetching: Fetching) -> Locked | None:
         package=source.package if source else None,
         version=source.version if source and source.package else None,
         files=files,
-        licences=sorted(use.licences),
+        licenses=sorted(use.licenses),
         used_by=sorted(use.used_by),
     )
 
 
 def _relative(path: Path, folder: Path) -> str:
-    """Return a relative path, with `..` if necessary: a licence may be outside of its package."""
+    """Return a relative path, with `..` if necessary: a license may be outside of its package."""
     return Path(os.path.relpath(os.path.realpath(path), os.path.realpath(folder))).as_posix()
 
 

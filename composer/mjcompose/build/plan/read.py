@@ -474,7 +474,7 @@ def files_of_source(source: Source) -> Iterator[Path]:
     """
     found = _of_urdf(source) if source.format == "urdf" else _of_mjcf(source.path, source.door, set())
     seen = (path for path in found if source.door.sees(path))
-    yield from (path for path in (*seen, *source.licences) if os.path.isfile(path))
+    yield from (path for path in (*seen, *source.licenses) if os.path.isfile(path))
 
 
 def files_of_recipe(plan: Plan, context: Context) -> Iterator[Path]:

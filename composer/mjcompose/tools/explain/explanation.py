@@ -154,7 +154,7 @@ _MOST_LINES = 5
 def render(explained: Explained, read_source: ReadSource | None = None, color: bool = False) -> str:
     """Return the explanation without a final line break; `read_source` gives the source lines to show.
 
-    `color` adds ANSI colours as in diagnostics.
+    `color` adds ANSI colors as in diagnostics.
     """
     paint = Paint(color)
     if isinstance(explained, ElementExplained):

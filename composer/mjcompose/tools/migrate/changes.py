@@ -302,7 +302,7 @@ TABLE: tuple[Change, ...] = (
         arrays=("flags.sensornoise",),
     ),
     Change(
-        "camera-colour", "3.2.0", DEFAULT, "`camera` of `<rgba>`", "`0.6 0.9 0.6 0.3`", "`0.6 0.9 0.6 1`",
+        "camera-color", "3.2.0", DEFAULT, "`camera` of `<rgba>`", "`0.6 0.9 0.6 0.3`", "`0.6 0.9 0.6 1`",
         "what was meant is written where nothing is",
         *keep_default("visual/rgba", "camera", "0.6 0.9 0.6 0.3", "0.6 0.9 0.6 1"), arrays=("vis.rgba.camera",),
     ),
@@ -344,7 +344,7 @@ TABLE: tuple[Change, ...] = (
         arrays=("light_type",),
     ),
     Change(
-        "texture-colours", "3.3.3", DEFAULT, "`colorspace` of a `<texture>` with a file", "linear",
+        "texture-colors", "3.3.3", DEFAULT, "`colorspace` of a `<texture>` with a file", "linear",
         "what the file says",
         "`colorspace=\"linear\"` is written where nothing is", *keep_of_each(
             "asset/texture", "colorspace", "linear", "auto", lambda editing, node: _has_file(node)),

@@ -96,7 +96,7 @@ def _words(model: Any, mujoco: Any) -> dict[str, Any]:
 
 
 def _marks(model: Any, mujoco: Any, saved: str) -> list[list[int] | None]:
-    """The colour of the random marks of each texture, or None for one without: the text alone knows."""
+    """The color of the random marks of each texture, or None for one without: the text alone knows."""
     mujoco.mj_saveLastXML(saved, model)
     parser = ElementTree.XMLParser(encoding="utf-8")  # nosec B314  # MuJoCo wrote the text, without a document type
     textures = ElementTree.parse(saved, parser).iterfind("asset/texture")  # nosec B314

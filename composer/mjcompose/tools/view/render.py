@@ -43,9 +43,9 @@ def check_given(operand: Operand, given: Given) -> bool:
     return not given
 
 
-Colour = tuple[int, int, int, int]
-TRANSPARENT: Colour = (0, 0, 0, 0)
-COLOURS: dict[str, Colour] = {
+Color = tuple[int, int, int, int]
+TRANSPARENT: Color = (0, 0, 0, 0)
+COLORS: dict[str, Color] = {
     "white": (255, 255, 255, 1),
     "black": (0, 0, 0, 1),
     "grey": (235, 235, 235, 1),
@@ -74,7 +74,7 @@ class Wish:
     size: tuple[int, int] = (960, 720)
     key: str | None = None
     camera: str | None = None
-    background: Colour | None = None
+    background: Color | None = None
     turntable: bool = False
     play: float | None = None
 
@@ -102,14 +102,14 @@ def format_of(out: Path, wish: Wish) -> Format:
     return Format(suffix)
 
 
-def colour_of(text: str) -> Colour | None:
-    """Return a colour by its name or as `#RRGGBB`; None for anything else.
+def color_of(text: str) -> Color | None:
+    """Return a color by its name or as `#RRGGBB`; None for anything else.
 
-    >>> colour_of("#ff8000")
+    >>> color_of("#ff8000")
     (255, 128, 0, 1)
     """
-    if text in COLOURS:
-        return COLOURS[text]
+    if text in COLORS:
+        return COLORS[text]
     digits = text.removeprefix("#")
     if len(digits) != 6 or digits == text:
         return None

@@ -111,38 +111,38 @@ def bodies_of(trees: Sequence[Tree], each: Placed) -> Iterator[str]:
         yield each.prefix + body
 
 
-_LICENCES = "LICENSES/"
+_LICENSES = "LICENSES/"
 
 
 def of_sources(bundle: Bundle, models: Sequence[Bundle]) -> Bundle:
-    """Return a union with the inputs, licences and recipe from the manifests of its models."""
+    """Return a union with the inputs, licenses and recipe from the manifests of its models."""
     manifests = [from_json(each.files[MANIFEST]) for each in models]
     texts: dict[str, bytes] = {}
     inputs: dict[tuple[str, str], Input] = {}
-    licences: dict[str, dict[str, None]] = {}
+    licenses: dict[str, dict[str, None]] = {}
     read: dict[tuple[str, str], Read] = {}
     for model, manifest in zip(models, manifests, strict=True):
         moved = {
-            path: _free(path, model.files[path], texts) for path in model.files if path.startswith(_LICENCES)
+            path: _free(path, model.files[path], texts) for path in model.files if path.startswith(_LICENSES)
         }
         texts |= {moved[path]: model.files[path] for path in moved}
         for each in manifest.inputs:
             known = each.model_copy(
-                update={"licences": tuple(moved.get(path, path) for path in each.licences)}
+                update={"licenses": tuple(moved.get(path, path) for path in each.licenses)}
             )
             inputs.setdefault((each.path, each.sha256), known)
-        for licence, parts in manifest.licences.items():
-            licences.setdefault(licence, {}).update(dict.fromkeys(parts))
+        for license, parts in manifest.licenses.items():
+            licenses.setdefault(license, {}).update(dict.fromkeys(parts))
         read |= {(each.path, each.sha256): each for each in manifest.read}
-    files = {path: content for path, content in bundle.files.items() if not path.startswith(_LICENCES)}
+    files = {path: content for path, content in bundle.files.items() if not path.startswith(_LICENSES)}
     whole = Bundle({**files, **texts}, bundle.model)
     made = from_json(bundle.files[MANIFEST])
-    return with_manifest(whole, _updated(made, whole, manifests, inputs=inputs, licences=licences, read=read))
+    return with_manifest(whole, _updated(made, whole, manifests, inputs=inputs, licenses=licenses, read=read))
 
 
 def _updated(
     made: Manifest, bundle: Bundle, models: Sequence[Manifest], inputs: dict[tuple[str, str], Input],
-    licences: dict[str, dict[str, None]], read: dict[tuple[str, str], Read],
+    licenses: dict[str, dict[str, None]], read: dict[tuple[str, str], Read],
 ) -> Manifest:  # fmt: skip
     """Return the manifest without `parts`: a part of several models is compared with its source in each of them."""
     first = models[0]
@@ -154,7 +154,7 @@ def _updated(
             "parts": (),
             "adopted": first.adopted,
             "read": tuple(each for _, each in sorted(read.items())),
-            "licences": {licence: tuple(parts) for licence, parts in sorted(licences.items())},
+            "licenses": {license: tuple(parts) for license, parts in sorted(licenses.items())},
             "files": files_of(bundle),
             "union": len(models),
         }
@@ -162,11 +162,11 @@ def _updated(
 
 
 def _free(path: str, content: bytes, texts: dict[str, bytes]) -> str:
-    """Return a path for a licence that no other text has."""
+    """Return a path for a license that no other text has."""
     number, free = 1, path
     while texts.get(free, content) != content:
         number += 1
-        free = f"{_LICENCES}{number}/{path.removeprefix(_LICENCES)}"
+        free = f"{_LICENSES}{number}/{path.removeprefix(_LICENSES)}"
     return free
 
 

@@ -38,7 +38,7 @@ def edited(text: str, edit: str, folder: Path, more: str = "") -> mujoco.MjModel
     """The compiled model, or the codes and messages of what is wrong."""
     (folder / "model.xml").write_text(text)
     (folder / "recipe.yaml").write_text(
-        f"recipe: 1\nallow: [licence-missing]\nbase: {{model: ./model.xml{more}}}\n{edit}"
+        f"recipe: 1\nallow: [license-missing]\nbase: {{model: ./model.xml{more}}}\n{edit}"
     )
     context = Context(folder=folder)
     built = build(Request(folder / "recipe.yaml"), context)

@@ -34,7 +34,7 @@ J = 1e-4 * 10**2
 def made(edit: str, folder: Path, sheets: str = SHEETS) -> mujoco.MjModel | list[tuple[str, str]]:
     (folder / "model.xml").write_text(MODEL)
     (folder / "recipe.yaml").write_text(
-        f"recipe: 1\nallow: [licence-missing]\nbase: ./model.xml\n{sheets}edit: [{edit}]\n", encoding="utf-8"
+        f"recipe: 1\nallow: [license-missing]\nbase: ./model.xml\n{sheets}edit: [{edit}]\n", encoding="utf-8"
     )
     context = Context(folder=folder)
     built = build(Request(folder / "recipe.yaml"), context)

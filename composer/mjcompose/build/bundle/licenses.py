@@ -1,4 +1,4 @@
-"""The licences of a plan's parts, as a table."""
+"""The licenses of a plan's parts, as a table."""
 
 from __future__ import annotations
 
@@ -14,41 +14,41 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One part: its model reference, its licence as an SPDX expression (None if unknown), and its licence files."""
+    """One part: its model reference, its license as an SPDX expression (None if unknown), and its license files."""
 
     part: str
     source: str
-    licence: str | None
+    license: str | None
     files: tuple[str, ...]
 
     @property
     def has_none(self) -> bool:
-        """Whether nothing states the licence; an unrecognised licence text counts as a statement."""
-        return self.licence is None and not self.files
+        """Whether nothing states the license; an unrecognised license text counts as a statement."""
+        return self.license is None and not self.files
 
 
-def licence_rows(plan: Plan, context: Context) -> list[Row]:
-    """Return a row for each part, with the base named after its file. Reads licence files and the heads of models."""
+def license_rows(plan: Plan, context: Context) -> list[Row]:
+    """Return a row for each part, with the base named after its file. Reads license files and the heads of models."""
     from mjcompose.build.bundle.assemble import sources  # what was built before needs none of this
-    from mjcompose.sources.licence import is_empty, licence_of
+    from mjcompose.sources.license import is_empty, license_of
 
     return [
         Row(
             label,
             source.reference,
-            licence_of(source),
-            files=tuple(context.shown(file) for file in source.licences if not is_empty(file)),
+            license_of(source),
+            files=tuple(context.shown(file) for file in source.licenses if not is_empty(file)),
         )
         for label, source in sources(plan)
     ]
 
 
-def licence_table(rows: Iterable[Row]) -> str:
+def license_table(rows: Iterable[Row]) -> str:
     """Return the rows in columns, with headings."""
-    from mjcompose.sources.licence import UNKNOWN
+    from mjcompose.sources.license import UNKNOWN
 
-    lines = [("part", "source", "licence", "file")]
-    lines += [(row.part, row.source, row.licence or UNKNOWN, ", ".join(row.files) or "-") for row in rows]
+    lines = [("part", "source", "license", "file")]
+    lines += [(row.part, row.source, row.license or UNKNOWN, ", ".join(row.files) or "-") for row in rows]
     widths = [max(len(line[column]) for line in lines) for column in range(3)]
     return "\n".join(
         "  ".join([*(text.ljust(width) for text, width in zip(line, widths, strict=False)), line[3]])
@@ -57,7 +57,7 @@ def licence_table(rows: Iterable[Row]) -> str:
 
 
 def report_unlicensed(rows: Iterable[Row], context: Context) -> None:
-    """Warn of the parts without a licence, all at once."""
+    """Warn of the parts without a license, all at once."""
     bare = [row for row in rows if row.has_none]
     if not bare:
         return
@@ -65,8 +65,8 @@ def report_unlicensed(rows: Iterable[Row], context: Context) -> None:
     if len(bare) > 20:
         names += f" and {len(bare) - 20} other parts"
     context.sink.warning(
-        "licence-missing",
-        f"nothing says under which licence {names} may be passed on",
+        "license-missing",
+        f"nothing says under which license {names} may be passed on",
         help="put a `LICENSE` with its text beside the model, or"
         " `<!-- SPDX-License-Identifier: CC-BY-4.0 -->` at its top",
     )

@@ -4,8 +4,8 @@ import os
 from pathlib import Path
 
 import pytest
-from mjcompose.sources import licence
-from mjcompose.sources.licence import identify, is_licence, licence_of, of_package
+from mjcompose.sources import license
+from mjcompose.sources.license import identify, is_license, license_of, of_package
 from mjcompose.sources.path import KIND
 from mjcompose.sources.reference import Source
 
@@ -18,7 +18,7 @@ def write(root: Path, *names: str) -> None:
 
 
 def found(root: Path, model: str, base: Path | None = None) -> list[str]:
-    return [path.relative_to(root.resolve()).as_posix() for path in licence.find(root / model, base)]
+    return [path.relative_to(root.resolve()).as_posix() for path in license.find(root / model, base)]
 
 
 def test_the_nearest_folder_wins(tmp_path: Path) -> None:
@@ -42,8 +42,8 @@ def test_three_levels_up_and_no_more(tmp_path: Path) -> None:
 def test_a_repository_is_not_left(tmp_path: Path) -> None:
     write(tmp_path, "LICENSE", "repo/.git/HEAD", "repo/arm/model.xml")
     assert found(tmp_path, "repo/arm/model.xml") == []
-    write(tmp_path, "repo/LICENCE")
-    assert found(tmp_path, "repo/arm/model.xml") == ["repo/LICENCE"]
+    write(tmp_path, "repo/LICENSE")
+    assert found(tmp_path, "repo/arm/model.xml") == ["repo/LICENSE"]
 
 
 def test_a_worktree_counts_as_a_repository(tmp_path: Path) -> None:
@@ -56,7 +56,7 @@ def test_the_base_is_not_left(tmp_path: Path) -> None:
     assert found(tmp_path, "package/arm/model.xml", tmp_path / "package") == []
 
 
-def test_a_stray_licence_beside_all_packages_is_nobodys(tmp_path: Path) -> None:
+def test_a_stray_license_beside_all_packages_is_nobodys(tmp_path: Path) -> None:
     write(tmp_path, "site-packages/LICENSE", "site-packages/robots/model.xml")
     assert found(tmp_path, "site-packages/robots/model.xml") == []
 
@@ -66,10 +66,10 @@ def test_a_relative_path_is_searched_from_where_it_starts(
 ) -> None:
     write(tmp_path, "LICENSE", "recipes/x.yaml", "models/arm.xml")
     monkeypatch.chdir(tmp_path / "recipes")
-    assert licence.find(Path("../models/arm.xml")) == ((tmp_path / "LICENSE").resolve(),)
+    assert license.find(Path("../models/arm.xml")) == ((tmp_path / "LICENSE").resolve(),)
 
 
-def test_all_texts_in_a_folder_called_licenses_are_licences(tmp_path: Path) -> None:
+def test_all_texts_in_a_folder_called_licenses_are_licenses(tmp_path: Path) -> None:
     write(
         tmp_path,
         ".git/HEAD",
@@ -88,7 +88,7 @@ def test_all_texts_in_a_folder_called_licenses_are_licences(tmp_path: Path) -> N
     assert found(tmp_path, "arm/model.xml") == wanted
 
 
-def test_a_model_below_a_folder_called_licenses_is_no_licence(tmp_path: Path) -> None:
+def test_a_model_below_a_folder_called_licenses_is_no_license(tmp_path: Path) -> None:
     write(tmp_path, "licenses/arm/readme.txt", "licenses/arm/arm.xml")
     assert found(tmp_path, "licenses/arm/arm.xml", tmp_path / "licenses") == []
 
@@ -96,18 +96,18 @@ def test_a_model_below_a_folder_called_licenses_is_no_licence(tmp_path: Path) ->
 @pytest.mark.parametrize(
     "name", ["LICENSE", "licence.md", "LICENSE-MIT", "COPYING.LESSER", "NOTICE.txt", "Licenses.txt"]
 )
-def test_names_of_licences(name: str) -> None:
-    assert is_licence(name)
+def test_names_of_licenses(name: str) -> None:
+    assert is_license(name)
 
 
 @pytest.mark.parametrize(
     "name", ["license.py", "licenses.json", "noticeboard", "README", "MY_LICENSE", "licensed.xml"]
 )
 def test_names_of_other_files(name: str) -> None:
-    assert not is_licence(name)
+    assert not is_license(name)
 
 
-def test_a_licence_that_is_put_there_later_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_license_that_is_put_there_later_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("mjcompose.base.files._SETTLED", -1)  # else nothing is remembered of a new folder
     (tmp_path / "arm" / ".git").mkdir(parents=True)
     os.utime(tmp_path / "arm", (1, 1))
@@ -147,31 +147,31 @@ def test_a_text_is_known_by_its_words(text: str, expected: str | None) -> None:
 
 
 def source(
-    folder: Path, head: str = "", licences: dict[str, str] | None = None, package: str | None = None
+    folder: Path, head: str = "", licenses: dict[str, str] | None = None, package: str | None = None
 ) -> Source:
     model = folder / "arm.xml"
     model.write_text(f"{head}<mujoco/>")
-    for name, text in (licences or {}).items():
+    for name, text in (licenses or {}).items():
         (folder / name).write_text(text)
-    paths = tuple(folder / name for name in licences or {})
-    return Source(model, KIND, "./arm.xml", licences=paths, licence=package)
+    paths = tuple(folder / name for name in licenses or {})
+    return Source(model, KIND, "./arm.xml", licenses=paths, license=package)
 
 
 def test_the_model_itself_is_asked_first(tmp_path: Path) -> None:
     head = "<!-- SPDX-License-Identifier: CC-BY-4.0 -->\n"
-    assert licence_of(source(tmp_path, head, {"LICENSE": BSD})) == "CC-BY-4.0"
+    assert license_of(source(tmp_path, head, {"LICENSE": BSD})) == "CC-BY-4.0"
 
 
-def test_several_licences_hold_together(tmp_path: Path) -> None:
+def test_several_licenses_hold_together(tmp_path: Path) -> None:
     files = {"LICENSE": BSD, "LICENSE-meshes": "SPDX-License-Identifier: MIT OR ISC", "NOTICE": "thanks"}
-    assert licence_of(source(tmp_path, "", files)) == "BSD-2-Clause AND (MIT OR ISC)"
+    assert license_of(source(tmp_path, "", files)) == "BSD-2-Clause AND (MIT OR ISC)"
 
 
 def test_a_package_speaks_only_where_no_file_does(tmp_path: Path) -> None:
-    assert licence_of(source(tmp_path, package="MIT")) == "MIT"
-    assert licence_of(source(tmp_path, "", {"LICENSE": "Do as you please."}, "MIT")) is None
-    assert licence_of(source(tmp_path, "", {"LICENSE": " \n"}, "MIT")) == "MIT"
-    assert licence_of(source(tmp_path)) is None
+    assert license_of(source(tmp_path, package="MIT")) == "MIT"
+    assert license_of(source(tmp_path, "", {"LICENSE": "Do as you please."}, "MIT")) is None
+    assert license_of(source(tmp_path, "", {"LICENSE": " \n"}, "MIT")) == "MIT"
+    assert license_of(source(tmp_path)) is None
 
 
 @pytest.mark.parametrize(

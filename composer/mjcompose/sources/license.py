@@ -1,4 +1,4 @@
-"""The licence files of a model, and the SPDX identifier of their text."""
+"""The license files of a model, and the SPDX identifier of their text."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from mjcompose.base.files import Memory, open_regular, real_folder
 from mjcompose.sources.reference import Source
 
 UNKNOWN = "unknown"
-"""The name of an unidentified licence, which is not an SPDX identifier."""
+"""The name of an unidentified license, which is not an SPDX identifier."""
 
 _LARGEST = 1 << 20
 _DECLARED = re.compile(
@@ -43,7 +43,7 @@ _PHRASES: tuple[tuple[str, str], ...] = (
     ("ISC", r"permission to use, copy, modify, and/?(?:or)? distribute this software for any purpose with or"),
     ("MIT", r"permission is hereby granted, free of charge, to any person obtaining a copy .{0,400}restriction"),
 )  # fmt: skip
-"""Phrases that occur in one licence only; the first one in the text counts."""
+"""Phrases that occur in one license only; the first one in the text counts."""
 
 _BSD = r"redistribution and use in source and binary forms, with or without modification"
 _BSD_3 = r"neither the name of .{1,200} may be used to endorse or promote"
@@ -52,7 +52,7 @@ _BSD_4 = r"all advertising materials mentioning features"
 
 @lru_cache(maxsize=64)
 def identify(text: str) -> str | None:
-    r"""Return the SPDX identifier of a licence text, or None if it is not one of the common licences. No I/O.
+    r"""Return the SPDX identifier of a license text, or None if it is not one of the common licenses. No I/O.
 
     A line `SPDX-License-Identifier: …` takes precedence over the text itself.
 
@@ -74,24 +74,24 @@ def identify(text: str) -> str | None:
     return min(found)[1] if found else None
 
 
-def licence_of(source: Source) -> str | None:
-    """Return the licence of a model as an SPDX expression, or None if it is not stated.
+def license_of(source: Source) -> str | None:
+    """Return the license of a model as an SPDX expression, or None if it is not stated.
 
-    The model file itself comes first (`SPDX-License-Identifier`), then its licence files, then the package.
-    Different licence files are joined by AND.
+    The model file itself comes first (`SPDX-License-Identifier`), then its license files, then the package.
+    Different license files are joined by AND.
     """
     if (declared := _DECLARED.search(_text(source.path, _HEAD))) is not None:
         return declared[1]
     named = sorted(
-        {name for path in source.licences if (name := identify(_text(path, _LARGEST))) is not None}
+        {name for path in source.licenses if (name := identify(_text(path, _LARGEST))) is not None}
     )
     if named:
         return " AND ".join(f"({each})" if " OR " in each and len(named) > 1 else each for each in named)
-    return source.licence if all(map(is_empty, source.licences)) else None
+    return source.license if all(map(is_empty, source.licenses)) else None
 
 
-def is_empty(licence: Path) -> bool:
-    return not _text(licence, _LARGEST).strip()
+def is_empty(license: Path) -> bool:
+    return not _text(license, _LARGEST).strip()
 
 
 def _text(path: Path, size: int) -> str:
@@ -106,7 +106,7 @@ def _read(path: str, size: int) -> str:
         return ""
 
 
-# Many models of one run share the same licence files.
+# Many models of one run share the same license files.
 _heads = Memory(lambda path: _read(path, _HEAD), lambda _: "")
 _texts = Memory(lambda path: _read(path, _LARGEST), lambda _: "")
 
@@ -136,7 +136,7 @@ _WRITTEN = {
 
 
 def of_package(expression: str | None, written: str | None, classifiers: Iterable[str]) -> str | None:
-    """Return the licence in the metadata of a package: its `License-Expression`, `License`, or classifiers. No I/O.
+    """Return the license in the metadata of a package: its `License-Expression`, `License`, or classifiers. No I/O.
 
     >>> of_package(None, "Apache 2.0", [])
     'Apache-2.0'
@@ -152,7 +152,7 @@ def of_package(expression: str | None, written: str | None, classifiers: Iterabl
 
 
 LEVELS = 3
-"""How many folders above its own a model's licence may be."""
+"""How many folders above its own a model's license may be."""
 _NAME = re.compile(r"(licen[sc]e|copying|notice)s?([-_. ].*)?", re.IGNORECASE)
 _FOLDER = re.compile("licen[sc]es", re.IGNORECASE)
 _DEPTH = 3
@@ -162,7 +162,7 @@ _NOT_TEXT = frozenset(
 
 
 def find(model: Path, base: Path | None = None) -> tuple[Path, ...]:
-    """Return the licence files of the nearest folder that has any: the model's own, or one of the `LEVELS` above it.
+    """Return the license files of the nearest folder that has any: the model's own, or one of the `LEVELS` above it.
 
     All texts in a folder `LICENSES` count. The search stays inside `base`, does not go above a folder with `.git`,
     and stops below the folder where Python packages are installed. Empty if there are none. Reads folders only, no
@@ -183,27 +183,27 @@ def find(model: Path, base: Path | None = None) -> tuple[Path, ...]:
 
 def _in_folder(folder: Path) -> list[Path]:
     try:
-        return [path for name in licences_in(os.fspath(folder)) if os.path.isfile(path := folder / name)]
+        return [path for name in licenses_in(os.fspath(folder)) if os.path.isfile(path := folder / name)]
     except OSError:
         return []
 
 
-def is_licence(name: str) -> bool:
-    """Return whether a file name is that of a licence or a notice. No I/O.
+def is_license(name: str) -> bool:
+    """Return whether a file name is that of a license or a notice. No I/O.
 
-    >>> [name for name in ("LICENSE", "licence-mit.txt", "licenses.py", "NOTICED") if is_licence(name)]
+    >>> [name for name in ("LICENSE", "licence-mit.txt", "licenses.py", "NOTICED") if is_license(name)]
     ['LICENSE', 'licence-mit.txt']
     """
     return _NAME.fullmatch(name) is not None and _is_text(name)
 
 
-def licences_in(folder: str) -> list[str]:
-    """Return the sorted relative paths of the licences in a folder. Raises OSError.
+def licenses_in(folder: str) -> list[str]:
+    """Return the sorted relative paths of the licenses in a folder. Raises OSError.
 
     All texts in a folder `LICENSES` count, as in the layout of REUSE and in a bundle.
     """
     names = _remembered.ask(folder)
-    found = [name for name in names if is_licence(name) and not os.path.isdir(os.path.join(folder, name))]
+    found = [name for name in names if is_license(name) and not os.path.isdir(os.path.join(folder, name))]
     for name in filter(_FOLDER.fullmatch, names):
         for path, _, files in os.walk(os.path.join(folder, name)):
             below = os.path.relpath(path, folder)
@@ -212,15 +212,15 @@ def licences_in(folder: str) -> list[str]:
 
 
 def _names(folder: str) -> list[str]:
-    """What has to do with licences in a folder."""
-    return [name for name in os.listdir(folder) if is_licence(name) or _FOLDER.fullmatch(name)]
+    """What has to do with licenses in a folder."""
+    return [name for name in os.listdir(folder) if is_license(name) or _FOLDER.fullmatch(name)]
 
 
 # Each of many models looks in the same four folders.
 _remembered = Memory(_names, _names)
 
 
-def licence_folders(folder: str) -> list[str]:
+def license_folders(folder: str) -> list[str]:
     """Return the folders `LICENSES` in a folder and all folders below them; none if it cannot be read."""
     try:
         names = [name for name in os.listdir(folder) if _FOLDER.fullmatch(name)]
@@ -229,14 +229,14 @@ def licence_folders(folder: str) -> list[str]:
     return sorted(path for name in names for path, _, _ in os.walk(os.path.join(folder, name)))
 
 
-def licence_names(folder: str) -> str:
-    """Return a text that changes when the licences in a folder change. Raises OSError.
+def license_names(folder: str) -> str:
+    """Return a text that changes when the licenses in a folder change. Raises OSError.
 
-    Folders that may hold more licences are checked separately.
+    Folders that may hold more licenses are checked separately.
     """
     if any(map(_FOLDER.fullmatch, folder.split(os.sep)[-_DEPTH:])):
         return "\n".join(sorted(os.listdir(folder)))
-    return "\n".join(sorted(name for name in os.listdir(folder) if is_licence(name)))
+    return "\n".join(sorted(name for name in os.listdir(folder) if is_license(name)))
 
 
 def _is_text(name: str) -> bool:
