@@ -131,7 +131,7 @@ schemas: $(STAMP)
 	@for what in recipe manifest; do \
 	  $(BIN)/mjcompose schema $$what > build/$$what.schema.json && mv build/$$what.schema.json schemas/ || exit 1; \
 	done
-	@$(BIN)/mjcompose schema reference > build/reference.md && mv build/reference.md docs/
+	@$(BIN)/python -m mjcompose.language.reference_page docs/reference
 	@$(BIN)/python -m mjcompose.mjcf.stub
 	@$(BIN)/python -m mjcompose.targets.table
 	@$(BIN)/python -m mjcompose.tools.migrate.changes

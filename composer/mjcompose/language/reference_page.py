@@ -1,13 +1,13 @@
-"""The page docs/reference.md, and the order of a recipe's keys.
+"""The pages in docs/reference, and the order of a recipe's keys.
 
 The order in which `fmt` writes the keys of a recipe: that of the fields and rows of the language.
 
 `python -m mjcompose.language.reference_page > composer/mjcompose/text/key_order.json` writes it to a file.
 `fmt` runs at every save and reads that file, because importing the models takes longer than formatting.
 
-The page docs/reference.md: all keys of a recipe from the JSON Schema, and MJCF's elements from the grammar.
+The pages in docs/reference: all keys of a recipe from the JSON Schema, and MJCF's elements from the grammar.
 
-`python -m mjcompose schema reference > docs/reference.md` writes it.
+`python -m mjcompose.language.reference_page docs/reference` writes them.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import json
 import os
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from mjcompose.language.attach import Attachment
@@ -32,6 +32,7 @@ from mjcompose.language.schema import recipe_schema
 from mjcompose.language.sections import PARENT, TYPE, Defaults, Typed
 from mjcompose.language.used_model import KEYS as EDIT
 from mjcompose.language.used_model import Base, key_names
+from mjcompose.model.classes import ORIENTATIONS
 from mjcompose.model.grammar import GRAMMAR, ElementType
 from mjcompose.sources.kinds import KINDS
 
@@ -97,28 +98,34 @@ def _each(sections: Iterable[str], *keys: str) -> dict[str, list[str]]:
 
 
 MANUAL = "https://mujoco.readthedocs.io/en/stable/XMLreference.html"
-_HEAD = f"""# Reference
+_HEAD = f"""# Recipe reference
 
-All keys of a recipe, as `mjcompose schema reference` prints them. [Recipes](recipes.md), [variation](variation.md),
-[randomisation](randomisation.md) and [checks](checks.md) explain what they mean together. Every chapter begins with
-examples that together use each of its keys; the tests build them. Elements and their attributes are those of MJCF, and
-mean what MuJoCo's [XML reference]({MANUAL}) says.
+Every key of a recipe, a page for each section. [Recipes](../recipes.md), [variation](../variation.md),
+[randomization](../randomisation.md) and [checks](../checks.md) explain how to use them together. Each page begins with
+examples that use all of its keys; the tests build them. Elements and attributes are those of MJCF and mean the same as
+in MuJoCo's [XML reference]({MANUAL}).
 
 You choose the words that `PREFIX`, `NAME` and the like stand for. `[]` stands for each item of a list. Keys in **bold**
-are required unless `extends` or a variant gives them. `${{…}}` may stand for any value, and a number may have the unit
-`deg` or `rad`.
+are required unless `extends` or a variant gives them. Any value can be a `${{…}}`, and any number can have the unit
+`deg` or `rad`. Parts, edits, checks and elements can have `when`, which includes them in some builds only, and a
+fragment of MJCF can take the place of an element: `xml: <geom …/>`.
 """
 _CHAPTERS = {
     "selector": (
         "Selectors",
+        "edit.md#selectors",
         "One key is a tag, a family, a path of tags or `default`, with a glob over names; others narrow it.",
     ),
-    "edit": ("Entries of `edit`", "A selector, and what is done to what it selects."),
-    "draw": ("Fields of `randomize`", "What is drawn: an attribute of what is selected, or a parameter."),
+    "edit": ("Entries", "edit.md", "A selector, and what to do with the elements that it selects."),
+    "draw": ("Fields", "randomize.md#fields", "An attribute of the selected elements, or a parameter."),
 }
-"""What is explained once, in a chapter of its own: by definition, the title and what stands above the keys."""
+"""Definitions that have a table of their own: the title, the place, and the sentence above the keys."""
+_ON = {"edit": ("edit", "selector"), "randomize": ("draw",)}
+"""The pages of these tables."""
 _SAME = ("scale", "offset")
 """Keys of a field of `randomize` with the distributions that the field itself may have."""
+_EVERYWHERE = ("when", "xml")
+"""Keys of many mappings, which the first page explains."""
 _PLACES = {
     "attach": "PREFIX", "with": "PARAMETER", "packages": "PACKAGE", "params": "PARAMETER", "variants": "AXIS",
     "axes": "AXIS", "default": "CLASS", "fields": "FIELD", "from": "PART",
@@ -128,43 +135,119 @@ _TYPES = {
     "string": "text", "number": "number", "integer": "whole number", "boolean": "true or false", "array": "list",
     "object": "mapping",
 }  # fmt: skip
+_OWN = {"exclude"}
+"""Elements of MJCF that can have other forms in a recipe."""
 _SETTINGS = ("option", "size", "statistic", "compiler")
 _VALUES = re.compile(r"(number|integer)(?:-(\d+)(-(\d*))?)?")
 _TEMPLATE = r"\$\{"
 _SAID = " (default: "
 _ELEMENTS = ("element.", "named.", "typed.", "variant.", "step.", "class")
+_TABLE = ("| key | type | default | meaning |", "|---|---|---|---|")
+_ELEMENTS_HEAD = """Names in bold are required. Each element links to the XML reference, which has types and units.
+A class has the same attributes, except the name."""
+_NO_PAGE = (
+    "recipe",
+    "name",
+    "description",
+    "angle",
+    "eulerseq",
+    "separator",
+    "conflict",
+    "allow",
+    "extends",
+    "variants",
+)
+"""Top-level keys that a row explains."""
+
+
+def pages() -> dict[str, str]:
+    """Return the text of each page of the reference, by its file name. They are the same every time."""
+    schema = recipe_schema()
+    whole = {**schema["else"], "required": schema["required"]}  # a recipe that extends no other
+    keys = _Keys(schema["$defs"], whole["properties"]["attach"])
+    found = {"index.md": _index(whole, keys)}
+    for name, each in whole["properties"].items():
+        if name not in _NO_PAGE:
+            found[f"{name}.md"] = "\n".join(_section(name, each, keys)) + "\n"
+    found["model_references.md"] = "\n".join(_references()) + "\n"
+    return found
 
 
 def page() -> str:
-    """Return the text of the page. It is the same every time."""
-    schema = recipe_schema()
-    keys = _Keys(schema["$defs"])
-    whole = {**schema["else"], "required": schema["required"]}  # a recipe that extends no other
-    lines = [_HEAD, "## Top-level keys", *_examples("top"), "", *keys.table(whole, "", deep=False)]
-    for name, each in whole["properties"].items():
-        rows = list(keys.rows(each, name))
-        if rows:
-            lines += ["", f"## `{name}`", *_examples(name), "", *keys.head, *rows]
-    for name, (title, about) in _CHAPTERS.items():
-        lines += ["", f"## {title}", "", about, *_examples(name), "", *keys.table(keys.definitions[name], "")]
-    lines += ["", "## Model references", "", *_references()]
-    lines += ["", "## Elements", ""]
+    """Return the text of all pages together."""
+    return "\n".join(pages().values())
+
+
+def write(folder: Path) -> None:
+    """Write the pages to a folder, and remove others that are there."""
+    texts = pages()
+    for path in folder.glob("*.md"):
+        if path.name not in texts:
+            path.unlink()
+    for name, each in texts.items():
+        (folder / name).write_text(each, encoding="utf-8")
+
+
+def _index(whole: Schema, keys: _Keys) -> str:
+    rows = dict(zip(whole["properties"], keys.rows(whole, "", deep=False), strict=True))
+    linked = {name: row if name in _NO_PAGE else row.replace(f"`{name}`", f"[`{name}`]({name}.md)", 1)
+              for name, row in rows.items()}  # fmt: skip
+    sections = GRAMMAR.root.children
+    own = [row for name, row in linked.items() if name not in sections]
+    lines = [_HEAD, "## Top-level keys", *_examples("top"), "", *_TABLE, *own]
     lines += [
-        "Names in bold are required. Types, units and defaults are shown by [editors](editors.md), and are in the XML",
-        "reference, to which each element is a link. Of a class an element has the same attributes but its name.",
+        "",
+        "## Sections of MJCF",
+        "",
+        *_TABLE,
+        *(row for name, row in linked.items() if name in sections),
     ]
-    for section in GRAMMAR.root.children.values():
-        if rows := list(_elements(section)):
-            title = "the body tree, in `add`" if section.tag == "worldbody" else f"`{section.tag}`"
-            lines += [
-                "",
-                f"### In {title}",
-                "",
-                "| element | what it is | attributes |",
-                "|---|---|---|",
-                *rows,
-            ]
+    lines += ["", "[Model references](model_references.md) are the values of `base`, `model` and `extends`."]
     return "\n".join(lines) + "\n"
+
+
+def _section(name: str, schema: Schema, keys: _Keys) -> Iterator[str]:
+    yield f"# `{name}`"
+    yield f"\n{keys.about(schema)}"
+    yield from _examples(name)
+    own: list[tuple[str, str]] = []
+    mjcf: list[tuple[str, str]] = []
+    for place, row in keys.placed(schema, name):
+        (mjcf if _is_of_mjcf(name, place) else own).append((place, row))
+    if name == "base":
+        part = {row.replace("`attach.PREFIX.", "`base.", 1) for _, row in keys.placed(keys.attach, "attach")}
+        shared = [place.removeprefix("base.") for place, row in own if row in part and place.count(".") == 1]
+        own = [each for each in own if each[1] not in part]
+        yield f"\nThese keys are those of a [part](attach.md): {', '.join(f'`{key}`' for key in shared)}."
+    if own:
+        yield from ("", *_titled(own))
+    for chapter in _ON.get(name, ()):
+        title, _, about = _CHAPTERS[chapter]
+        yield f"\n## {title}\n\n{about}"
+        yield from _examples(chapter)
+        yield from ("", *_TABLE, *keys.rows(keys.definitions[chapter], ""))
+    section = GRAMMAR.root.children.get("worldbody" if name == "add" else name)
+    if name in _SETTINGS:
+        yield from ("", f"## Attributes of `{name}` in MJCF", "", *_titled(mjcf))
+    if section is not None and (rows := list(_elements(section))):
+        yield f"\n## Elements of MJCF\n\n{_ELEMENTS_HEAD}\n\n| element | meaning | attributes |\n|---|---|---|"
+        yield from rows
+
+
+def _is_of_mjcf(section: str, place: str) -> bool:
+    """Return whether a key is an element or an attribute of MJCF, without forms of the language in it."""
+    kind = GRAMMAR.element("body") if section == "add" else GRAMMAR.root.children.get(section)
+    key = place.partition(".")[2]
+    return kind is not None and key in {*kind.attributes, *kind.children} - _OWN
+
+
+def _titled(rows: Sequence[tuple[str, str]]) -> Iterator[str]:
+    """Yield a table of keys, without the steps that all of them begin with, which are its title."""
+    steps = re.match(r"(\w+(?:\.[A-Z]+)?(?:\[\])?)\.", rows[0][0])
+    start = steps[1] if steps and all(place.startswith(steps[0]) for place, _ in rows) else ""
+    if start:
+        yield from (f"Keys of `{start}`:", "")
+    yield from (*_TABLE, *(row.replace(f"`{start}.", "`", 1) if start else row for _, row in rows))
 
 
 def examples(name: str) -> list[str]:
@@ -186,45 +269,67 @@ def _examples(name: str) -> Iterator[str]:
 
 def _references() -> Iterator[str]:
     """Yield every form of a model reference, from the rows of the source kinds."""
-    yield "What `base`, `model` of a part and `extends` take. What is behind each form is in [sources](sources.md)."
+    yield "# Model references"
     yield ""
-    yield "| form | what it is |"
+    yield "`base`, `model` of a part and `extends` take these. [Sources](../sources.md) explains each form."
+    yield ""
+    yield "| form | meaning |"
     yield "|---|---|"
     yield from (f"| `{form.example}` | {form.meaning} |" for kind in KINDS for form in kind.forms)
 
 
 class _Keys:
-    """Makes tables of keys from JSON Schema."""
+    """Makes rows of keys from JSON Schema."""
 
-    head = ("| key | type | default | what it is |", "|---|---|---|---|")
-
-    def __init__(self, definitions: dict[str, Schema]) -> None:
-        self.definitions = definitions
-
-    def table(self, schema: Schema, path: str, deep: bool = True) -> list[str]:
-        return [*self.head, *self.rows(schema, path, deep)]
+    def __init__(self, definitions: dict[str, Schema], attach: Schema) -> None:
+        self.definitions, self.attach = definitions, attach
 
     def rows(self, schema: Schema, path: str, deep: bool = True) -> Iterator[str]:
         """Yield a row for each key in what the schema describes, and for the keys inside, at any depth."""
+        yield from (row for _, row in self.placed(schema, path, deep))
+
+    def placed(self, schema: Schema, path: str, deep: bool = True) -> Iterator[tuple[str, str]]:
+        """Yield the same rows, each with its path. A key that one or several may have has one row."""
+        seen = set()
+        for place, row in self._placed(schema, path, deep):
+            if (plain := place.replace("[]", "")) not in seen:
+                seen.add(plain)
+                yield place, row
+
+    def _placed(self, schema: Schema, path: str, deep: bool) -> Iterator[tuple[str, str]]:
         for kind in self._kinds(schema):
             required = {*kind.get("required", ())}
             for rule in (*kind.get("allOf", ()), kind.get("else", {})):
                 required |= {*rule.get("required", ())}
+            turns = [name for name in kind.get("properties", {}) if name in ORIENTATIONS]
             for name, each in kind.get("properties", {}).items():
                 place = f"{path}.{name}" if path else name
-                yield self._row(place, each, name in required)
+                if name in turns[1:] or (name in _EVERYWHERE and path):
+                    continue
+                row = self._row(place, each, name in required)
+                if name in turns and len(turns) > 1:
+                    row = row.replace(
+                        f"`{place}`", ", ".join([f"`{place}`", *(f"`{each}`" for each in turns[1:])]), 1
+                    )
+                yield place, row
                 if deep and name not in _SAME:
-                    yield from self.rows(each, place)
+                    yield from self._placed(each, place, deep)
             below = kind.get("additionalProperties")
             if isinstance(below, dict):
                 word = _PLACES.get(path.rpartition(".")[2], "NAME")
+                place = f"{path}.{word}" if path else word
                 pointer = below.get("$ref", "").rpartition("/")[2]
                 if pointer in _CHAPTERS or pointer.startswith(("typed.", "class")):
                     described = {"description": _BY_NAME.get(path, "`type` is the tag of MJCF"), **below}
-                    yield self._row(f"{path}.{word}", described, False)
-                yield from self.rows(below, f"{path}.{word}" if path else word)
+                    yield place, self._row(place, described, False)
+                yield from self._placed(below, place, deep)
             if isinstance(kind.get("items"), dict):
-                yield from self.rows(kind["items"], f"{path}[]")
+                yield from self._placed(kind["items"], f"{path}[]", deep)
+
+    def about(self, schema: Schema) -> str:
+        """Return the description of a schema, or of the definition that it refers to."""
+        target = self.definitions.get(schema.get("$ref", "").rpartition("/")[2], {})
+        return " ".join((schema.get("description") or target.get("description", "")).split())
 
     def _kinds(self, schema: Schema) -> Iterator[Schema]:
         """Yield the kinds of values. References are followed, except for elements and keys with a chapter."""
@@ -246,7 +351,7 @@ class _Keys:
     def _row(self, place: str, schema: Schema, required: bool) -> str:
         target = self.definitions.get(schema.get("$ref", "").rpartition("/")[2], {})
         schema = {**{key: target[key] for key in ("description", "default") if key in target}, **schema}
-        about = " ".join(schema.get("description", "").split())
+        about = self.about(schema)
         about, _, said = about.removesuffix(")").partition(_SAID) if _SAID in about else (about, "", "")
         default = f"`{_shown(schema['default'])}`" if "default" in schema else f"`{said}`" if said else ""
         cells = (f"**`{place}`**" if required else f"`{place}`", self._type(schema), default, about)
@@ -288,15 +393,13 @@ class _Keys:
         if pointer == "dropped":
             return self._named("selector")
         if pointer == "code":
-            return "[codes](errors)"
+            return "[codes](../errors)"
         if pointer in _CHAPTERS:
-            title = _CHAPTERS[pointer][0]
-            anchor = re.sub(r"[^a-z ]", "", title.lower()).replace(" ", "-")
-            return f"[{pointer}](#{anchor})"
+            return f"[{pointer}]({_CHAPTERS[pointer][1]})"
         if pointer.startswith(_ELEMENTS):
-            return "[element](#elements)"
+            return "element"
         if pointer in ("Piece", "InPlace"):
-            return "any of the [top-level keys](#top-level-keys)"
+            return "any of the [top-level keys](index.md)"
         return self._type(self.definitions[pointer])
 
 
@@ -325,4 +428,7 @@ def _elements(section: ElementType) -> Iterator[str]:
 
 
 if __name__ == "__main__":
-    sys.stdout.write(text())
+    if len(sys.argv) > 1:
+        write(Path(sys.argv[1]))
+    else:
+        sys.stdout.write(text())
