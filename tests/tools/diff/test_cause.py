@@ -1,7 +1,8 @@
-"""The line that `diff` names is the line that was changed: for every value of the recipes and models shipped here."""
+"""The line that `diff` names is the line that was changed: for values of each kind in the recipes and models shipped here."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
 from mjcompose.tools.diff.diff import diff
-from tools.diff.changing import values_of
+from tools.diff.changing import Value, values_of
 from tools.diff.sweeping import Sweep
 
 RECIPES = Path(__file__).parents[3] / "recipes"
@@ -41,8 +42,11 @@ def test_the_line_of_some_values(recipe: str, file: str, step: int, session: Ses
 @pytest.mark.slow
 @pytest.mark.timeout(3600)
 @pytest.mark.parametrize(("recipe", "file"), ALL, ids=[file for _, file in ALL])
-def test_the_line_of_every_value(recipe: str, file: str, session: Session, tmp_path: Path) -> None:
-    _sweep(recipe, file, 1, session, tmp_path)
+def test_the_line_of_each_kind_of_value(recipe: str, file: str, session: Session, tmp_path: Path) -> None:
+    """Of values of one attribute in elements of one kind, or of one key, the last: it comes after others like it."""
+    sweep = Sweep(tmp_path, RECIPES / f"{recipe}.yaml", session)
+    kinds = {re.sub(r"^.*?([^/.]*/?[^/.]+)$", r"\1", each.path): each for each in values_of(sweep.a / file)}
+    _check(sweep, [*kinds.values()])
 
 
 ARM = """<mujoco><worldbody><body name="link" pos="0 0 1"><joint name="j"/><geom size="0.1"/>
@@ -87,7 +91,10 @@ def test_the_body_that_an_attachment_makes_has_the_line_of_its_place(
 
 def _sweep(recipe: str, file: str, step: int, session: Session, folder: Path) -> None:
     sweep = Sweep(folder, RECIPES / f"{recipe}.yaml", session)
-    values = values_of(sweep.a / file)[step // 2 :: step]
+    _check(sweep, values_of(sweep.a / file)[step // 2 :: step])
+
+
+def _check(sweep: Sweep, values: list[Value]) -> None:
     named = [found for found in map(sweep.of, values) if found is not None]
     assert len(named) > len(values) / 3  # others do not build, or make no difference
     assert not [str(each) for each in named if not each.is_right]
