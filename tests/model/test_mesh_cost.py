@@ -9,7 +9,7 @@ from mjcompose.base.limits import allow
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import Bundle
 from mjcompose.build.stages import Request, build
-from mjcompose.build.verify.compile import StrangerError, verify
+from mjcompose.build.verify.compile import OutsideFilesError, verify
 from mjcompose.model.mesh_cost import check_meshes, mesh_points
 from mjcompose.model.parse import all_admitted, parse_file, parse_text
 from mjcompose.sources.context import Context
@@ -205,7 +205,7 @@ def test_they_are_counted_where_python_compiles_a_model_or_reads_one_for_mujoco(
 def test_they_are_counted_in_the_bundle_of_a_stranger(folder: Path) -> None:
     text = b'<mujoco><asset><mesh file="m.stl"/></asset><worldbody><geom type="mesh" mesh="m"/></worldbody></mujoco>'
     bundle = Bundle({"model.xml": text, "m.stl": OPEN}, "model.xml")
-    with allow(mesh_points=100), pytest.raises(StrangerError) as raised:
+    with allow(mesh_points=100), pytest.raises(OutsideFilesError) as raised:
         verify(bundle, stranger="x.zip")
     assert [each.code for each in raised.value.found] == ["limit-exceeded"]
 

@@ -36,8 +36,8 @@ def arm(tmp_path: Path) -> Path:
     return path
 
 
-def converted(path: Path, *, stands: bool = True) -> ElementTree.Element:
-    result = convert_urdf(path, {"arm": path.parent}, door=ALL, stands=stands)
+def converted(path: Path, *, is_fixed: bool = True) -> ElementTree.Element:
+    result = convert_urdf(path, {"arm": path.parent}, door=ALL, is_fixed=is_fixed)
     assert result.text is not None, result.error
     return ElementTree.fromstring(result.text)
 
@@ -61,7 +61,7 @@ def test_what_is_fused_leaves_a_frame_with_a_mark(arm: Path) -> None:
 
 @fuses
 def test_the_root_stays_a_body_where_it_does_not_stand_in_the_world(arm: Path) -> None:
-    root = converted(arm, stands=False)
+    root = converted(arm, is_fixed=False)
     assert [body.get("name") for body in root.iter("body")] == ["base", "upper"]
     base = root.find("worldbody/body/inertial")
     assert base is not None and base.get("mass") == "1"

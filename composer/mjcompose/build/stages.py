@@ -30,7 +30,7 @@ from mjcompose.build.bundle.bundle import Bundle
 from mjcompose.build.compose.compose import Composed, Composer
 from mjcompose.build.compose.load import Library
 from mjcompose.build.plan.describe import acknowledge
-from mjcompose.build.plan.locked import check_lock, planned_whole
+from mjcompose.build.plan.locked import check_lock, plan_with_intact_store
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.planner import plan_what_remains
 from mjcompose.build.plan.read import Given
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from mjcompose.link.files import Merged
     from mjcompose.mujoco.engine import Compiled, Limits, Session
 
-Ahead = Callable[[Bundle], None]
+OnBundle = Callable[[Bundle], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +111,7 @@ def build(
 def planned(request: Request, context: Context) -> Plan | None:
     """Read, merge, expand, validate, resolve and plan a recipe; return what can be built of it, or None."""
     with context.timed("plan"):
-        return planned_whole(
+        return plan_with_intact_store(
             lambda: plan_what_remains(
                 request.recipe,
                 context,
@@ -137,8 +137,8 @@ class _Draft:
 class Build:
     """One build of a planned model, from composing it on; `run` carries it out.
 
-    `library` has source files that were read before. `outcomes` gets what came of each check. `ahead` gets the bundle
-    before MuJoCo does, so that it can process its files in parallel.
+    `library` has source files that were read before. `outcomes` gets what came of each check. `on_bundle` gets the
+    bundle before MuJoCo does, so that it can process its files in parallel.
     """
 
     plan: Plan
@@ -147,21 +147,21 @@ class Build:
     session: Session
     library: Library | None = None
     outcomes: list[Outcome] = field(default_factory=list)
-    ahead: Ahead | None = None
+    on_bundle: OnBundle | None = None
 
     def run(self) -> Built | None:
         """Compose, link, bundle and verify the model; return None if the context's sink has errors.
 
         Warnings that the recipes allow are removed from the sink; with `context.strict` the others become errors.
         """
-        built, plan, request, context = self._built(), self.plan, self.request, self.context
+        built, plan, request, context = self._build(), self.plan, self.request, self.context
         alone = request.name is None and request.sample == 0 and not plan.cells
         acknowledge(plan, context.sink, context.shown, whole=request.verified and alone)
         if context.strict:
             context.sink.promote()
         return None if context.sink.has_errors else built
 
-    def _built(self) -> Built | None:
+    def _build(self) -> Built | None:
         context, request = self.context, self.request
         check_lock(self.plan, context)
         composer = Composer(
@@ -176,9 +176,9 @@ class Build:
             return None
         composed, bundle, compiled = draft.composed, draft.bundle, None
         if request.verified:
-            if self.ahead is not None:
-                self.ahead(bundle)
-            compiled = self._verified(draft)
+            if self.on_bundle is not None:
+                self.on_bundle(bundle)
+            compiled = self._verify(draft)
         if composed.tabled and not context.sink.has_errors:
             bundle = self._with_worlds(draft, compiled)
         if context.sink.has_errors:
@@ -197,7 +197,7 @@ class Build:
             made=composed.shapes,
             tables=composed.tables,
         )
-        final = self._aimed(add_manifest(bundle, making, context), composed)
+        final = self._exported(add_manifest(bundle, making, context), composed)
         return (
             None
             if final is None
@@ -221,19 +221,21 @@ class Build:
             bundle = assemble(plan, composed.model, composed.files, context=context)
         return None if bundle is None else _Draft(composed, bundle, merged)
 
-    def _verified(self, draft: _Draft) -> Compiled | None:
+    def _verify(self, draft: _Draft) -> Compiled | None:
         """Return MuJoCo's verdict, after running the recipe's checks."""
         from mjcompose.build.verify.checks import checks_in
         from mjcompose.build.verify.compile import (
             WHOLE,
-            judge,  # a build without verification has no use for that room
+            compile_and_report,  # a build without verification has no use for that room
         )
         from mjcompose.build.verify.kept_keys import check_kept_keys
         from mjcompose.build.verify.key_ranges import check_key_ranges, check_stiffness
 
         plan, composed, context, session = self.plan, draft.composed, self.context, self.session
         with context.timed("compile"):
-            compiled = judge(draft.bundle, composed.model, context, session=session, keep=WHOLE, at=plan.span)
+            compiled = compile_and_report(
+                draft.bundle, composed.model, context, session=session, keep=WHOLE, at=plan.span
+            )
         if compiled is None:
             return None
         if compiled.index is not None:
@@ -289,7 +291,7 @@ class Build:
 
     def _keep_sample(self, number: int) -> bool:
         """Build a sample, compile it, and have the session keep it. Return whether it has no errors."""
-        from mjcompose.build.verify.compile import judge
+        from mjcompose.build.verify.compile import compile_and_report
         from mjcompose.build.verify.draws import SAMPLE
 
         context = replace(self.context, timings=[])  # those of the model are its own
@@ -298,9 +300,12 @@ class Build:
         if sample is None:
             return False
         model, at = sample.composed.model, self.plan.span
-        return judge(sample.bundle, model, context, session=self.session, keep=SAMPLE, at=at) is not None
+        return (
+            compile_and_report(sample.bundle, model, context, session=self.session, keep=SAMPLE, at=at)
+            is not None
+        )
 
-    def _aimed(self, bundle: Bundle, composed: Composed) -> Bundle | None:
+    def _exported(self, bundle: Bundle, composed: Composed) -> Bundle | None:
         """Return what the target program reads; that is the bundle itself without one."""
         if self.request.target is None:
             return bundle

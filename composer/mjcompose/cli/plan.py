@@ -14,7 +14,7 @@ from mjcompose.cli.run import Answer, Run, command, flag, group
 
 if TYPE_CHECKING:
     from mjcompose.build.plan.matrix import FilledValues
-    from mjcompose.build.plan.plan import Foreseen, Plan
+    from mjcompose.build.plan.plan import Plan, PlanPreview
     from mjcompose.language.expand import Cell
 
 
@@ -64,9 +64,9 @@ def plan(options: Options, run: Run) -> Answer:
         return Answer(lambda: license_table(rows), [asdict(row) for row in rows])
     if options.expanded:
         return Answer(lambda: expanded_text(planned))
-    from mjcompose.build.compose.preview import foresee
+    from mjcompose.build.compose.preview import preview_plan
 
-    foreseen = foresee(planned, context)
+    foreseen = preview_plan(planned, context)
     return Answer(
         lambda: "\n".join([describe(planned, foreseen), *_cell_lines(planned, filled, cells)]),
         lambda: _data(planned, foreseen, filled, cells=cells),
@@ -74,12 +74,12 @@ def plan(options: Options, run: Run) -> Answer:
 
 
 def _data(
-    plan: Plan, foreseen: Foreseen | None, filled: FilledValues, cells: Sequence[Cell]
+    plan: Plan, preview: PlanPreview | None, filled: FilledValues, cells: Sequence[Cell]
 ) -> dict[str, Any]:
     """Return the plan as data, with the cells that are built separately."""
     from mjcompose.build.plan.describe import as_data
 
-    data = as_data(plan, foreseen)
+    data = as_data(plan, preview)
     if filled.cell is not None:
         data["as_cell"] = filled.cell
     if cells:

@@ -21,7 +21,7 @@ from mjcompose.cli.reporting import (
 )
 
 if TYPE_CHECKING:
-    from mjcompose.build.verify.stored import Stored
+    from mjcompose.build.verify.stored import VerifiedBundle
 
 
 @click.command()
@@ -57,7 +57,7 @@ def command(bundles: tuple[Path, ...], recipe: Path | None, form: str) -> None:
     sys.exit(code)
 
 
-def _say(stored: Stored, path: str, form: str, *, ok: bool) -> None:
+def _say(stored: VerifiedBundle, path: str, form: str, *, ok: bool) -> None:
     if form == "json":
         parts = [
             {"part": each.member.part, "unchanged": None if each.obscure is not None else each.ok}

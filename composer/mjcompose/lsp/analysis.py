@@ -15,8 +15,8 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Span
 from mjcompose.base.files import read_regular
 from mjcompose.base.sink import Sink
-from mjcompose.build.compose.load import Key, Library, key_of
-from mjcompose.build.plan.plan import BASE, Place, Plan
+from mjcompose.build.compose.load import Key, Library, source_key
+from mjcompose.build.plan.plan import BASE, PlacedModel, Plan
 from mjcompose.lsp.cursor import Cursor, Path, cursor_at
 from mjcompose.lsp.language import Form, forms_at
 from mjcompose.model.names import WORLD, NameIndex
@@ -342,15 +342,15 @@ def _longest(prefix: tuple[str, str]) -> int:
     return -len(prefix[0])
 
 
-def _identity(place: Place) -> tuple[str, object]:
+def _identity(placed: PlacedModel) -> tuple[str, object]:
     """Return a value that changes whenever the names of a part may change."""
-    return place.prefix, place.model.path if isinstance(place.model, Source) else None
+    return placed.prefix, placed.model.path if isinstance(placed.model, Source) else None
 
 
-def _unit(place: Place, library: Library) -> Unit | None:
-    if not isinstance(place.model, Source):
+def _unit(placed: PlacedModel, library: Library) -> Unit | None:
+    if not isinstance(placed.model, Source):
         return None
-    return library.get(key_of(place.model, place.stands))
+    return library.get(source_key(placed.model, placed.is_fixed_in_world))
 
 
 def _of_root(root: _Element, prefix: str, prefixes: list[tuple[str, str]]) -> Iterator[Known]:

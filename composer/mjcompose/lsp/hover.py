@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from mjcompose.base.rotation import Pose
 from mjcompose.base.sink import Sink
-from mjcompose.build.plan.plan import Place, Plan
+from mjcompose.build.plan.plan import PlacedModel, Plan
 from mjcompose.build.plan.read import files_of_source
 from mjcompose.language.expand import Cell, cells, scope_of
 from mjcompose.link import numbers
@@ -196,8 +196,8 @@ def show_model(question: Question) -> Hover | None:
     return Hover("\n".join(_lines(place, question)), question.word)
 
 
-def _lines(place: Place, question: Question) -> Iterator[str]:
-    model = place.model
+def _lines(placed: PlacedModel, question: Question) -> Iterator[str]:
+    model = placed.model
     source = model.source if isinstance(model, Plan) else model
     if source is not None:
         yield f"**`{source.reference}`**"
@@ -210,7 +210,7 @@ def _lines(place: Place, question: Question) -> Iterator[str]:
     if isinstance(model, Plan):
         yield from _of_recipe(model, question)
         return
-    unit = question.analysis.names.sources.get(place.part)
+    unit = question.analysis.names.sources.get(placed.part)
     if isinstance(model, Source) and unit is not None:
         yield from _of_model(model, unit)
 

@@ -71,7 +71,7 @@ def _end_with_parent() -> None:
 def _compile(request: dict[str, Any], mujoco: Any, kept: dict[str, Any]) -> dict[str, Any]:
     answer: dict[str, Any] = {"ok": False, "crash": None}
     try:
-        with _remembering(mujoco, request["stands"]):
+        with _remembering(mujoco, request["folder_is_reused"]):
             model = (_compiled_there if request["mjb"] else _compiled)(request, mujoco)
         if request["keep"] is not None:
             kept[request["keep"]] = model
@@ -227,19 +227,19 @@ def _set_soft_limit(resource: Any, kind: int | None, value: int) -> None:
 
 
 @contextlib.contextmanager
-def _remembering(mujoco: Any, stands: bool) -> Iterator[None]:
+def _remembering(mujoco: Any, folder_is_reused: bool) -> Iterator[None]:
     """Let MuJoCo read and compile each asset once, and keep those of a standing folder for its next model.
 
     It identifies files by path and time, which files of other folders may share. So what it knows of another folder
     is forgotten before and after: without capacity the cache is empty.
     """
-    if not stands:
+    if not folder_is_reused:
         _set_cache(mujoco, 0)
     _set_cache(mujoco, _REMEMBERED)
     try:
         yield
     finally:
-        if not stands:
+        if not folder_is_reused:
             _set_cache(mujoco, 0)
 
 

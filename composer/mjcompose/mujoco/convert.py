@@ -53,7 +53,7 @@ def convert_urdf(
     name that the text has for each; in the converted text they have it too. The shapes of the links that are `massless`
     weigh nothing. Of `shells`, meshes by their names in the text, MuJoCo takes the surface where it needs a volume.
 
-    `stands` decides about the root link: if the robot stands in the world, MuJoCo fuses the link with the world,
+    `is_fixed` decides about the root link: if the robot stands in the world, MuJoCo fuses the link with the world,
     which has no inertia; a robot that moves or is attached to something keeps it as a body.
 
     Needs all meshes, because MuJoCo saves only what compiles. Raises Refused for a mesh that the door does not
@@ -63,13 +63,13 @@ def convert_urdf(
     if session is None:
         with Session(limits) as own:
             return convert_urdf(
-                path, packages, door=door, stands=stands, text=text, made=made, massless=massless,
+                path, packages, door=door, stands=is_fixed, text=text, made=made, massless=massless,
                 shells=shells, session=own,
             )  # fmt: skip
     argument = {
         "path": str(path.absolute()),
         "packages": {name: folder.absolute().as_posix() for name, folder in packages.items()},
-        "stands": stands,
+        "is_fixed": is_fixed,
         "text": text,
         "massless": list(massless),
         "shells": sorted(shells),
@@ -112,7 +112,7 @@ def read_meshes(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
 def convert(mujoco: Any, argument: dict[str, Any]) -> dict[str, Any]:
     """Return the text, or why there is none. Runs in the child."""
     try:
-        text = _saved(mujoco, _read(mujoco, argument), argument["stands"])
+        text = _saved(mujoco, _read(mujoco, argument), argument["is_fixed"])
         for name, file in argument["made"].items():
             text = text.replace(f'"{escape(file)}"', f'"{escape(name)}"')
         return {"error": None, "text": text}
@@ -151,7 +151,7 @@ def _found(file: str, packages: Mapping[str, str]) -> str:
     return f"{packages[name]}/{inside}" if file.startswith(PACKAGE) and name in packages else file
 
 
-def _saved(mujoco: Any, spec: Any, stands: bool) -> str:
+def _saved(mujoco: Any, spec: Any, is_fixed: bool) -> str:
     """Return the text of a spec.
 
     Global operations of the compiler are applied here, while it is still a model of its own: in a composition they
@@ -160,10 +160,10 @@ def _saved(mujoco: Any, spec: Any, stands: bool) -> str:
     compiler = spec.compiler
     compiler.saveinertial = False
     if not (hasattr(compiler, "savecompiled") and hasattr(spec, "fuse_static")):
-        return _saved_as_compiled(mujoco, spec, stands)
+        return _saved_as_compiled(mujoco, spec, is_fixed)
     for body in spec.bodies[1:]:
         body.add_frame(name=body.name)  # moves along with the body, whatever happens to it
-    for root in () if stands else spec.worldbody.bodies:
+    for root in () if is_fixed else spec.worldbody.bodies:
         root.fuse = 0
     if compiler.discardvisual:
         spec.discard_visual()
@@ -174,14 +174,14 @@ def _saved(mujoco: Any, spec: Any, stands: bool) -> str:
     return str(spec.to_xml())
 
 
-def _saved_as_compiled(mujoco: Any, spec: Any, stands: bool) -> str:
+def _saved_as_compiled(mujoco: Any, spec: Any, is_fixed: bool) -> str:
     """Return the text of a spec from an older MuJoCo, which saves compiled values: correct up to rounding.
 
     Inertia is written explicitly, because values inferred before links were fused cannot be inferred afterwards.
     """
     save_digits(mujoco)
     spec.compiler.saveinertial = True
-    if not stands:
+    if not is_fixed:
         spec.compiler.fusestatic = False  # the only way to keep the root
     text = re.sub(r' inertiafromgeom="\w+"', "", spec.to_xml())
     if spec.compiler.settotalmass > 0:  # the saved text does not include it

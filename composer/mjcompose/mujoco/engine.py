@@ -69,7 +69,7 @@ class Request:
     `arrays` are attributes of mjModel, or of mjData after mj_forward if written `data.NAME`. `mjb` is the path for
     the compiled model. `keep` is a name under which a session's child keeps the compiled model for `Session.call`.
     `text`, if given, replaces the file's content; the file need not exist then, and relative paths in the text
-    still start at its folder. `stands` says that only the model in `folder` ever changes, so that MuJoCo may reuse
+    still start at its folder. `folder_is_reused`: only the model in `folder` ever changes, so MuJoCo may reuse
     the other files.
     """
 
@@ -80,7 +80,7 @@ class Request:
     mjb: Path | None = None
     text: str | None = None
     keep: str | None = None
-    stands: bool = False
+    folder_is_reused: bool = False
 
     def __post_init__(self) -> None:
         unknown = set(self.wants) - WANTS
@@ -103,7 +103,7 @@ class Request:
                 "text": self.text,
                 "keep": self.keep,
                 "step": step,
-                "stands": self.stands,
+                "folder_is_reused": self.folder_is_reused,
             },
             ensure_ascii=False,
         )
@@ -444,7 +444,15 @@ def compile(
 
     Never raises for faults of the model. `limits` apply only without a `session`, which has its own.
     """
-    request = Request(folder, model, wants=(*wants, "forward"), mjb=mjb, text=text, keep=keep, stands=stands)
+    request = Request(
+        folder,
+        model,
+        wants=(*wants, "forward"),
+        mjb=mjb,
+        text=text,
+        keep=keep,
+        folder_is_reused=folder_is_reused,
+    )
     return _run([request], limits, session)[0].compiled
 
 

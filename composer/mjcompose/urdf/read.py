@@ -56,7 +56,7 @@ class UrdfReader:
     session: Session | None = None
     shown: Shown = str
     asked: Span | None = None
-    stands: bool = True
+    is_fixed_in_world: bool = True
     missing: Callable[[Robot, Converted], None] | None = None
     relative: Shown = str
     reading: Reading = field(default_factory=Reading)
@@ -163,7 +163,7 @@ class UrdfReader:
         text = robot.text()
         try:
             return convert_urdf(
-                self.source.path, robot.packages, door=robot.unit.door, stands=self.stands, text=text,
+                self.source.path, robot.packages, door=robot.unit.door, is_fixed=self.is_fixed_in_world, text=text,
                 made=self._written(robot, stack), massless=massless, shells=shells, session=self.session,
             )  # fmt: skip
         except Refused as refused:

@@ -508,7 +508,7 @@ WARNING = Diagnostic(
 RECORD = Record(
     name="cell", model="model.xml", sha256="0" * 64, sizes=None, merged={}, files=(), text=None, mujoco=None, licenses=(),
     diagnostics=(WARNING,), checks=(Outcome("upright", "stable", SPAN, (WARNING,), {}),), draws=None, recipes=(),
-    places="", names_places=False, cells=0, cells_at=None,
+    places="", mentions_positions=False, cells=0, cells_at=None,
 )  # fmt: skip
 
 

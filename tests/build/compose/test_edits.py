@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from build.compose.arm import DEGREES, Case, changed
-from mjcompose.build.compose.preview import foresee
+from mjcompose.build.compose.preview import preview_plan
 from mjcompose.build.plan.planner import make_plan
 from mjcompose.build.stages import Request, build
 from mjcompose.sources.context import Context
@@ -43,7 +43,7 @@ def test_what_is_dropped_is_listed(radian: Case) -> None:
     context = Context(environment={}, folder=radian.folder)
     plan = make_plan(Path("recipe.yaml"), context)
     assert plan is not None
-    (found,) = foresee(plan, context).subtrees.values()
+    (found,) = preview_plan(plan, context).subtrees.values()
     listed = {(each.what, each.name) for each in found.left}
     assert {("body", "link2"), ("joint", "elbow"), ("site", "tip"), ("actuator", "a2")} <= listed
     assert not {"frame", "inertial"} & {what for what, _ in listed}, "they are no more than poses and numbers"

@@ -7,20 +7,20 @@ from typing import Any
 import pytest
 from cases import Case
 from mjcompose.build.compose import load
-from mjcompose.build.compose.preview import foresee
+from mjcompose.build.compose.preview import preview_plan
 from mjcompose.build.plan.describe import as_data, describe
-from mjcompose.build.plan.plan import Excluded, Foreseen
+from mjcompose.build.plan.plan import Excluded, PlanPreview
 from mjcompose.build.plan.planner import make_plan
 from mjcompose.sources.context import Context
 
 TESTS = Path(__file__).parents[2]
 
 
-def foreseen(folder: Path) -> Foreseen:
+def foreseen(folder: Path) -> PlanPreview:
     context = Context(environment={}, folder=folder)
     plan = make_plan(Path("recipe.yaml"), context)
     assert plan is not None
-    return foresee(plan, context)
+    return preview_plan(plan, context)
 
 
 def test_each_file_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -56,7 +56,7 @@ def test_gains_are_shown_as_joints_feel_them(tmp_path: Path) -> None:
     context = Context(environment={}, folder=tmp_path)
     plan = make_plan(Path("recipe.yaml"), context)
     assert plan is not None
-    found = foresee(plan, context)
+    found = preview_plan(plan, context)
     text = describe(plan, found)
     assert "m: kp 300 N·m/rad, kv 4 N·m·s/rad through a gear of 50" in text
     assert "p: kp 7 N/m, kv 2 N·s/m" in text and "v: kv 12 N·m·s/rad through a gear of -2" in text

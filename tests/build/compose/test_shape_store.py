@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner
-from mjcompose.build.compose.shape_store import checked, key_of
+from mjcompose.build.compose.shape_store import parse_shapes, shapes_key
 from mjcompose.build.stages import Request, build
 from mjcompose.cli.main import main
 from mjcompose.sources.blobs import digest
@@ -103,25 +103,25 @@ def _with(change: Callable[[Any], object]) -> Any:
 )
 def test_a_result_of_another_form_is_refused(change: Callable[[Any], object]) -> None:
     with pytest.raises(ValueError):
-        checked(_with(change))
+        parse_shapes(_with(change))
 
 
 def test_a_result_is_taken_as_it_was_kept() -> None:
     for path in KEPT:
         data = json.loads(path.read_text(encoding="utf-8"))
-        assert checked(copy.deepcopy(data)) == data
+        assert parse_shapes(copy.deepcopy(data)) == data
 
 
 def test_the_key_follows_from_mesh_method_and_settings() -> None:
     keys = {
-        key_of({"file": "1"}, "hull", {"vertices": None}),
-        key_of({"file": "2"}, "hull", {"vertices": None}),
-        key_of({"file": "1", "scale": "2 2 2"}, "hull", {"vertices": None}),
-        key_of({"file": "1"}, "hull", {"vertices": 8}),
-        key_of({"file": "1"}, "fit", "box"),
+        shapes_key({"file": "1"}, "hull", {"vertices": None}),
+        shapes_key({"file": "2"}, "hull", {"vertices": None}),
+        shapes_key({"file": "1", "scale": "2 2 2"}, "hull", {"vertices": None}),
+        shapes_key({"file": "1"}, "hull", {"vertices": 8}),
+        shapes_key({"file": "1"}, "fit", "box"),
     }
     assert len(keys) == 5
-    assert key_of({"a": "1", "b": "2"}, "fit", "box") == key_of({"b": "2", "a": "1"}, "fit", "box")
+    assert shapes_key({"a": "1", "b": "2"}, "fit", "box") == shapes_key({"b": "2", "a": "1"}, "fit", "box")
 
 
 def test_a_lock_keeps_what_it_pins() -> None:

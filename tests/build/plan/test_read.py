@@ -54,8 +54,8 @@ def test_a_recipe_is_expanded_once_for_the_same_values(
 def test_what_is_wrong_is_found_each_time_in_its_own_sink(tmp_path: Path) -> None:
     (tmp_path / "cell.yaml").write_text('recipe: 1\noption: {timestep: "${x}"}\nnobody: 1\n')
     context = Context(environment={}, folder=tmp_path)
-    read.validated(tmp_path / "cell.yaml", {}, context)
+    read.validated_recipe(tmp_path / "cell.yaml", {}, context)
     again = Context(environment={}, folder=tmp_path, recipes=context.recipes, concrete=context.concrete)
-    read.validated(tmp_path / "cell.yaml", {}, again)
+    read.validated_recipe(tmp_path / "cell.yaml", {}, again)
     assert context.sink.diagnostics == again.sink.diagnostics
     assert {each.code for each in again.sink.errors} == {"unknown-name", "unknown-key"}

@@ -34,7 +34,9 @@ def told(folder: Path, monkeypatch: pytest.MonkeyPatch, version: str | None, mod
     built = build(Request(Path("r.yaml"), verified=False), context)
     assert built is not None
     monkeypatch.setattr(compile, "verify", lambda *_, **__: verdict)
-    judged = compile.judge(built.bundle, built.composed.model, context, session=cast(Session, None))
+    judged = compile.compile_and_report(
+        built.bundle, built.composed.model, context, session=cast(Session, None)
+    )
     assert judged is cast(Any, verdict.compiled)
     return [
         f"{each.severity.name}: {each.code}"

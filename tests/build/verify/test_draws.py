@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from mjcompose.build.bundle.staging import write_folder
 from mjcompose.build.stages import Built, Request, build
-from mjcompose.build.verify.draws import Computed, _following, are_close
+from mjcompose.build.verify.draws import DerivedValues, _following, are_close
 from mjcompose.mujoco.varying import flat
 from mjcompose.sources.context import Context
 
@@ -274,7 +274,7 @@ def test_an_orientation_goes_into_every_key_that_has_it(name: str, mocap: int) -
 def test_a_mean_that_is_given_is_not_computed(given: str) -> None:
     text = WORLDS_MODEL.format(**POSES).replace("<keyframe>", f'<statistic {given}="7"/><keyframe>')
     model = mujoco.MjModel.from_xml_string(text)
-    computed = Computed(mujoco, model, mujoco.MjData(model))
+    computed = DerivedValues(mujoco, model, mujoco.MjData(model))
     before = model.stat.meaninertia, model.stat.meanmass
     model.body_mass[3] *= 2
     model.body_inertia[3] *= 2

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from mjcompose.base.rotation import Pose
-from mjcompose.build.verify.parts import Question, ask, differences_of
+from mjcompose.build.verify.parts import PartQuestion, compare_part, differences_of
 from mjcompose.mujoco.engine import Request, Session
 from mjcompose.mujoco.keyframes import Keys
 from mjcompose.mujoco.match import Difference, Mount
@@ -31,12 +31,12 @@ WHOLE = """
 def test_the_answer_comes_back_as_differences(
     tmp_path: Path, damping: float, expected: list[tuple[object, ...]]
 ) -> None:
-    question = Question(prefix="p/", site="top", keys=Keys.PREFIX)
+    question = PartQuestion(prefix="p/", site="top", keys=Keys.PREFIX)
     with Session() as session:
         for name, text in (("part", PART.format(damping)), ("whole", WHOLE)):
             answer, _ = session.ask(Request(tmp_path, text=text, keep=name))
             assert answer["ok"], answer
-        answer = session.call(ask, ["part", "whole"], question.to_json())
+        answer = session.call(compare_part, ["part", "whole"], question.to_json())
     assert answer["ok"], answer
     found = differences_of(answer["value"])
     assert [(one.kind, one.name, one.expected, one.actual) for one in found] == expected
@@ -44,13 +44,13 @@ def test_the_answer_comes_back_as_differences(
 
 
 def test_an_unknown_pose_is_asked_for_as_such() -> None:
-    assert Question(body="base", posed=False).mount(None) == Mount("base", None)
-    assert Question(body="base", pos=(0, 0, 1)).mount(None) == Mount("base", Pose((0, 0, 1)))
+    assert PartQuestion(body="base", posed=False).mount(None) == Mount("base", None)
+    assert PartQuestion(body="base", pos=(0, 0, 1)).mount(None) == Mount("base", Pose((0, 0, 1)))
 
 
 def test_a_body_that_the_composition_does_not_have_has_no_answer(tmp_path: Path) -> None:
     with Session() as session:
         for name, text in (("part", PART.format(1)), ("whole", WHOLE)):
             session.ask(Request(tmp_path, text=text, keep=name))
-        gone = session.call(ask, ["part", "whole"], Question(prefix="p/", body="gone").to_json())
+        gone = session.call(compare_part, ["part", "whole"], PartQuestion(prefix="p/", body="gone").to_json())
     assert gone["ok"] and gone["value"] is None

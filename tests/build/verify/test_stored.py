@@ -12,9 +12,9 @@ from typing import Any
 
 import pytest
 from mjcompose.build.bundle.write import write
-from mjcompose.build.compose.attach import reaches
+from mjcompose.build.compose.attach import may_match_part
 from mjcompose.build.stages import Request, build
-from mjcompose.build.verify.stored import Stored, verify_stored
+from mjcompose.build.verify.stored import VerifiedBundle, verify_stored
 from mjcompose.model.selector import Selector
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
@@ -36,7 +36,7 @@ attach:
 default:
   two/: {geom: {rgba: [1, 0, 0, 1]}}
 """
-Check = Callable[..., tuple[Stored | None, list[str]]]
+Check = Callable[..., tuple[VerifiedBundle | None, list[str]]]
 
 
 @pytest.fixture
@@ -66,7 +66,7 @@ def check(folder: Path, session: Session) -> Check:
 
     def check(
         path: str = "out", here: str = ".", recipe: str | None = None
-    ) -> tuple[Stored | None, list[str]]:
+    ) -> tuple[VerifiedBundle | None, list[str]]:
         context = Context(folder=folder / here, environment={})
         stored = verify_stored(folder / path, context, session, None if recipe is None else folder / recipe)
         return stored, [
@@ -301,7 +301,7 @@ def test_a_part_without_some_of_its_elements_is_not_compared(folder: Path, check
 def test_edits_reach_the_parts_that_their_names_begin_with() -> None:
     def reached(pattern: str) -> set[str]:
         prefixes = {"", "arm/", "arm/hand/", "tool/"}
-        return {each for each in prefixes if reaches(Selector("geom", pattern), each, prefixes)}
+        return {each for each in prefixes if may_match_part(Selector("geom", pattern), each, prefixes)}
 
     assert reached("arm/hand/pad") == {"arm/hand/"}
     assert reached("arm/*") == {"arm/", "arm/hand/"}

@@ -425,7 +425,7 @@ def _part(member: PartRecord, number: int, renamed: Renamed) -> Part:
         quat=None if pose is None else pose.quat,
         keys=member.keys,
         welded=member.welded,
-        stands=member.stands,
+        stands=member.is_fixed_in_world,
         changed=member.changed,
         replaced_keys=member.replaced_keys,
         obscure=member.obscure or member.reduced,

@@ -126,7 +126,7 @@ def packed_to_bytes(packed: Packed) -> bytes:
 
 
 def packed_from_bytes(content: bytes) -> Packed:
-    """Parse what `wrapped` returned. No I/O."""
+    """Parse what `packed_to_bytes` returned. No I/O."""
     crc, size = _HEAD.unpack_from(content)
     return Packed(crc, size, content[_HEAD.size :])
 

@@ -267,7 +267,7 @@ class Maker:
             session=session,
             library=self.library,
             outcomes=outcomes,
-            ahead=self._pack_ahead,
+            on_bundle=self._pack_ahead,
         )
         built = build.run()
         if built is None:
@@ -354,14 +354,14 @@ class Maker:
     ) -> BuildResult | None:
         """Return a model that another state of the recipe file gave, with the diagnostics of this state."""
         from mjcompose.build.cache.inputs import hash_of_positions, may_move
-        from mjcompose.build.verify.checks import places as places_of_checks
+        from mjcompose.build.verify.checks import check_spans as places_of_checks
 
         assert self.cache is not None
         found = self.cache.find(self._planned(plan, cell))
         record, answer = found.record, found.answer
         if record is None or (context.strict and _warns(record)):
             return None
-        if answer is None or (record.names_places and record.places != hash_of_positions(plan)):
+        if answer is None or (record.mentions_positions and record.places != hash_of_positions(plan)):
             return None
         written = places_of_checks(plan)
         record = replace(
@@ -447,7 +447,7 @@ class Maker:
             draws=result.draws,
             recipes=tuple(KeptRecipe(each.path, name(Path(each.path)), each.state) for each in recipes),
             places=hash_of_positions(built.plan),
-            names_places=False,
+            mentions_positions=False,
             cells=built.plan.cells,
             cells_at=built.plan.cells_at,
             adopted=result.adopted,
@@ -455,7 +455,7 @@ class Maker:
             excluded=result.excluded,
         )
         record = replace(
-            record, names_places=mentions_positions(built.plan, record, built.bundle.files[MANIFEST])
+            record, mentions_positions=mentions_positions(built.plan, record, built.bundle.files[MANIFEST])
         )
         packages = list(names.packages(built.plan))
         if not may_move(context):

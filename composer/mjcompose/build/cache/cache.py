@@ -116,8 +116,8 @@ class Record:
 
     `text` is the hash of the model's text, if only that was wanted; `mujoco` is the version that compiled it.
     `draws` are the numbers drawn for a sample, by table column; None if it is not a sample. `recipes` are the
-    recipe files, the outermost first. `places` is a hash of all positions in them, and `names_places` says that the
-    record contains such positions. `cells` is the number of cells of the recipe's matrix if this model is none of
+    recipe files, the outermost first. `places` is a hash of all positions in them, and `mentions_positions` says that
+    the record contains such positions. `cells` is the number of cells of the recipe's matrix if this model is none of
     them, and `cells_at` the place of the first. `adopted` are the settings that the model takes from its parts.
     """
 
@@ -135,7 +135,7 @@ class Record:
     draws: Mapping[str, Value] | None
     recipes: tuple[KeptRecipe, ...]
     places: str
-    names_places: bool
+    mentions_positions: bool
     cells: int
     cells_at: Span | None
     adopted: tuple[Adopted, ...] = ()

@@ -14,7 +14,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.build.plan.locked import use_lock
 from mjcompose.build.plan.matrix import Matrix, read_matrix
-from mjcompose.build.plan.read import expanded, read_recipe
+from mjcompose.build.plan.read import expanded_recipe, read_recipe
 from mjcompose.language.expand import Cell
 from mjcompose.language.parameters import read_axes
 from mjcompose.sources.context import Context
@@ -62,7 +62,7 @@ def with_samples(path: Path, matrix: Matrix, given: dict[str, Node], context: Co
     before = sink.error_count
     found: list[Cell] = []
     for cell in cells or [Cell(matrix.name, {}, document.span)]:
-        made = expanded(path, {**given, **cell.given}, replace(context, sink=Sink()))
+        made = expanded_recipe(path, {**given, **cell.given}, replace(context, sink=Sink()))
         assert made is not None
         concrete = made.document
         if "randomize" in concrete.entries:

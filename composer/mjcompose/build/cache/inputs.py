@@ -14,7 +14,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Span
 from mjcompose.base.extensions import LOADED
 from mjcompose.build.cache.cache import Record
-from mjcompose.build.compose.shape_store import kept_beside
+from mjcompose.build.compose.shape_store import shapes_beside
 from mjcompose.build.plan.extensions import packages_of
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.read import files_of_recipe, files_of_source
@@ -94,7 +94,7 @@ class Inputs:
         own = (each for each in plan.sources() if each.package is None or each.version is None)
         found = dict.fromkeys((*self.recipes(plan), *self._planned(plan, own, context)))
         if plan.works_on_meshes and context.fetching is not None and context.fetching.lock_file is not None:
-            kept = kept_beside(shapes_folder(context.fetching.lock_file)).values()
+            kept = shapes_beside(shapes_folder(context.fetching.lock_file)).values()
             found.update(dict.fromkeys(map(os.path.abspath, kept)))
         return tuple(found)
 

@@ -9,9 +9,9 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
-from mjcompose.build.compose.elements import ElementBuilder, make
+from mjcompose.build.compose.elements import ElementBuilder, make_node
 from mjcompose.build.plan.plan import Plan
-from mjcompose.build.plan.steps import AddedPlace, AddElement, Step, makers
+from mjcompose.build.plan.steps import AddedPlace, AddElement, Step, steps_adding
 from mjcompose.link.bodies import bodies
 from mjcompose.link.inertia import has_mass
 from mjcompose.link.linking import Linking
@@ -21,7 +21,7 @@ from mjcompose.model.edit import unresolved
 from mjcompose.model.grammar import GRAMMAR
 
 
-def add(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
+def add_element(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
     """Append the element; in the world it takes the base's top class, as if it were written in the base."""
     holder: Node | None
     if step.to_kind == "world":
@@ -29,9 +29,9 @@ def add(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
     else:
         holder = linking.names.find(step.to_kind, step.to)
         if holder is None:
-            _nowhere(step, linking, making)
+            _report_no_target(step, linking, making)
     kind = GRAMMAR.element("worldbody" if step.to_kind == "world" else step.to_kind)
-    node = make(step.element, kind.children.get(step.element.tag, kind), making)
+    node = make_node(step.element, kind.children.get(step.element.tag, kind), making)
     making.register(node, "worldbody")
     for place in node.iter("body", "frame", "site"):  # a later entry may add to it, a part hang on it
         if name := place.get("name"):
@@ -89,7 +89,7 @@ def _check_mass(step: AddElement, node: Node, linking: Linking, making: ElementB
         )
 
 
-def _nowhere(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
+def _report_no_target(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
     written = "to: {frame: {}}" if step.to_kind == "frame" else "to: {}"
     later = linking.later_places.stands_on(step.to_kind, step.to) if linking.later_places else None
     if later is not None:
@@ -148,13 +148,13 @@ class EarlyAdditions:
 
     def make(self, kind: str, name: str) -> list[Place]:
         """Make a place and what it is added to. Return all that this makes, nothing if it cannot be made yet."""
-        steps = makers(self.places, kind, name, done=self.done)
+        steps = steps_adding(self.places, kind, name, done=self.done)
         if not steps or not self._stands(steps[0]):
             return []
         for step in steps:
             # What the pass has done so far is its own, for those who watch.
             self.linking.watch(self.linking.units, bodies)
-            add(step, self.linking, self.making)
+            add_element(step, self.linking, self.making)
             self.linking.watch(self.linking.units, step)
             self.done[id(step)] = step
         return [name for step in steps for name in self.names_of[id(step)]]
@@ -169,12 +169,12 @@ class EarlyAdditions:
 
     def waits_for(self, kind: str, name: str) -> Place | None:
         """Return what has to be in the model before a place can be made, or None if nothing is left to be made."""
-        steps = makers(self.places, kind, name, done=self.done)
+        steps = steps_adding(self.places, kind, name, done=self.done)
         return (steps[0].to_kind, steps[0].to) if steps else None
 
     def stands_on(self, kind: str, name: str) -> tuple[str, Span] | None:
         """Return what a place is added to and where its name is written, or None if no entry adds it."""
-        steps = makers(self.places, kind, name)
+        steps = steps_adding(self.places, kind, name)
         return (steps[0].to, self.places[kind, name].span) if steps else None
 
     def _stands(self, step: AddElement) -> bool:

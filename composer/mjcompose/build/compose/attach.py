@@ -14,7 +14,7 @@ from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.rotation import IDENTITY_QUAT, Pose, quat_from_axisangle, quat_from_euler
 from mjcompose.base.suggest import did_you_mean, exists_note, renaming
 from mjcompose.build.compose.checks import check_class
-from mjcompose.build.compose.elements import ElementBuilder, in_radians, joint_attributes, plain
+from mjcompose.build.compose.elements import ElementBuilder, in_radians, joint_attributes, pose_number
 from mjcompose.build.compose.load import PartRequest
 from mjcompose.build.plan.plan import (
     BASE,
@@ -52,7 +52,7 @@ def copy_pose(step: AttachPart, making: ElementBuilder) -> Pose:
     pose = Pose()
     settings = making.angle_context.at((*step.at, "replicate"))
     for number, axis in zip(step.copy, step.attachment.replicate, strict=True):
-        x, y, z = (plain(value) for value in axis.offset)
+        x, y, z = (pose_number(value) for value in axis.offset)
         angles = tuple(in_radians(angle, settings) for angle in axis.euler)
         pose = pose @ row(axis.count, (x, y, z), angles, sequence=settings.eulerseq)[number]
     return pose
@@ -82,23 +82,27 @@ def unplaced_records(
     `wanted` and `inner`, the records of each request that is a nested recipe, have the base first and then the parts.
     """
     base, *others = wanted
-    found = [_own(each, base) for each in _of_base(plan, base, inner[0])]
+    found = [_with_own_changes(each, base) for each in _of_base(plan, base, inner[0])]
     for step, each, part, below in zip(plan.parts, others, parts, inner[1:], strict=True):
         name = part_name(step, plan.separator)
         if isinstance(each.model, Plan):
-            moved = [_moved(member, name, part, separator=plan.separator, cut=_cut(each)) for member in below]
-            found += [_own(member, each) for member in moved]
+            moved = [
+                _in_outer_recipe(member, name, part, separator=plan.separator, cut=_cut(each))
+                for member in below
+            ]
+            found += [_with_own_changes(member, each) for member in moved]
         elif each.model is not None:
             keys = {"merge": "", "prefix": part.prefix, "none": None}[part.keyframes]
             member = PartRecord(
                 name, part.prefix, each.model,
-                keys=keys, welded=part.weld, stands=each.stands, obscure=_cut_urdf(each), subtree=each.body,
+                keys=keys, welded=part.weld, is_fixed_in_world=each.is_fixed_in_world,
+                obscure=_cut_urdf(each), subtree=each.body,
             )  # fmt: skip
-            found.append(_own(UnplacedRecord(member, part.content), each))
+            found.append(_with_own_changes(UnplacedRecord(member, part.content), each))
     return _changed_members(plan, found)
 
 
-def _own(each: UnplacedRecord, wanted: PartRequest) -> UnplacedRecord:
+def _with_own_changes(each: UnplacedRecord, wanted: PartRequest) -> UnplacedRecord:
     """Return a member with the changes that the edits of its part, and the elements left out, make."""
     member = with_edits(each.member, wanted.edit)
     dropped = {each.section for each in wanted.drop if not each.leaves_keys}
@@ -136,12 +140,20 @@ def _of_base(plan: Plan, base: PartRequest, inner: list[UnplacedRecord]) -> Iter
     elif base.model is not None:
         keys = None if without_keys else ""
         member = PartRecord(
-            BASE, "", base.model, keys=keys, stands=base.stands, obscure=_cut_urdf(base), subtree=base.body
+            BASE,
+            "",
+            base.model,
+            keys=keys,
+            is_fixed_in_world=base.is_fixed_in_world,
+            obscure=_cut_urdf(base),
+            subtree=base.body,
         )
         yield UnplacedRecord(member, None)
 
 
-def _moved(each: UnplacedRecord, name: str, part: Part, separator: str, cut: str | None) -> UnplacedRecord:
+def _in_outer_recipe(
+    each: UnplacedRecord, name: str, part: Part, separator: str, cut: str | None
+) -> UnplacedRecord:
     """Return a member of a nested recipe as a member of the outer recipe."""
     member = each.member
     keys = member.keys
@@ -169,20 +181,20 @@ def _changed_members(plan: Plan, found: list[UnplacedRecord]) -> list[UnplacedRe
             owner = "" if step.name == MAIN else _longest(step.name, [each.member.prefix for each in found])
             rows = [(row.tag, name) for row in step.element.children for name in row.attributes]
             arrays = [array for tag, name in rows for array in arrays_of(name, tag)]
-            found = [_with(each, arrays) if each.member.prefix == owner else each for each in found]
+            found = [_with_changes(each, arrays) if each.member.prefix == owner else each for each in found]
         elif isinstance(step, SetSingleton) and step.section == "compiler":
             written = step.element.attributes
             if not _MASSES.isdisjoint(written):
-                found = [_with(each, arrays_of("mass")) for each in found]
+                found = [_with_changes(each, arrays_of("mass")) for each in found]
             if "lengthrange" in {child.tag for child in step.element.children}:
-                found = [_with(each, arrays_of("lengthrange")) for each in found]
+                found = [_with_changes(each, arrays_of("lengthrange")) for each in found]
             for name in sorted(_RESHAPING & written.keys()):
                 reason = f"the recipe sets `compiler.{name}`, which takes elements away"
                 found = [UnplacedRecord(replace(each.member, obscure=reason), each.content) for each in found]
     drawn = [arrays_of_draw(step) for step in plan.steps if isinstance(step, DrawValues) and step.sample]
     if drawn:
         arrays = sorted(set().union(*drawn))
-        found = [_with(each, arrays) for each in found]
+        found = [_with_changes(each, arrays) for each in found]
     written_keys = tuple(step.key.name for step in plan.keyframes)
     found = [
         UnplacedRecord(
@@ -194,7 +206,7 @@ def _changed_members(plan: Plan, found: list[UnplacedRecord]) -> list[UnplacedRe
     for each_edit in (step.edit for step in plan.edits):
         found = [
             UnplacedRecord(with_edits(each.member, [each_edit]), each.content)
-            if reaches(each_edit.select, each.member.prefix, prefixes)
+            if may_match_part(each_edit.select, each.member.prefix, prefixes)
             else each
             for each in found
         ]
@@ -203,7 +215,7 @@ def _changed_members(plan: Plan, found: list[UnplacedRecord]) -> list[UnplacedRe
             continue
         meant = of_part([each.member for each in found], check.part, plan.separator)
         arrays = [array for name in check.excepted for array in arrays_of(name)]
-        found = [_with(each, arrays) if each.member in meant else each for each in found]
+        found = [_with_changes(each, arrays) if each.member in meant else each for each in found]
     return found
 
 
@@ -211,7 +223,7 @@ def _longest(name: str, prefixes: Iterable[str]) -> str:
     return max((prefix for prefix in prefixes if name.startswith(prefix)), key=len, default="")
 
 
-def _with(each: UnplacedRecord, arrays: Iterable[str]) -> UnplacedRecord:
+def _with_changes(each: UnplacedRecord, arrays: Iterable[str]) -> UnplacedRecord:
     changed = tuple(sorted({*each.member.changed, *arrays}))
     return UnplacedRecord(replace(each.member, changed=changed), each.content)
 
@@ -241,12 +253,12 @@ _MATES = ("site", "body", "frame")
 
 def part_of(step: AttachPart, unit: Unit, making: ElementBuilder) -> Part:
     """Return the part without its joints, which need the unit of angle that the parts agree on."""
-    place = _place(step, making)
+    place = _place_of(step, making)
     if any(step.copy):
         offset = read_pose(place.offset, False, "xyz") @ copy_pose(step, making)
-        place = _computed(place, offset, "replicate", step=step, making=making)
+        place = _at_key(place, offset, "replicate", step=step, making=making)
     if step.attachment.mate is not None:
-        place = _mated(place, step, unit, making=making)
+        place = _mate(place, step, unit, making=making)
     keyframes = step.attachment.key_policy
     return Part(unit, step.prefix, place, keyframes=keyframes, span=step.span, key=str(step.at[-1]))
 
@@ -276,13 +288,13 @@ def add_joints(step: AttachPart, part: Part, linking: Linking, making: ElementBu
             Joint(
                 "joint",
                 {"name": step.prefix + str(each.attributes["name"]), **joint_attributes(each, making)},
-                _places(each, making),
+                _attribute_spans(each, making),
             )
             for each in joint
         )
     else:
         attributes = {**named, **joint_attributes(joint, making)}
-        part.joints = (Joint("joint", attributes, _places(joint, making)),)
+        part.joints = (Joint("joint", attributes, _attribute_spans(joint, making)),)
 
 
 def _sense(step: AttachPart, making: ElementBuilder) -> Sense | None:
@@ -299,7 +311,7 @@ def _sense(step: AttachPart, making: ElementBuilder) -> Sense | None:
     )
 
 
-def _places(joint: Element, making: ElementBuilder) -> dict[str, Span]:
+def _attribute_spans(joint: Element, making: ElementBuilder) -> dict[str, Span]:
     """Return where the recipe writes the attributes of a joint."""
     return {name: making.span(joint, name) for name in joint.attributes}
 
@@ -316,7 +328,7 @@ def check_joints(step: AttachPart, linking: Linking, making: ElementBuilder) -> 
             check_class(linking, making.sink, str(name), span=making.span(element, "class"))
 
 
-def _place(step: AttachPart, making: ElementBuilder) -> Place:
+def _place_of(step: AttachPart, making: ElementBuilder) -> Place:
     attachment = step.attachment
     offset: dict[str, str] = {}
     written: dict[str, Span] = {}
@@ -338,7 +350,7 @@ def _place(step: AttachPart, making: ElementBuilder) -> Place:
     elif attachment.axisangle is not None:
         *axis, angle = attachment.axisangle
         radians = in_radians(angle, making.angle_context.at((*step.at, "axisangle")))
-        offset["quat"] = _text(quat_from_axisangle([plain(each) for each in axis], radians))
+        offset["quat"] = _text(quat_from_axisangle([pose_number(each) for each in axis], radians))
         note("quat", "axisangle")
     elif attachment.xyaxes is not None:
         offset["xyaxes"] = _numbers(attachment.xyaxes)
@@ -355,7 +367,7 @@ def _place(step: AttachPart, making: ElementBuilder) -> Place:
     return Place("world", None, offset, written=written)
 
 
-def _mated(place: Place, step: AttachPart, unit: Unit, making: ElementBuilder) -> Place:
+def _mate(place: Place, step: AttachPart, unit: Unit, making: ElementBuilder) -> Place:
     """Return the place moved so that the part's site, body or frame `mate` lies on it instead of the part's origin."""
     name = step.attachment.mate
     named = [
@@ -365,7 +377,7 @@ def _mated(place: Place, step: AttachPart, unit: Unit, making: ElementBuilder) -
         if element.get("name") == name
     ]
     if not named:
-        _no_mate(step, unit, making)
+        _report_no_mate(step, unit, making)
         return place
     settings = (unit.settings.angle == "degree", unit.settings.eulerseq)
     element = min(named, key=lambda each: _MATES.index(each.tag))
@@ -383,10 +395,10 @@ def _mated(place: Place, step: AttachPart, unit: Unit, making: ElementBuilder) -
     own = effective_pose(element, unit.classes) if element.tag == "site" else element
     mate = pose_in_world(outer, *settings) @ read_pose(own, *settings)
     moved = read_pose(place.offset, False, "xyz") @ mate.inverse()
-    return _computed(place, moved, "mate", step=step, making=making)
+    return _at_key(place, moved, "mate", step=step, making=making)
 
 
-def _computed(
+def _at_key(
     place: Place, pose: Pose, key: Literal["mate", "replicate"], step: AttachPart, making: ElementBuilder
 ) -> Place:
     """Return the place with the offset of a key of the part."""
@@ -405,14 +417,14 @@ def _written(pose: Pose) -> dict[str, str]:
 
 
 def _numbers(values: Iterable[Single]) -> str:
-    return numbers.text(plain(value) for value in values)
+    return numbers.text(pose_number(value) for value in values)
 
 
 def _text(values: Iterable[float]) -> str:
     return numbers.text(value + 0.0 for value in values)  # no -0, which an inverse is full of
 
 
-def _no_mate(step: AttachPart, unit: Unit, making: ElementBuilder) -> None:
+def _report_no_mate(step: AttachPart, unit: Unit, making: ElementBuilder) -> None:
     name = step.attachment.mate or ""
     known = {
         tag: [
@@ -443,11 +455,11 @@ def with_edits(member: PartRecord, edits: Iterable[Edit]) -> PartRecord:
     for edit in edits:
         if any(VERBS[name].changes is None for name in edit.verbs):
             reduced = reduced or "the recipe takes away, moves or converts elements"
-        changed |= {array for tag, name in _changed_part_provenance(edit) for array in arrays_of(name, tag)}
+        changed |= {array for tag, name in _changed_attributes(edit) for array in arrays_of(name, tag)}
     return replace(member, changed=tuple(sorted(changed)), reduced=reduced)
 
 
-def reaches(selector: Selector, prefix: str, prefixes: Collection[str]) -> bool:
+def may_match_part(selector: Selector, prefix: str, prefixes: Collection[str]) -> bool:
     """Return whether a selector can match elements of the part with that prefix, judged by the start of names."""
     if selector.pattern.startswith("/"):
         return True
@@ -458,7 +470,7 @@ def reaches(selector: Selector, prefix: str, prefixes: Collection[str]) -> bool:
     return prefix == max((each for each in prefixes if head.startswith(each)), key=len, default=prefix)
 
 
-def _changed_part_provenance(edit: Edit) -> Iterator[tuple[str | None, str]]:
+def _changed_attributes(edit: Edit) -> Iterator[tuple[str | None, str]]:
     """Yield the attributes that an edit changes, each with the tag if it is known."""
     tag = None if "/" in edit.select.tag else edit.select.tag
     for name, value in edit.verbs.items():

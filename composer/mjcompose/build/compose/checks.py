@@ -39,14 +39,14 @@ def check_class_angles(linking: Linking, making: ElementBuilder) -> None:
     """
     for giver, element, name, angular in making.of_classes:
         attribute = GRAMMAR.element("joint").attributes[name]
-        for joint in _taking(giver, name, linking):
+        for joint in _joints_affected_by(giver, name, linking):
             if is_angular(attribute, joint_type(joint, linking.base.classes)) != angular:
                 _report(linking, making, element, name=name, joint=joint, angular=angular)
                 break
     making.of_classes.clear()
 
 
-def _taking(giver: Node, name: str, linking: Linking) -> Iterator[Node]:
+def _joints_affected_by(giver: Node, name: str, linking: Linking) -> Iterator[Node]:
     """Yield the joints of bodies that take an attribute from the element of a class."""
     classes = linking.base.classes
     for worldbody in linking.base.root.iterchildren("worldbody"):

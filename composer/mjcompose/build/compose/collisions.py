@@ -13,7 +13,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.build.compose.elements import ElementBuilder
 from mjcompose.build.compose.load import FINISHED, keep_finished
-from mjcompose.build.plan.plan import Place, Plan
+from mjcompose.build.plan.plan import PlacedModel, Plan
 from mjcompose.build.plan.steps import SetCollisions
 from mjcompose.language.select import BETWEEN
 from mjcompose.link.key_layout import names_of_copies
@@ -63,7 +63,7 @@ def set_collisions(
             ]
             _append(linking, making, step, tag="exclude", keys=("body1", "body2"), pairs=named)
         else:
-            _collide(step, sides, linking, making=making)
+            _write_collisions(step, sides, linking, making=making)
     return found
 
 
@@ -167,11 +167,11 @@ def _bodies(
     return [body for body in found if any(_collides(geom, linking) for geom in own(body, "geom"))]
 
 
-def _is_of(name: str, place: Place) -> bool:
+def _is_of(name: str, placed: PlacedModel) -> bool:
     """Return whether a body belongs to a part. The world belongs to the base."""
     if name == "world":
-        return not place.prefix
-    return bool(name) and name.startswith(place.prefix) and not name.startswith(tuple(place.others))
+        return not placed.prefix
+    return bool(name) and name.startswith(placed.prefix) and not name.startswith(tuple(placed.others))
 
 
 def _collides(geom: Node, linking: Linking) -> bool:
@@ -182,7 +182,7 @@ def _collides(geom: Node, linking: Linking) -> bool:
     return any(value is None or int(float(value)) != 0 for value in values)
 
 
-def _collide(
+def _write_collisions(
     step: SetCollisions, sides: Sequence[Sequence[Node]], linking: Linking, making: ElementBuilder
 ) -> None:
     # A pair collides whatever else is written: in MuJoCo 4.0 also if `contype` and `conaffinity` are 0, and where an

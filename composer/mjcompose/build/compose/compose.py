@@ -18,7 +18,7 @@ from mjcompose.base.diagnostic import Span
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.collect import check_files
-from mjcompose.build.compose.additions import EarlyAdditions, add
+from mjcompose.build.compose.additions import EarlyAdditions, add_element
 from mjcompose.build.compose.attach import (
     UnplacedRecord,
     add_joints,
@@ -36,10 +36,16 @@ from mjcompose.build.compose.checks import (
 )
 from mjcompose.build.compose.collisions import set_collisions
 from mjcompose.build.compose.editing import EditCost
-from mjcompose.build.compose.elements import ElementBuilder, append, set_default, set_singleton, settle_joints
+from mjcompose.build.compose.elements import (
+    ElementBuilder,
+    append_element,
+    set_default,
+    set_singleton,
+    settle_joints,
+)
 from mjcompose.build.compose.keyframe import write_keyframes
 from mjcompose.build.compose.keys import hold_poses
-from mjcompose.build.compose.load import Key, Library, Loader, PartRequest, key_of, part_requests
+from mjcompose.build.compose.load import Key, Library, Loader, PartRequest, part_requests, source_key
 from mjcompose.build.plan.plan import (
     BASE,
     Drawn,
@@ -86,7 +92,7 @@ from mjcompose.text.node import locate
 
 if TYPE_CHECKING:
     from mjcompose.build.compose.edits import ModelEdits
-    from mjcompose.build.compose.mesh_jobs import Workshop
+    from mjcompose.build.compose.mesh_jobs import MeshWorkshop
     from mjcompose.build.plan.plan import MadeShapes
     from mjcompose.link.subtree import Subtree
     from mjcompose.mujoco.engine import Session
@@ -97,10 +103,10 @@ _WEIGHTLESS = ("site", "camera", "light")
 # What writes a step into the joined model. The steps after these wait until all of it exists: edits and draws
 # (`model_edits.py`), and keys (`keyframe.py`).
 _WRITE: Mapping[type[Step], Callable[[Any, Linking, ElementBuilder], None]] = {
-    AddElement: add,
+    AddElement: add_element,
     SetSingleton: set_singleton,
     SetDefault: set_default,
-    AppendElement: append,
+    AppendElement: append_element,
 }
 _AFTERWARDS: tuple[type[Step], ...] = (EditElements, DrawValues, WriteKeyframe, SetCollisions)
 check_rows(
@@ -150,7 +156,7 @@ class Composer:
     ) -> None:
         self.context, self.measure, self.watch = context, measure, watch
         self.notes_parts, self.makes_shapes = notes_parts, makes_shapes
-        self.workshop: Workshop | None = None
+        self.workshop: MeshWorkshop | None = None
         self.needless: list[tuple[Node, str]] = []
         self.loader = Loader(context, session, watch, library=library, checks=checks_sources)
         self.subtrees: dict[tuple[str, KeyPath], Subtree] = {}
@@ -167,7 +173,7 @@ class Composer:
         composed = self._compose(plan, True)
         if composed is None or self.context.sink.has_errors:
             return None
-        shapes = () if self.workshop is None else self.workshop.made(composed.model.root)
+        shapes = () if self.workshop is None else self.workshop.shapes_in(composed.model.root)
         members = placed_records(self.unplaced[composed.model.root], composed.model.root)
         excluded = tuple(
             Excluded(str(node.get("body1")), str(node.get("body2")), why) for node, why in self.needless
@@ -179,40 +185,40 @@ class Composer:
 
     def unit_of(self, plan: Plan, wanted: PartRequest) -> Unit | None:
         """Return the base or a part of a plan alone, reduced to the requested subtree, or None if it has faults."""
-        return self.guarded(plan, wanted.stands, partial(Composer._unit, plan=plan, wanted=wanted))
+        return self.guarded(plan, wanted.is_fixed_in_world, partial(Composer._unit, plan=plan, wanted=wanted))
 
     def read_subtrees(self, plan: Plan) -> None:
         """Take the subtrees of a plan, and compose only the sources that they come from."""
         self.expect(plan)
         self._read_subtrees(plan, True)
 
-    def _read_subtrees(self, plan: Plan, stands: bool) -> None:
-        for each in part_requests(plan, stands):
+    def _read_subtrees(self, plan: Plan, is_fixed: bool) -> None:
+        for each in part_requests(plan, is_fixed):
             if each.body is not None or each.drop:
                 self.unit_of(plan, replace(each, edit=()))
             elif isinstance(each.model, Plan):
-                self._read_subtrees(each.model, each.stands)
+                self._read_subtrees(each.model, each.is_fixed_in_world)
 
-    def expect(self, plan: Plan, stands: bool = True) -> None:
+    def expect(self, plan: Plan, is_fixed: bool = True) -> None:
         """Record which sources the plan needs, and how often."""
-        for place in plan.walk(stands):
+        for place in plan.walk(is_fixed):
             if isinstance(place.model, Source):
-                self.loader.expect(place.model, place.stands)
+                self.loader.expect(place.model, place.is_fixed_in_world)
 
-    def _compose(self, plan: Plan, stands: bool) -> Composed | None:
-        """Return the model of a plan. With `stands`, it is fixed in the world of the final model."""
-        return self.guarded(plan, stands, partial(Composer._composed, plan=plan, stands=stands))
+    def _compose(self, plan: Plan, is_fixed: bool) -> Composed | None:
+        """Return the model of a plan. With `is_fixed`, it is fixed in the world of the final model."""
+        return self.guarded(plan, is_fixed, partial(Composer._composed, plan=plan, is_fixed=is_fixed))
 
-    def guarded(self, plan: Plan, stands: bool, work: Callable[[Composer], Result | None]) -> Result | None:
+    def guarded(self, plan: Plan, is_fixed: bool, work: Callable[[Composer], Result | None]) -> Result | None:
         """Return the result of the work, or None if it fails because of a source that is not valid MJCF."""
         try:
             return work(self)
         except STUMBLES:
-            library = dict(self._anew(plan, stands))
+            library = dict(self._reread_sources(plan, is_fixed))
             faulty = [unit for unit in library.values() if not check_source(unit, self.context.sink)]
             if not faulty:
                 raise
-            self._try_put_right(plan, stands, work, library=library)
+            self._retry_with_repairs(plan, is_fixed, work, library=library)
             return None
         except RecursionError:
             self.context.sink.error(
@@ -220,8 +226,8 @@ class Composer:
             )
             return None
 
-    def _try_put_right(
-        self, plan: Plan, stands: bool, work: Callable[[Composer], Result | None], library: Library
+    def _retry_with_repairs(
+        self, plan: Plan, is_fixed: bool, work: Callable[[Composer], Result | None], library: Library
     ) -> None:
         """Repeat the work with the faults of the sources corrected. An exception that still occurs is a bug."""
         for unit in library.values():
@@ -230,28 +236,28 @@ class Composer:
             replace(self.context, sink=Sink()), self.measure, self.loader.session, library=library
         )
         again.notes_parts = self.notes_parts
-        again.expect(plan, stands)
+        again.expect(plan, is_fixed)
         with suppress(RecursionError):
             work(again)
 
-    def _composed(self, plan: Plan, stands: bool) -> Composed | None:
-        read = self._units(plan, stands)
+    def _composed(self, plan: Plan, is_fixed: bool) -> Composed | None:
+        read = self._units(plan, is_fixed)
         if read is None or read[0] is None:
             return None
         base, *units = read
         assert base is not None
         given = [unit for unit in units if unit is not None]
         if len(given) == len(units):
-            return self._joined(plan, base, given, stands=stands)
+            return self._joined(plan, base, given, is_fixed=is_fixed)
         # Only for the errors that can still be found: a model without some of its parts is not given.
-        self._joined(self._without_lost(plan, units), base, given, stands=stands)
+        self._joined(self._without_missing(plan, units), base, given, is_fixed=is_fixed)
         return None
 
-    def _units(self, plan: Plan, stands: bool) -> list[Unit | None] | None:
+    def _units(self, plan: Plan, is_fixed: bool) -> list[Unit | None] | None:
         """Return the base and the parts, or None after a reported error if they have too many elements together."""
         units: list[Unit | None] = []
         elements, text, limits = 0, 0, in_force()
-        for each in part_requests(plan, stands):
+        for each in part_requests(plan, is_fixed):
             unit = self._unit(plan, each)
             if unit is not None:
                 check_size(unit, self.context.sink, attached_size(unit))
@@ -269,7 +275,7 @@ class Composer:
             units.append(unit)
         return units
 
-    def _without_lost(self, plan: Plan, units: list[Unit | None]) -> Plan:
+    def _without_missing(self, plan: Plan, units: list[Unit | None]) -> Plan:
         """Return the plan with only the parts that could be read, in which more faults can be found."""
         kept = [step for step, unit in zip(plan.parts, units, strict=True) if unit is not None]
         self.context.sink.suppress_about(
@@ -277,7 +283,7 @@ class Composer:
         )
         return replace(plan, parts=tuple(kept))
 
-    def _joined(self, plan: Plan, base: Unit, units: list[Unit], stands: bool) -> Composed | None:
+    def _joined(self, plan: Plan, base: Unit, units: list[Unit], is_fixed: bool) -> Composed | None:
         """Attach the parts to the base, add the recipe's own elements, and return the result."""
         before = self.context.sink.error_count
         base.root.set("model", plan.name)
@@ -311,7 +317,7 @@ class Composer:
         roots = [base.root, *(unit.root for unit in units)]
         self.unplaced[base.root] = unplaced_records(
             plan,
-            part_requests(plan, stands),
+            part_requests(plan, is_fixed),
             linking.parts,
             inner=[self.unplaced.get(root, []) for root in roots],
         )
@@ -373,12 +379,12 @@ class Composer:
             workshop=self._workshop(),
         )
 
-    def _workshop(self) -> Workshop:
+    def _workshop(self) -> MeshWorkshop:
         """Return the place where meshes are worked on, one for the whole composition."""
         if self.workshop is None:
-            from mjcompose.build.compose.mesh_jobs import Workshop  # few recipes need it
+            from mjcompose.build.compose.mesh_jobs import MeshWorkshop  # few recipes need it
 
-            self.workshop = Workshop(self.context, self.makes_shapes)
+            self.workshop = MeshWorkshop(self.context, self.makes_shapes)
         return self.workshop
 
     def _note_parts(self, plan: Plan, units: list[Unit]) -> None:
@@ -389,14 +395,14 @@ class Composer:
                 inner = self.parts.get(node)
                 self.parts[node] = f"{name}/{inner}" if inner else name
 
-    def _anew(self, plan: Plan, stands: bool) -> Iterator[tuple[Key, Unit]]:
+    def _reread_sources(self, plan: Plan, is_fixed: bool) -> Iterator[tuple[Key, Unit]]:
         """Yield the sources of a plan as they are in their files."""
-        for place in plan.walk(stands):
+        for place in plan.walk(is_fixed):
             if isinstance(place.model, Source) and place.model.format == "mjcf":
                 path = place.model.path
                 unit = parse_file(path, Sink(), file=self.context.shown(path), door=place.model.door)
                 if unit is not None:
-                    yield key_of(place.model, place.stands), unit
+                    yield source_key(place.model, place.is_fixed_in_world), unit
 
     def _unit(self, plan: Plan, wanted: PartRequest) -> Unit | None:
         """Return the base or a part of a plan, reduced to the requested subtree, or None if it has faults."""
@@ -442,10 +448,10 @@ class Composer:
 
     def _whole(self, wanted: PartRequest, span: Span) -> Unit | None:
         if isinstance(wanted.model, Plan):
-            composed = self._compose(wanted.model, wanted.stands)
+            composed = self._compose(wanted.model, wanted.is_fixed_in_world)
             return composed.model if composed else None
         assert wanted.model is not None
-        return self.loader.unit(wanted.model, span, wanted.stands)
+        return self.loader.unit(wanted.model, span, wanted.is_fixed_in_world)
 
 
 def _top_tags(plan: Plan) -> Iterator[str]:
@@ -527,9 +533,9 @@ def adopted_settings(plan: Plan, context: Context, library: Library) -> tuple[Ad
     return composer.guarded(plan, True, lambda again: _settings(plan, again, True).adopted) or ()
 
 
-def _settings(plan: Plan, composer: Composer, stands: bool) -> Unit:
+def _settings(plan: Plan, composer: Composer, is_fixed: bool) -> Unit:
     """Return a unit with only the settings of a plan's model."""
-    base, *parts = [_of(each, plan, composer) for each in part_requests(plan, stands)]
+    base, *parts = [_of(each, plan, composer) for each in part_requests(plan, is_fixed)]
     found, _ = common_settings(
         asked := opinions(base),
         [(step.prefix or part.label, opinions(part)) for step, part in zip(plan.parts, parts, strict=True)],
@@ -550,6 +556,6 @@ def _settings(plan: Plan, composer: Composer, stands: bool) -> Unit:
 
 def _of(each: PartRequest, plan: Plan, composer: Composer) -> Unit:
     if isinstance(each.model, Plan):
-        return _settings(each.model, composer, each.stands)
+        return _settings(each.model, composer, each.is_fixed_in_world)
     found = None if each.model is None else composer.unit_of(plan, each)
     return found or Unit(etree.Element("mujoco"), plan.file, plan.path.parent, label=plan.path.stem)

@@ -19,8 +19,8 @@ from mjcompose.build.compose.elements import ElementBuilder
 from mjcompose.build.compose.load import PartRequest
 from mjcompose.build.compose.randomize import draw_values
 from mjcompose.build.compose.select import select_counted
-from mjcompose.build.compose.values import Masses, Unusable
-from mjcompose.build.plan.plan import Drawn, DropElements, EditOutcome, ElementDraws, ForeseenPlace, Plan
+from mjcompose.build.compose.values import Masses, UnusableValue
+from mjcompose.build.plan.plan import Drawn, DropElements, EditOutcome, ElementDraws, Plan, RecipePath
 from mjcompose.build.plan.steps import DrawValues, EditElements
 from mjcompose.build.verbs.remove import listed_kind, remove
 from mjcompose.build.verbs.table import CARRY_OUT
@@ -39,12 +39,12 @@ from mjcompose.text.node import Mapping as Located
 from mjcompose.text.node import locate, texts
 
 if TYPE_CHECKING:
-    from mjcompose.build.compose.mesh_jobs import Workshop
+    from mjcompose.build.compose.mesh_jobs import MeshWorkshop
 
 _SETTINGS = ("option", "size", "visual", "statistic")
 
 
-def drop(entries: Iterable[Drop], editing: Editing, at: Path) -> list[Left]:
+def drop_elements(entries: Iterable[Drop], editing: Editing, at: Path) -> list[Left]:
     """Remove the elements that the entries select. Return all removed elements in the order of the entries."""
     gone: list[Left] = []
     for entry in entries:
@@ -78,7 +78,7 @@ def _section_drop(editing: Editing, tag: str, path: Path) -> list[Node]:
     return found
 
 
-def edit(step: EditElements, editing: Editing, workshop: Workshop) -> EditOutcome | None:
+def edit_elements(step: EditElements, editing: Editing, workshop: MeshWorkshop) -> EditOutcome | None:
     """Apply an entry to every element that it selects. Report at most one error per entry.
 
     Return what was changed, or None after an error.
@@ -102,7 +102,7 @@ def edit(step: EditElements, editing: Editing, workshop: Workshop) -> EditOutcom
         for name, value in entry.verbs.items():
             CARRY_OUT[name](work, value, (*entry.at, name))
         work.check()
-    except Unusable:
+    except UnusableValue:
         return None
     return EditOutcome(selected, tuple(work.gone), tuple(each.about for each in work.records))
 
@@ -124,8 +124,8 @@ class PartEdits:
     measure: Measure | None
     watch: Watch
     cost: EditCost
-    outcomes: dict[ForeseenPlace, EditOutcome]
-    workshop: Workshop
+    outcomes: dict[RecipePath, EditOutcome]
+    workshop: MeshWorkshop
     keys: KeyNotes
 
     def carry_out(self) -> tuple[Left, ...] | None:
@@ -143,7 +143,7 @@ class PartEdits:
         steps = [EditElements(each, locate(self.plan.document, each.at)) for each in self.wanted.edit]
         self._edited([step for step in steps if not is_of_keys(step)], editing)
         if self.context.sink.error_count == before:
-            inner = _still_meant(self.unit.part_keys, linking.keys.void_keys)
+            inner = _without_void_numbers(self.unit.part_keys, linking.keys.void_keys)
             keyframes(linking)
             self.watch([self.unit], keyframes)
             self.unit.part_keys = inner
@@ -173,14 +173,14 @@ class PartEdits:
 
     def _edited(self, steps: list[EditElements], editing: Editing) -> None:
         for step in steps:
-            outcome = edit(step, editing, self.workshop)
+            outcome = edit_elements(step, editing, self.workshop)
             if outcome is not None:
                 self.outcomes[self.plan.place_of(step.edit.at)] = outcome
             self.watch([self.unit], step)
         check_intervals(editing.making)
 
 
-def _still_meant(keys: Mapping[str, PartKeys], emptied: Set[Node]) -> dict[str, PartKeys]:
+def _without_void_numbers(keys: Mapping[str, PartKeys], emptied: Set[Node]) -> dict[str, PartKeys]:
     """Return the keys of the parts of a nested recipe without the numbers that lost their meaning."""
 
     def kept(key: Key) -> Key:
@@ -208,8 +208,8 @@ class ModelEdits:
     making: ElementBuilder
     parts: Mapping[Node, str]
     cost: EditCost
-    outcomes: dict[ForeseenPlace, EditOutcome]
-    workshop: Workshop
+    outcomes: dict[RecipePath, EditOutcome]
+    workshop: MeshWorkshop
     drawn: list[Drawn] = field(default_factory=list)
     tabled: list[ElementDraws] = field(default_factory=list)
 
@@ -267,7 +267,7 @@ class ModelEdits:
                 self.linking.watch(self.linking.units, step)
 
     def _carry_out(self, step: EditElements, editing: Editing) -> None:
-        outcome = edit(step, editing, self.workshop)
+        outcome = edit_elements(step, editing, self.workshop)
         if outcome is not None:
             self.outcomes[self.plan.place_of(step.edit.at)] = outcome
 

@@ -164,25 +164,25 @@ def _written_as(element: Element, attribute: str | None) -> tuple[str, ...]:
     return (attribute, "euler") if attribute == "quat" and "euler" in element.attributes else (attribute,)
 
 
-def make(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
+def make_node(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
     """Return the node of a recipe element with its children."""
     if element.xml is not None:
-        return _parsed(element, kind, making)
+        return _parse_fragment(element, kind, making)
     node = etree.Element(element.tag)
     making.made[node] = element
     for name, value in element.attributes.items():
         attribute = kind.attributes.get(name)
         if attribute is None:
             continue
-        _set(node, element, attribute, value=value, making=making)
+        _set_attribute(node, element, attribute, value=value, making=making)
     for child in element.children:
         child_kind = kind.children.get(child.tag)
         if child_kind is not None:
-            node.append(make(child, child_kind, making))
+            node.append(make_node(child, child_kind, making))
     return node
 
 
-def update(node: Node, element: Element, kind: ElementType, making: ElementBuilder) -> None:
+def update_node(node: Node, element: Element, kind: ElementType, making: ElementBuilder) -> None:
     """Overwrite the attributes of an existing node, and of its children, with those of a recipe element."""
     before = making.origins.owner(node, making.base_file)
 
@@ -195,19 +195,21 @@ def update(node: Node, element: Element, kind: ElementType, making: ElementBuild
     for name, value in element.attributes.items():
         attribute = kind.attributes.get(name)
         if attribute is not None:
-            _set(node, element, attribute, value=value, making=making)
+            _set_attribute(node, element, attribute, value=value, making=making)
     for child in element.children:
         child_kind = kind.children[child.tag]
         existing = next(node.iterchildren(child.tag), None)
         if existing is None:
-            made = make(child, child_kind, making)
+            made = make_node(child, child_kind, making)
             node.append(made)
             making.place(made)
         else:
-            update(existing, child, child_kind, making=making)
+            update_node(existing, child, child_kind, making=making)
 
 
-def _set(node: Node, element: Element, attribute: Attribute, value: object, making: ElementBuilder) -> None:
+def _set_attribute(
+    node: Node, element: Element, attribute: Attribute, value: object, making: ElementBuilder
+) -> None:
     name = attribute.name
     if attribute.is_interval:
         making.intervals[node, name] = making.span(element, name)
@@ -290,7 +292,7 @@ def joint_attributes(element: Element, making: ElementBuilder) -> dict[str, str]
     making.made[node] = element
     for name, value in element.attributes.items():
         if name != "name" and name in kind.attributes:
-            _set(node, element, kind.attributes[name], value=value, making=making)
+            _set_attribute(node, element, kind.attributes[name], value=value, making=making)
     settle_joints(making, lambda joint: str(joint.get("type") or "hinge"))
     return {str(name): str(value) for name, value in node.items()}
 
@@ -324,12 +326,12 @@ def _plain(value: object, unit: str) -> object:
     return value
 
 
-def plain(value: Single) -> float:
+def pose_number(value: Single) -> float:
     """Return a number of a pose. An angle with a unit is converted to radians."""
     return float(_plain(value, "radian"))  # type: ignore[arg-type]
 
 
-def _parsed(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
+def _parse_fragment(element: Element, kind: ElementType, making: ElementBuilder) -> Node:
     """Return the node of an MJCF fragment, whose angles are in the recipe's unit."""
     # A recipe may be somebody else's: its text opens no file and no address.
     parser = etree.XMLParser(remove_blank_text=True, resolve_entities=False, no_network=True)
@@ -367,7 +369,7 @@ def _read_fragment(
     for name, value in values.items():
         if kind.attributes[name].angle in ("orientation-euler", "replicate"):
             del node.attrib[name]
-        _set(node, own, kind.attributes[name], value=value, making=making)
+        _set_attribute(node, own, kind.attributes[name], value=value, making=making)
     for name in intervals:
         making.intervals[node, name] = making.span_of(node, name)
     for child in node.iterchildren("*"):
@@ -383,7 +385,7 @@ def default_kind(tag: str) -> ElementType:
 def set_singleton(step: SetSingleton, linking: Linking, making: ElementBuilder) -> None:
     """Write `option`, `visual` and the like. The recipe is written last, so its values win."""
     node = linking.base.section(step.section)
-    update(node, step.element, GRAMMAR.section(step.section), making=making)
+    update_node(node, step.element, GRAMMAR.section(step.section), making=making)
 
 
 def set_default(step: SetDefault, linking: Linking, making: ElementBuilder) -> None:
@@ -414,11 +416,11 @@ def set_default(step: SetDefault, linking: Linking, making: ElementBuilder) -> N
         existing = next(found.iterchildren(child.tag), None)
         if existing is None:
             # A class's own settings come before the classes nested in it.
-            node = make(child, kind, making)
+            node = make_node(child, kind, making)
             found.insert(len(found) - len(list(found.iterchildren("default"))), node)
             making.register(node, "default")
         else:
-            update(existing, child, kind, making=making)
+            update_node(existing, child, kind, making=making)
             making.made[existing] = child
             making.registered.append((existing, "default"))
 
@@ -441,12 +443,12 @@ def _class_node(linking: Linking, name: str) -> etree._Element:
     return next(node for node in linking.base.root.iter("default") if node.get("class") == name)
 
 
-def append(step: AppendElement, linking: Linking, making: ElementBuilder) -> None:
+def append_element(step: AppendElement, linking: Linking, making: ElementBuilder) -> None:
     """Append an element to a section that holds several."""
     section = linking.base.section(step.section)
     kind = GRAMMAR.section(step.section)
     child = kind.children[step.element.tag]
-    node = make(step.element, child, making)
+    node = make_node(step.element, child, making)
     if step.section == "extension":
         # All instances of a plugin are in one element, whichever part declares them.
         existing = next((plugin for plugin in section if plugin.get("plugin") == node.get("plugin")), None)

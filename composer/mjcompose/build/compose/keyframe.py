@@ -14,7 +14,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.suggest import closest, did_you_mean, exists_note, renaming, unknown_name
 from mjcompose.build.compose.actuators import ControlUnits
-from mjcompose.build.compose.elements import ElementBuilder, in_radians, plain
+from mjcompose.build.compose.elements import ElementBuilder, in_radians, pose_number
 from mjcompose.build.plan.plan import Plan
 from mjcompose.build.plan.steps import WriteKeyframe
 from mjcompose.language.form import Single, shown
@@ -72,7 +72,7 @@ def write_keyframes(plan: Plan, linking: Linking, making: ElementBuilder) -> Non
     units = ControlUnits(linking, making.sink, types, in_doubt=making.sink.has_errors)
     for step in plan.keyframes:
         linking.keys.written.append(
-            _Writing(
+            _KeyWriter(
                 step,
                 linking,
                 making,
@@ -102,7 +102,7 @@ def _joints(layout: Layout) -> dict[str, _Holder]:
     return found
 
 
-def _taken(key: Key, span: Span, void: Collection[Node]) -> Key:
+def _passed_on(key: Key, span: Span, void: Collection[Node]) -> Key:
     """Return the key with each number marked as passed on by the `from` entry at `span`, if it is not `void`."""
     values = {
         vector: {holder: taken(row, span) for holder, row in columns.items()}
@@ -118,7 +118,7 @@ def _name(node: Node) -> str:
 
 
 @dataclass(slots=True)
-class _Writing:
+class _KeyWriter:
     """One key that is being written."""
 
     step: WriteKeyframe
@@ -240,7 +240,9 @@ class _Writing:
             there = known.get(part)
             key = there.named(name) if there is not None else None
             if there is not None and key is not None:
-                found.append((there.depth, _taken(key, self._at(FROM, part), self.linking.keys.void_keys)))
+                found.append(
+                    (there.depth, _passed_on(key, self._at(FROM, part), self.linking.keys.void_keys))
+                )
                 continue
             if part not in self.parts:
                 continue  # the plan reports it
@@ -284,7 +286,7 @@ class _Writing:
                 return
         meant = self._meant(vector, name, node, slot=slot, width=len(entry))
         values = [
-            plain(value) if words is None else self._angle(vector, value, words, path=path)
+            pose_number(value) if words is None else self._angle(vector, value, words, path=path)
             for value, words in zip(entry, meant, strict=True)
         ]
         source = KeySource("entry", vector, span=self._at(vector, *path))

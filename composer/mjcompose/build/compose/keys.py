@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from mjcompose.sources.context import Context
 
 
-def only_zeros(editing: Editing, found: Iterable[Node], keys: Iterable[str]) -> list[str]:
+def zero_attributes(editing: Editing, found: Iterable[Node], keys: Iterable[str]) -> list[str]:
     """Return the attributes, or single numbers of them (`friction[0]`), that are zero on every element."""
     nodes = list(found)
     return [key for key in keys if nodes and all(_is_zero(editing, node, key) for node in nodes)]
@@ -84,10 +84,10 @@ def hold_poses(
         session = session or stack.enter_context(engine.Session())
         if keep_finished(linking, context, session):
             for step in steps:
-                _hold(step, layout, linking, making=making, session=session)
+                _hold_pose(step, layout, linking, making=making, session=session)
 
 
-def _hold(
+def _hold_pose(
     step: WriteKeyframe, layout: Layout, linking: Linking, making: ElementBuilder, session: engine.Session
 ) -> None:
     from mjcompose.mujoco.controls import hold  # needs numpy, and few keys hold
@@ -109,10 +109,12 @@ def _hold(
             locate(making.document, path),
         )
     for vector, rows in (("ctrl", found["ctrl"]), ("act", found["act"])):
-        _write(vector, rows, found, step=step, key=keys[index], layout=layout, linking=linking, making=making)
+        _write_held(
+            vector, rows, found, step=step, key=keys[index], layout=layout, linking=linking, making=making
+        )
 
 
-def _write(
+def _write_held(
     vector: str, values: list[float | None], found: dict[str, Any], step: WriteKeyframe, key: Node,
     layout: Layout, linking: Linking, making: ElementBuilder,
 ) -> None:  # fmt: skip
@@ -133,7 +135,7 @@ def _write(
             continue
         kind = found["unlike"].get(str(control))
         if kind and not whole and vector == "ctrl":
-            _no_control(step, singles[span], kind, making=making)  # type: ignore[index]
+            _report_no_control(step, singles[span], kind, making=making)  # type: ignore[index]
         name = "" if isinstance(actuator, str) else str(getattr(actuator, "get", lambda _: "")("name") or "")
         if kind and whole and vector == "ctrl" and control in found["unknown"]:
             unknown.append(f"`{name}` ({kind})" if name else f"{kind} without a name")
@@ -167,7 +169,7 @@ def _addresses(layout: Layout, vector: str) -> Iterator[tuple[Any, int, int, int
         control += slot.widths[0]
 
 
-def _no_control(step: WriteKeyframe, path: tuple[str, ...], kind: str, making: ElementBuilder) -> None:
+def _report_no_control(step: WriteKeyframe, path: tuple[str, ...], kind: str, making: ElementBuilder) -> None:
     making.sink.error(
         "not-held",
         f"no control of `{path[-1]}` holds the pose of the key `{step.key.name}`: it is {kind}",

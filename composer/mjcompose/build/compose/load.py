@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note, Path, Span
 from mjcompose.base.sink import Sink
-from mjcompose.build.plan.plan import BASE, Plan, Tables, part_name, stands_in_world
+from mjcompose.build.plan.plan import BASE, Plan, Tables, is_fixed_in_world, part_name
 from mjcompose.language.used_model import Drop, Edit
 from mjcompose.link.linking import KeyPolicy, Linking, Measure
 from mjcompose.link.measure import folder_of
@@ -73,17 +73,17 @@ class Loader:
     parsed: dict[Key, Unit | None] = field(default_factory=dict)
     uses: Counter[Key] = field(default_factory=Counter)
 
-    def expect(self, model: Source, stands: bool) -> None:
-        self.uses[key_of(model, stands)] += 1
+    def expect(self, model: Source, is_fixed: bool) -> None:
+        self.uses[source_key(model, is_fixed)] += 1
 
-    def unit(self, model: Source, span: Span | None, stands: bool) -> Unit | None:
-        """Return the unit of a source, or None if it has faults. With `stands`, it is fixed in the world."""
-        key = key_of(model, stands)
+    def unit(self, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:
+        """Return the unit of a source, or None if it has faults. With `is_fixed`, it is fixed in the world."""
+        key = source_key(model, is_fixed)
         if key not in self.parsed:
             refused = (
                 self.parsed.get((*key[:3], not key[3]), ...) is None
             )  # one fault of a file is reported once
-            self.parsed[key] = None if refused else self._known(key) or self._read(model, span, stands)
+            self.parsed[key] = None if refused else self._known(key) or self._read(model, span, is_fixed)
         unit = self.parsed[key]
         self.uses[key] -= 1
         # Linking uses a unit up.
@@ -101,17 +101,17 @@ class Loader:
         unit = self.library.get(key) if self.library is not None else None
         return None if unit is None else unit.copied()
 
-    def _read(self, model: Source, span: Span | None, stands: bool) -> Unit | None:
-        unit = self._new(model, span, stands)
+    def _read(self, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:
+        unit = self._new(model, span, is_fixed)
         if unit is not None and self.library is not None:
-            self.library[key_of(model, stands)] = unit.copied()
+            self.library[source_key(model, is_fixed)] = unit.copied()
         return unit
 
-    def _new(self, model: Source, span: Span | None, stands: bool) -> Unit | None:
+    def _new(self, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:
         if model.format == "urdf":
             from mjcompose.build.compose.urdf import urdf_unit  # few recipes need it
 
-            return urdf_unit(model, self.context, self.session, span=span, stands=stands)
+            return urdf_unit(model, self.context, self.session, span=span, is_fixed=is_fixed)
         sink, shown = self.context.sink, self.context.shown
         unit = parse_file(model.path, sink, file=shown(model.path), span=span, door=model.door)
         if unit is None or not all_admitted(unit, sink, shown):
@@ -121,17 +121,17 @@ class Loader:
         return unit
 
 
-def key_of(model: Source, stands: bool) -> Key:
-    """Return a key that is equal for sources that read the same. For MJCF, `stands` does not matter."""
-    return *model.read_as, stands or model.format != "urdf"
+def source_key(model: Source, is_fixed: bool) -> Key:
+    """Return a key that is equal for sources that read the same. For MJCF, `is_fixed` does not matter."""
+    return *model.read_as, is_fixed or model.format != "urdf"
 
 
 @dataclass(frozen=True, slots=True)
 class PartRequest:
     """A model of a plan, base or part, and the name of the body to take; None for the whole model.
 
-    `at` is the path to the model's mapping in the recipe, `span` the place of `subtree`. `stands` is set if the
-    model is fixed in the world of the final model.
+    `at` is the path to the model's mapping in the recipe, `span` the place of `subtree`. `is_fixed_in_world` is
+    about the world of the final model.
     """
 
     model: Source | Plan | None
@@ -139,7 +139,7 @@ class PartRequest:
     at: Path
     keyframes: KeyPolicy
     span: Span
-    stands: bool
+    is_fixed_in_world: bool
     drop: tuple[Drop, ...] = ()
     edit: tuple[Edit, ...] = ()
 
@@ -178,10 +178,10 @@ def _may_have_keys(unit: Unit) -> bool:
     return asks or next(unit.root.iter("attach"), None) is not None
 
 
-def part_requests(plan: Plan, stands: bool) -> Iterator[PartRequest]:
+def part_requests(plan: Plan, is_fixed: bool) -> Iterator[PartRequest]:
     """Yield the requests for the base of a plan and for its parts, in their order.
 
-    `stands` says whether the model of the plan is fixed in the world.
+    `is_fixed` says whether the model of the plan is fixed in the world.
     """
     base, document = plan.base, plan.document
     span = locate(document, ("base", "subtree"))
@@ -193,7 +193,7 @@ def part_requests(plan: Plan, stands: bool) -> Iterator[PartRequest]:
         (BASE,),
         keyframes=keyframes,
         span=span,
-        stands=stands,
+        is_fixed_in_world=is_fixed,
         drop=base.drop,
         edit=base.edit,
     )
@@ -201,14 +201,14 @@ def part_requests(plan: Plan, stands: bool) -> Iterator[PartRequest]:
         part = step.attachment
         span = locate(document, (*step.at, "subtree"))
         keyframes = "merge" if part_name(step, plan.separator) in key_sources else part.key_policy
-        inside = stands and stands_in_world(part)
+        inside = is_fixed and is_fixed_in_world(part)
         yield PartRequest(
             step.model,
             part.subtree,
             step.at,
             keyframes=keyframes,
             span=span,
-            stands=inside,
+            is_fixed_in_world=inside,
             drop=part.drop,
             edit=part.edit,
         )

@@ -17,7 +17,7 @@ from mjcompose.base.limits import GIB, advice, in_force
 from mjcompose.base.scratch import scratch
 from mjcompose.build.bundle.collect import read
 from mjcompose.build.compose.editing import Editing
-from mjcompose.build.compose.shape_store import ShapeStore, checked, key_of
+from mjcompose.build.compose.shape_store import ShapeStore, parse_shapes, shapes_key
 from mjcompose.build.plan.plan import MadeShapes
 from mjcompose.link import numbers
 from mjcompose.link.linking import FileUse
@@ -36,7 +36,7 @@ _OPEN = f"look at the pieces, or close the mesh; `allow: [{SHAPE}]` says that yo
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class MeshJob:
     """What is to be made of one mesh. `mesh` are its attributes with the hash of its file, `content` the file."""
 
     node: Node
@@ -50,11 +50,11 @@ class Asked:
 
     @property
     def key(self) -> str:
-        return key_of(self.mesh, self.method, self.wanted)
+        return shapes_key(self.mesh, self.method, self.wanted)
 
 
 @dataclass(slots=True)
-class Record:
+class MeshResult:
     """What was made: the geoms, the geom or mesh that they were made for, and all that is known of it."""
 
     of: Node
@@ -64,7 +64,7 @@ class Record:
 
 
 @dataclass(slots=True)
-class Workshop:
+class MeshWorkshop:
     """`makes` says whether what is not kept is made; an editor has no time for that. `records` has all that was made.
 
     It has `stopped` where nothing can be made here of any mesh.
@@ -73,13 +73,13 @@ class Workshop:
     context: Context
     makes: bool = True
     store: ShapeStore = field(init=False)
-    records: list[Record] = field(default_factory=list)
+    records: list[MeshResult] = field(default_factory=list)
     stopped: bool = False
 
     def __post_init__(self) -> None:
         self.store = ShapeStore(self.context)
 
-    def made(self, root: Node) -> tuple[MadeShapes, ...]:
+    def shapes_in(self, root: Node) -> tuple[MadeShapes, ...]:
         """All that was made and is in a finished model, by the names that things have there."""
         found = []
         for each in self.records:
@@ -91,7 +91,7 @@ class Workshop:
             found.append(replace(each.about, of=of, mesh=name_of(each.mesh) or "", shapes=shapes))
         return tuple(found)
 
-    def asked(self, editing: Editing, mesh: Node, method: str, wanted: Any, span: Span) -> Asked | None:
+    def job_for(self, editing: Editing, mesh: Node, method: str, wanted: Any, span: Span) -> MeshJob | None:
         """What is asked of a mesh of a model; None where its file cannot be had, which is reported."""
         if next(mesh.iterchildren("plugin"), None) is not None:
             self._unusable(editing, mesh, "a plugin makes it", span=span)
@@ -105,7 +105,7 @@ class Workshop:
                 return None
             suffix = os.path.splitext(str(file))[1]
             said["file"] = digest(content) + suffix.lower()
-        return Asked(
+        return MeshJob(
             mesh,
             editing.called(mesh),
             said,
@@ -116,12 +116,12 @@ class Workshop:
             span=span,
         )
 
-    def results(self, editing: Editing, asked: Sequence[Asked]) -> dict[str, dict[str, Any]] | None:
+    def results(self, editing: Editing, job: Sequence[MeshJob]) -> dict[str, dict[str, Any]] | None:
         """The results by their keys; None where one cannot be had, which is reported, or may not be made now."""
         errors = editing.sink.error_count
         found: dict[str, dict[str, Any]] = {}
-        missing: dict[str, Asked] = {}
-        for each in asked:
+        missing: dict[str, MeshJob] = {}
+        for each in job:
             if each.key in found or each.key in missing:
                 continue
             result = self.store.find(each.key, each.span)
@@ -135,63 +135,61 @@ class Workshop:
             limits = engine.Limits(seconds=in_force().mesh_time)
             with engine.Session(limits) as session:
                 for key, each in missing.items():
-                    made = self._made(editing, each, session)
+                    made = self._make(editing, each, session)
                     if made is not None:
                         self.store.keep(key, made)
                         found[key] = made
                     elif self.stopped:
                         break
-        self._doubt(editing, asked, found)
+        self._doubt(editing, job, found)
         return found if editing.sink.error_count == errors else None
 
-    def _made(self, editing: Editing, asked: Asked, session: engine.Session) -> dict[str, Any] | None:
-        attributes = dict(asked.mesh)
+    def _make(self, editing: Editing, job: MeshJob, session: engine.Session) -> dict[str, Any] | None:
+        attributes = dict(job.mesh)
         with scratch("mesh") as folder:
-            if asked.content is not None:
-                file = folder / f"mesh{asked.suffix}"
-                file.write_bytes(asked.content)
+            if job.content is not None:
+                file = folder / f"mesh{job.suffix}"
+                file.write_bytes(job.content)
                 attributes["file"] = str(file)
             argument = {
                 "mesh": attributes,
-                "method": asked.method,
-                "wanted": asked.wanted,
+                "method": job.method,
+                "wanted": job.wanted,
                 "most_faces": in_force().mesh_faces,
             }
             answer = engine.call(session, make, (), argument=argument)
         if not answer.ok:
-            self._failed(editing, asked, answer.crash, error=answer.error)
+            self._failed(editing, job, answer.crash, error=answer.error)
             return None
         value = answer.value
         if "missing" in value:
             self.stopped = True
             editing.sink.error(
                 "mesh-tools-missing",
-                f"`{asked.method}` needs the Python package `{value['missing']}`, which is not installed",
-                asked.span,
+                f"`{job.method}` needs the Python package `{value['missing']}`, which is not installed",
+                job.span,
                 help='run `pip install "mjcompose[mesh]"`; what is locked needs no package',
             )
             return None
         if "unusable" in value:
             why = value["unusable"].replace(str(attributes.get("file")), "its file")
-            self._unusable(editing, asked.node, why, span=asked.span, limit=value.get("limit"))
+            self._unusable(editing, job.node, why, span=job.span, limit=value.get("limit"))
             return None
-        return checked(value)
+        return parse_shapes(value)
 
-    def _failed(self, editing: Editing, asked: Asked, crash: str | None, error: str | None) -> None:
+    def _failed(self, editing: Editing, job: MeshJob, crash: str | None, error: str | None) -> None:
         limits = in_force()
         if crash == "timeout":
-            message = f"what is made of {asked.called} takes longer than {limits.mesh_time:g} s"
-            editing.sink.error("limit-exceeded", message, asked.span, help=advice("mesh-time"))
+            message = f"what is made of {job.called} takes longer than {limits.mesh_time:g} s"
+            editing.sink.error("limit-exceeded", message, job.span, help=advice("mesh-time"))
         elif crash == "memory":
-            message = (
-                f"what is made of {asked.called} takes more than {limits.memory / GIB:.3g} GiB of memory"
-            )
-            editing.sink.error("limit-exceeded", message, asked.span, help=advice("memory"))
+            message = f"what is made of {job.called} takes more than {limits.memory / GIB:.3g} GiB of memory"
+            editing.sink.error("limit-exceeded", message, job.span, help=advice("memory"))
         else:
             self.stopped = crash in ("missing", "start")
             words = " ".join((error or crash or "").split())
             code = "mujoco-missing" if crash == "missing" else "mesh-unusable"
-            editing.sink.error(code, f"nothing could be made of {asked.called}: {words}", asked.span)
+            editing.sink.error(code, f"nothing could be made of {job.called}: {words}", job.span)
 
     def _unusable(self, editing: Editing, mesh: Node, why: str, span: Span, limit: str | None = None) -> None:
         editing.sink.error(
@@ -203,10 +201,10 @@ class Workshop:
             subjects=editing.subjects(mesh),
         )
 
-    def _doubt(self, editing: Editing, asked: Sequence[Asked], found: dict[str, dict[str, Any]]) -> None:
+    def _doubt(self, editing: Editing, job: Sequence[MeshJob], found: dict[str, dict[str, Any]]) -> None:
         """Warn of meshes that are hardly what was meant. A flat one is an error before: no shape can be made of it."""
         reach = _reach(editing)
-        for each in {each.node: each for each in asked if each.key in found}.values():
+        for each in {each.node: each for each in job if each.key in found}.values():
             mesh = found[each.key]["mesh"]
             facts = Measured(float(mesh["size"]), is_closed=mesh["closed"])
             inside = "`decompose` fills its inside as well as it can" if each.method == "decompose" else None

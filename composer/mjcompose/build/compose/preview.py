@@ -13,9 +13,9 @@ from mjcompose.build.bundle.staging import staged_file
 from mjcompose.build.compose.actuators import models_in
 from mjcompose.build.compose.compose import Composed, Composer, adopted_settings
 from mjcompose.build.compose.load import Library
-from mjcompose.build.compose.shape_store import kept_beside
+from mjcompose.build.compose.shape_store import shapes_beside
 from mjcompose.build.plan.describe import acknowledge
-from mjcompose.build.plan.plan import EditOutcome, Foreseen, Gains, Plan
+from mjcompose.build.plan.plan import EditOutcome, Gains, Plan, PlanPreview
 from mjcompose.link.linking import Measure
 from mjcompose.link.measure import measure_with
 from mjcompose.model.grammar import GRAMMAR
@@ -24,7 +24,7 @@ from mjcompose.mujoco import engine
 from mjcompose.sources.context import Context
 
 
-def foresee(plan: Plan, context: Context) -> Foreseen:
+def preview_plan(plan: Plan, context: Context) -> PlanPreview:
     """Return what the plan will remove, what edits select, and on what the parts agree. Errors go to the sink.
 
     The model is composed once, if edits or contacts need it. Otherwise only the sources that matter are read.
@@ -40,14 +40,14 @@ def foresee(plan: Plan, context: Context) -> Foreseen:
         if plan.takes_subtrees:
             composer.read_subtrees(plan)
         if _excludes_touching(plan):
-            composed = _composed_aside(plan, context, library)
+            composed = _compose_silently(plan, context, library)
     adopted = _adopted(plan, composed, context, library=library)
     excluded = () if composed is None else composed.excluded
     gains = tuple(_gains(composed, composer.edits.values(), measure))
-    return Foreseen(composer.subtrees, composer.edits, adopted, excluded=excluded, gains=gains)
+    return PlanPreview(composer.subtrees, composer.edits, adopted, excluded=excluded, gains=gains)
 
 
-def _composed_aside(plan: Plan, context: Context, library: Library) -> Composed | None:
+def _compose_silently(plan: Plan, context: Context, library: Library) -> Composed | None:
     """Return the composed model for the bodies that touch. Its errors are not reported here."""
     aside = replace(context, sink=Sink())
     with engine.Session() as session:
@@ -87,7 +87,7 @@ def _gains(composed: Composed | None, edits: Iterable[EditOutcome], measure: Mea
             )
 
 
-def made_for(plans: Iterable[Plan], context: Context) -> dict[str, bytes]:
+def shapes_for_plans(plans: Iterable[Plan], context: Context) -> dict[str, bytes]:
     """The results that plans need, by key; what is not kept yet is made now. Faults go to the context's sink."""
     found: dict[str, bytes] = {}
     library: Library = {}
@@ -112,7 +112,7 @@ def made_for(plans: Iterable[Plan], context: Context) -> dict[str, bytes]:
 
 def write_beside(folder: Path, shapes: Mapping[str, bytes]) -> None:
     """Let a folder beside a recipe have these results and no others. Raises OutputError."""
-    before = kept_beside(folder)
+    before = shapes_beside(folder)
     if not shapes and not before:
         return
     try:

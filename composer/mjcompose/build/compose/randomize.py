@@ -14,9 +14,9 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.draw_stream import bits
 from mjcompose.build.compose.editing import Editing, cost_of_draws
-from mjcompose.build.compose.keys import only_zeros, report_only_zeros
+from mjcompose.build.compose.keys import report_only_zeros, zero_attributes
 from mjcompose.build.compose.select import select_counted
-from mjcompose.build.compose.values import Masses, Unusable, Values
+from mjcompose.build.compose.values import Masses, UnusableValue, Values
 from mjcompose.build.plan.plan import BASE, Drawn, ElementDraws
 from mjcompose.build.plan.steps import AngleSettings, DrawValues
 from mjcompose.build.verbs.values import OPERATIONS, Change
@@ -48,11 +48,11 @@ def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[E
         counted_at=at,
         values=cost,
     )
-    draws = _Draws(step, editing, Masses(editing, found))
+    draws = _FieldDraws(step, editing, Masses(editing, found))
     drawn: list[Drawn] = []
     by: set[tuple[Any, ...]] = set()
     tabled: list[ElementDraws] = []
-    zeros = only_zeros(editing, found, (entry.attr,)) if entry.operation == "scale" else []
+    zeros = zero_attributes(editing, found, (entry.attr,)) if entry.operation == "scale" else []
     try:
         for index, node in enumerate(found):
             if step.sample:
@@ -65,7 +65,7 @@ def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[E
             draws.check(node, range(1, step.samples + 1))
             if step.tabled:
                 tabled.append(draws.tabled(node))
-    except Unusable:
+    except UnusableValue:
         return [], []
     for key in zeros:
         help = "draw the value itself, or what is added to it, by `offset`"
@@ -74,7 +74,7 @@ def draw_values(step: DrawValues, editing: Editing) -> tuple[list[Drawn], list[E
 
 
 @dataclass(slots=True)
-class _Draws:
+class _FieldDraws:
     """The draws of one field in one model."""
 
     step: DrawValues
@@ -119,7 +119,7 @@ class _Draws:
         angles = tuple(self._angles(node)) if step.field.operation != "scale" else ()
         kind = kind_of(node)
         return ElementDraws(
-            first, step.field, name_of(node), place=_place(node), tag=kind.tag, family=kind.family or kind.tag,
+            first, step.field, name_of(node), place=_place_in_body(node), tag=kind.tag, family=kind.family or kind.tag,
             numbers=self._numbers(node, len(first.columns())), angles=angles, unit=self._angle_settings.angle,
         )  # fmt: skip
 
@@ -254,7 +254,7 @@ class _Draws:
     # -- whether it can be ---------------------------------------------------------------------------------------
 
     def check(self, node: Node, samples: Sequence[int]) -> None:
-        """Report the first sample whose draw makes a number that has no meaning. Raises `Unusable`."""
+        """Report the first sample whose draw makes a number that has no meaning. Raises `UnusableValue`."""
         entry = self.step.field
         name, subscript = attribute_and_index(entry.attr)
         kind = kind_of(node)
@@ -369,10 +369,10 @@ class _Draws:
         notes = (Note(f"{editing.called(node)} is written here", editing.span_of(node)),)
         span, subjects = editing.span(self.step.field.drawn_at), editing.subjects(node)
         editing.sink.error(code, message, span, notes=notes, help=help, subjects=subjects)
-        raise Unusable
+        raise UnusableValue
 
 
-def _place(node: Node) -> tuple[str, int, int] | None:
+def _place_in_body(node: Node) -> tuple[str, int, int] | None:
     """Return the name of an element's body, its index among those of its tag there, and their number; None outside."""
     body = parent_of(node)
     if body is None or body.tag not in ("body", "worldbody"):

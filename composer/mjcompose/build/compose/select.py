@@ -12,7 +12,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Fix, Note, Path
 from mjcompose.base.suggest import closest, exists_note, renaming
 from mjcompose.build.compose.editing import Editing, cost_of_condition, cost_of_selecting
-from mjcompose.build.compose.values import Unusable, Values, attributes_scope, equal
+from mjcompose.build.compose.values import UnusableValue, Values, attributes_scope, matches_value
 from mjcompose.language.value import attribute_and_index
 from mjcompose.model.grammar import GRAMMAR, Attribute
 from mjcompose.model.pattern import BadPattern, is_glob, is_pattern, matcher
@@ -39,7 +39,7 @@ def select(editing: Editing, selector: Selector, path: Path) -> list[Node] | Non
     except BadPattern as bad:
         editing.sink.error("selector", bad.message, editing.span(path), help=bad.help)
         editing.cost.ended |= bad.is_slow
-    except Unusable:
+    except UnusableValue:
         pass
     return None
 
@@ -71,7 +71,7 @@ def select_counted(
         )
         return []
     if not found and not optional and expect is None:
-        _nothing(editing, selector, path)
+        _report_nothing(editing, selector, path)
     return found if editing.cost.allows(len(found) * values, editing.sink, editing.span(path)) else []
 
 
@@ -94,15 +94,17 @@ def _selection(editing: Editing) -> Selection:
 def _holds(editing: Editing, selection: Selection, node: Node, selector: Selector) -> bool:
     at = (*selector.at, "where")
     if not editing.cost.allows(cost_of_condition(selector.where), editing.sink, editing.span(at)):
-        raise Unusable
+        raise UnusableValue
     values = Values(editing, node, 0, at=at)
     if isinstance(selector.where, str):
         return _expression_holds(values, selection, selector, condition=selector.where)
-    return all(_has(values, selection, key, wanted=wanted) for key, wanted in (selector.where or {}).items())
+    return all(
+        _has_value(values, selection, key, wanted=wanted) for key, wanted in (selector.where or {}).items()
+    )
 
 
 def _expression_holds(values: Values, selection: Selection, selector: Selector, condition: str) -> bool:
-    """Return the value of a condition `${…}` for an element. Raises `Unusable` if it is not a boolean."""
+    """Return the value of a condition `${…}` for an element. Raises `UnusableValue` if it is not a boolean."""
     editing = values.editing
     scope = {**values.scope, **attributes_scope(values)}
     scope["name"] = values.scope["name"]
@@ -114,10 +116,10 @@ def _expression_holds(values: Values, selection: Selection, selector: Selector, 
     if isinstance(found, bool):
         return found
     editing.sink.error("wrong-type", "`where` needs `true` or `false`", editing.span(values.at))
-    raise Unusable
+    raise UnusableValue
 
 
-def _has(values: Values, selection: Selection, key: str, wanted: object) -> bool:
+def _has_value(values: Values, selection: Selection, key: str, wanted: object) -> bool:
     """Return whether an attribute of the element, or one of its numbers, has the value that `where` gives."""
     name, index = attribute_and_index(key)
     attribute = kind_of(values.node).attributes.get(name)
@@ -131,7 +133,7 @@ def _has(values: Values, selection: Selection, key: str, wanted: object) -> bool
         meant = _in_its_unit(values, attribute, index, meant=meant)
     if isinstance(meant, str) and (attribute.is_reference or name == "name") and is_pattern(meant):
         return selection.fits(meant)(str(have))
-    return equal(attribute, have, meant)
+    return matches_value(attribute, have, meant)
 
 
 def _is_of_others(node: Node, selector: Selector, scope: Mapping[str, Value]) -> bool:
@@ -169,7 +171,7 @@ def _in_its_unit(values: Values, attribute: Attribute, index: int | None, meant:
     return angle.in_unit("deg" if in_degrees else "rad")
 
 
-def _nothing(editing: Editing, selector: Selector, path: Path) -> None:
+def _report_nothing(editing: Editing, selector: Selector, path: Path) -> None:
     """Report that nothing is selected, and which part of the selector nothing matches."""
     help = fix = None
     written = editing.span((*path, selector.tag))

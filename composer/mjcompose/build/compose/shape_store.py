@@ -35,7 +35,7 @@ _SHAPES = {
 _ERRORS = ("hausdorff", "beyond", "short", "uncovered", "volume", "samples")
 
 
-def key_of(mesh: dict[str, str], method: str, wanted: Any) -> str:
+def shapes_key(mesh: dict[str, str], method: str, wanted: Any) -> str:
     """The key of a result; `mesh` has the attributes, of a file the hash of its bytes. No I/O."""
     return blobs.key_of([FORMAT, sorted(mesh.items()), method, wanted])
 
@@ -53,7 +53,7 @@ class ShapeStore:
         if content is None:
             return None
         try:
-            found = checked(json.loads(content))
+            found = parse_shapes(json.loads(content))
         except (ValueError, RecursionError):
             path = self.path(key)
             self.context.sink.error(
@@ -122,7 +122,7 @@ class ShapeStore:
             self.context.sink.error("source-changed", f"`{shown}` is not what {lock} pins", span, help=help)
 
 
-def checked(data: Any) -> dict[str, Any]:
+def parse_shapes(data: Any) -> dict[str, Any]:
     """A result of the right form: whoever keeps a file may have changed it. Raises ValueError. No I/O."""
     if not isinstance(data, dict) or {*data} != {"shapes", "error", "mesh", "made_with"}:
         raise ValueError("no result")
@@ -177,7 +177,7 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def kept_beside(folder: Path) -> dict[str, Path]:
+def shapes_beside(folder: Path) -> dict[str, Path]:
     """The results that a folder beside a recipe has, by key."""
     try:
         names = os.listdir(folder)

@@ -20,8 +20,8 @@ from mjcompose.base.access import held
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose
 from mjcompose.build.compose.editing import Editing
-from mjcompose.build.compose.mesh_jobs import Asked, Record, Workshop
-from mjcompose.build.compose.values import Unusable, refuse
+from mjcompose.build.compose.mesh_jobs import MeshJob, MeshResult, MeshWorkshop
+from mjcompose.build.compose.values import UnusableValue, report_unusable
 from mjcompose.build.plan.plan import MadeShapes
 from mjcompose.link import numbers
 from mjcompose.link.files import ASSETS
@@ -37,10 +37,10 @@ _NEUTRAL = {"scale": "1 1 1", "refpos": "0 0 0", "refquat": "1 0 0 0"}
 _FILE_NAME = re.compile(r"[^\w.+-]")
 
 
-def obj(shape: Mapping[str, Any]) -> bytes:
+def to_obj(shape: Mapping[str, Any]) -> bytes:
     r"""Vertices and faces as a file.
 
-    >>> obj({"vertices": [[0, 0, 0], [1, 0, 0.5], [0, 1, 0]], "faces": [[0, 1, 2]]}).decode()
+    >>> to_obj({"vertices": [[0, 0, 0], [1, 0, 0.5], [0, 1, 0]], "faces": [[0, 1, 2]]}).decode()
     'v 0 0 0\nv 1 0 0.5\nv 0 1 0\nf 1 2 3\n'
     """
     lines = [f"v {' '.join(f'{each:.7g}' for each in vertex)}" for vertex in shape["vertices"]]
@@ -51,7 +51,7 @@ def obj(shape: Mapping[str, Any]) -> bytes:
 def write_file(editing: Editing, mesh: Node, name: str, key: str, shape: Mapping[str, Any]) -> None:
     """Give a mesh the shape as its file, where it stands as the shape says, whatever its class says of scales."""
     linking, unit = editing.linking, editing.linking.base
-    content = obj(shape)
+    content = to_obj(shape)
     # The key keeps it apart from every file that the model has.
     file = f"{_FILE_NAME.sub('_', name)}.{key[:8]}.obj"
     classes = dict.fromkeys(_NEUTRAL)
@@ -88,28 +88,28 @@ _UNSEEN = 3
 _SUFFIXES = {"hull": "hull", "decompose": "part", "spheres": "sphere"}
 
 
-def collide(
-    editing: Editing, workshop: Workshop, found: list[Node], value: Mapping[str, Any], at: Path
-) -> list[Record]:
+def make_collision_geoms(
+    editing: Editing, workshop: MeshWorkshop, found: list[Node], value: Mapping[str, Any], at: Path
+) -> list[MeshResult]:
     """Make the geoms; gives what was made, or nothing where there was no time for it."""
     span = editing.span(at)
-    asked: list[tuple[Node, Asked]] = []
+    asked: list[tuple[Node, MeshJob]] = []
     for node in found:
         mesh = _mesh_of(editing, node, at)
         _check_free(editing, node, at)
-        each = workshop.asked(editing, mesh, value["method"], wanted=value["wanted"], span=span)
+        each = workshop.job_for(editing, mesh, value["method"], wanted=value["wanted"], span=span)
         if each is None:
-            raise Unusable
+            raise UnusableValue
         asked.append((node, each))
     before = editing.sink.error_count
     results = workshop.results(editing, [each for _, each in asked])
     if results is None:
         if editing.sink.error_count > before:
-            raise Unusable
+            raise UnusableValue
         return []
     meshes: dict[tuple[str, int], str] = {}
     records = [
-        _made_collision(editing, node, each, result=results[each.key], meshes=meshes, at=at)
+        _collision_result(editing, node, each, result=results[each.key], meshes=meshes, at=at)
         for node, each in asked
     ]
     workshop.records += records
@@ -125,7 +125,7 @@ def _mesh_of(editing: Editing, node: Node, at: Path) -> Node:
         help = "select the geoms of meshes alone: `where: {type: mesh}`"
         if type in ("box", "sphere", "capsule", "cylinder", "ellipsoid") and not name:
             what = f"it is a {type} already"
-        refuse(
+        report_unusable(
             editing,
             node,
             Fault("wrong-type", f"{editing.called(node)} has no mesh to start from: {what}", at, help=help),
@@ -134,15 +134,15 @@ def _mesh_of(editing: Editing, node: Node, at: Path) -> Node:
     if node.get("mesh") is None or (ends and not any(map(math.isnan, ends))):
         what = "its mesh" if node.get("mesh") is None else "`fromto`"
         message = f"a class gives {editing.called(node)} {what}, and would give it to the new geoms too"
-        refuse(editing, node, Fault("not-supported", message, at, help="write it on the geoms"))
-    return mesh_called(editing, node, str(name), at=at)
+        report_unusable(editing, node, Fault("not-supported", message, at, help="write it on the geoms"))
+    return find_mesh(editing, node, str(name), at=at)
 
 
-def mesh_called(editing: Editing, node: Node, name: str, at: Path) -> Node:
+def find_mesh(editing: Editing, node: Node, name: str, at: Path) -> Node:
     """The asset of that name, which a geom names."""
     mesh = editing.find_node("mesh", name)
     if mesh is None:
-        refuse(
+        report_unusable(
             editing,
             node,
             Fault("unknown-name", f"the mesh `{name}` of {editing.called(node)} does not exist", at),
@@ -165,32 +165,32 @@ def _check_free(editing: Editing, node: Node, at: Path) -> None:
         notes = tuple(Note(f"{editing.called(each)} names it", editing.span_of(each)) for each in users)
         message = f"{editing.called(node)} cannot get other collision shapes: its contacts are referred to"
         help = "remove what names it, or select the other geoms"
-        refuse(editing, node, Fault("still-referred-to", message, at, notes=notes, help=help))
+        report_unusable(editing, node, Fault("still-referred-to", message, at, notes=notes, help=help))
 
 
-def _made_collision(
+def _collision_result(
     editing: Editing,
     node: Node,
-    asked: Asked,
+    job: MeshJob,
     result: dict[str, Any],
     meshes: dict[tuple[str, int], str],
     at: Path,
-) -> Record:
-    mesh_name = name_of(asked.node) or ""
+) -> MeshResult:
+    mesh_name = name_of(job.node) or ""
     shapes = result["shapes"]
-    many = len(shapes) > 1 or asked.method in ("decompose", "spheres")
+    many = len(shapes) > 1 or job.method in ("decompose", "spheres")
     pose = _pose(editing, node)
     made = []
     for number, shape in enumerate(shapes):
-        suffix = _SUFFIXES.get(asked.method, shape["type"])
+        suffix = _SUFFIXES.get(job.method, shape["type"])
         end = f"_{suffix}{number:0{len(str(len(shapes) - 1))}d}" if many else f"_{suffix}"
         geom = node.makeelement("geom")
         geom.set("name", _free(editing, "geom", f"{name_of(node) or mesh_name}{end}"))
         if shape["type"] == "mesh":
-            known = meshes.get((asked.key, number))
+            known = meshes.get((job.key, number))
             if known is None:
-                known = meshes[asked.key, number] = _new_mesh(
-                    editing, asked, f"{mesh_name}{end}", shape=shape, at=at
+                known = meshes[job.key, number] = _new_mesh(
+                    editing, job, f"{mesh_name}{end}", shape=shape, at=at
                 )
             _write(editing, node, geom, given={"type": "mesh", "mesh": known}, pose=pose)
         else:
@@ -211,16 +211,16 @@ def _made_collision(
     about = MadeShapes(
         name_of(node) or "",
         mesh_name,
-        asked.method,
-        wanted=asked.wanted,
+        job.method,
+        wanted=job.wanted,
         shapes=tuple(name_of(geom) or "" for geom in made),
         faces=result["mesh"]["faces"],
         error=result["error"],
         made_with=result["made_with"],
-        key=asked.key,
-        span=asked.span,
+        key=job.key,
+        span=job.span,
     )
-    return Record(node, asked.node, tuple(made), about=about)
+    return MeshResult(node, job.node, tuple(made), about=about)
 
 
 def _write(editing: Editing, old: Node, geom: Node, given: Mapping[str, str], pose: Pose) -> None:
@@ -284,13 +284,13 @@ def _orientation(editing: Editing, node: Node) -> tuple[str, str] | None:
     return None if found is None else found.orientation("geom")
 
 
-def _new_mesh(editing: Editing, asked: Asked, name: str, shape: Mapping[str, Any], at: Path) -> str:
+def _new_mesh(editing: Editing, job: MeshJob, name: str, shape: Mapping[str, Any], at: Path) -> str:
     free = _free(editing, "mesh", name)
-    section = asked.node.getparent()
+    section = job.node.getparent()
     assert section is not None
     mesh = section.makeelement("mesh", {"name": free})
     section.append(mesh)
-    write_file(editing, mesh, free, key=asked.key, shape=shape)
+    write_file(editing, mesh, free, key=job.key, shape=shape)
     # A thin piece would have too little volume for MuJoCo's inertia; nothing weighs anything by it.
     mesh.set("inertia", "shell")
     editing.making.origins.own(mesh, editing.span(at))
@@ -307,12 +307,12 @@ def _free(editing: Editing, namespace: str, name: str) -> str:
     return free
 
 
-def simplify(
-    editing: Editing, workshop: Workshop, found: list[Node], value: Mapping[str, Any], at: Path
-) -> list[Record]:
+def simplify_meshes(
+    editing: Editing, workshop: MeshWorkshop, found: list[Node], value: Mapping[str, Any], at: Path
+) -> list[MeshResult]:
     """Give the meshes fewer faces; what has no more than that stays as it is."""
     span = editing.span(at)
-    asked: list[Asked] = []
+    asked: list[MeshJob] = []
     for mesh in dict.fromkeys(_mesh(editing, node, at) for node in found):
         for geom in _geoms(editing, name_of(mesh) or ""):
             if _is_weighed(editing, geom):
@@ -321,20 +321,20 @@ def simplify(
                 help = (
                     "write the `inertial` of the body, or give the geom `mass: 0` if another one has its mass"
                 )
-                refuse(editing, geom, Fault("mesh-unusable", message, at, help=help))
-        each = workshop.asked(editing, mesh, "simplify", wanted=dict(value), span=span)
+                report_unusable(editing, geom, Fault("mesh-unusable", message, at, help=help))
+        each = workshop.job_for(editing, mesh, "simplify", wanted=dict(value), span=span)
         if each is None:
-            raise Unusable
+            raise UnusableValue
         asked.append(each)
     before = editing.sink.error_count
     results = workshop.results(editing, asked)
     if results is None:
         if editing.sink.error_count > before:
-            raise Unusable
+            raise UnusableValue
         return []
     for each in asked:
         _check_textures(editing, each.node, results[each.key], at=at)
-    records = [_made_simplify(editing, each, results[each.key], at=at) for each in asked]
+    records = [_simplify_result(editing, each, results[each.key], at=at) for each in asked]
     workshop.records += records
     return records
 
@@ -344,8 +344,10 @@ def _mesh(editing: Editing, node: Node, at: Path) -> Node:
         return node
     name = editing.effective(node, "mesh") if node.tag == "geom" else None
     if not name:
-        refuse(editing, node, Fault("wrong-type", f"{editing.called(node)} has no mesh to simplify", at))
-    return mesh_called(editing, node, str(name), at=at)
+        report_unusable(
+            editing, node, Fault("wrong-type", f"{editing.called(node)} has no mesh to simplify", at)
+        )
+    return find_mesh(editing, node, str(name), at=at)
 
 
 def _geoms(editing: Editing, mesh: str) -> Iterator[Node]:
@@ -380,28 +382,28 @@ def _check_textures(editing: Editing, mesh: Node, result: Mapping[str, Any], at:
                 f"{editing.called(mesh)} cannot be simplified: it says where the texture of `{name}` goes"
             )
             help = "select the meshes of geoms without a texture"
-            refuse(editing, geom, Fault("mesh-unusable", message, at, help=help))
+            report_unusable(editing, geom, Fault("mesh-unusable", message, at, help=help))
 
 
-def _made_simplify(editing: Editing, asked: Asked, result: Mapping[str, Any], at: Path) -> Record:
-    mesh, name = asked.node, name_of(asked.node) or ""
+def _simplify_result(editing: Editing, job: MeshJob, result: Mapping[str, Any], at: Path) -> MeshResult:
+    mesh, name = job.node, name_of(job.node) or ""
     shape = result["shapes"][0]
     about = MadeShapes(
         "",
         name,
         "simplify",
-        wanted=asked.wanted,
+        wanted=job.wanted,
         shapes=(),
         faces=len(shape["faces"]),
         error=result["error"],
         made_with=result["made_with"],
-        key=asked.key,
-        span=asked.span,
+        key=job.key,
+        span=job.span,
     )
     if len(shape["faces"]) < result["mesh"]["faces"]:
         with changing(editing, mesh):
             if not mesh.get("name"):
                 mesh.set("name", name)
-            write_file(editing, mesh, name, key=asked.key, shape=shape)
+            write_file(editing, mesh, name, key=job.key, shape=shape)
         editing.write(mesh, {"file": at})
-    return Record(mesh, mesh, (), about=about)
+    return MeshResult(mesh, mesh, (), about=about)

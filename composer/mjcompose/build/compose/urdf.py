@@ -27,21 +27,21 @@ if TYPE_CHECKING:
 
 
 def urdf_unit(
-    source: Source, context: Context, session: Session | None, span: Span | None, *, stands: bool = True
+    source: Source, context: Context, session: Session | None, span: Span | None, *, is_fixed: bool = True
 ) -> Unit | None:
     """Return the unit of a URDF file or xacro template, or None after a reported error.
 
-    `span` is the place in the recipe that refers to it. If the robot `stands` in the world, its root link is merged
+    `span` is the place in the recipe that refers to it. If the robot `is_fixed` in the world, its root link is merged
     with the world, as MuJoCo does for a URDF alone.
     """
-    beside = _Beside(context, span)
+    beside = _RecipeContext(context, span)
     reader = UrdfReader(
         source,
         context.sink,
         session,
         shown=context.shown,
         asked=span,
-        stands=stands,
+        is_fixed_in_world=is_fixed,
         missing=beside.report_missing,
         relative=beside.relative,
     )
@@ -49,7 +49,7 @@ def urdf_unit(
 
 
 @dataclass(frozen=True, slots=True)
-class _Beside:
+class _RecipeContext:
     """What only the caller knows: where the recipe refers to the file, and how missing files are reported."""
 
     context: Context

@@ -31,8 +31,8 @@ from mjcompose.text.expression_values import Value
 from mjcompose.text.node import Scalar, find, is_template, locate
 
 
-def refuse(editing: Editing, node: Node, fault: Fault, it: str | None = None) -> NoReturn:
-    """Report the fault, with the place where the element is written, and raise `Unusable`.
+def report_unusable(editing: Editing, node: Node, fault: Fault, it: str | None = None) -> NoReturn:
+    """Report the fault, with the place where the element is written, and raise `UnusableValue`.
 
     The entry ends there, since the other elements would have the same fault. `it` is what the note calls the element,
     in place of its tag and name.
@@ -50,7 +50,7 @@ def refuse(editing: Editing, node: Node, fault: Fault, it: str | None = None) ->
         subjects=(*fault.names, *editing.subjects(node)),
         fix=fault.fix,
     )
-    raise Unusable
+    raise UnusableValue
 
 
 VALUE = "value"
@@ -59,7 +59,7 @@ POLYNOMIALS = ("damping", "stiffness")
 RESERVED = ("name", "parent", "index")
 
 
-class Unusable(Exception):
+class UnusableValue(Exception):
     """Raised for a value that cannot be determined; the error has been reported."""
 
 
@@ -80,7 +80,7 @@ class Values:
         return {**self.editing.scope, **own}
 
     def of(self, written: Any, at: Path, value: Value | None = None) -> Any:
-        """Return the written value with its expressions evaluated. Raises `Unusable`."""
+        """Return the written value with its expressions evaluated. Raises `UnusableValue`."""
         if isinstance(written, list | tuple):
             items = value if isinstance(value, tuple) else None
             return [
@@ -108,7 +108,7 @@ class Values:
             if attribute is not None and (now := self.now(attribute)) is not None:
                 return self.evaluated(text, at, {**scope, attribute.name: now}, needs_value=needs_value)
             self._report(error, at, scope, needs_value=needs_value)
-            raise Unusable from None
+            raise UnusableValue from None
 
     def _report(
         self, error: ExpressionError, at: Path, scope: Mapping[str, Value], needs_value: bool
@@ -196,19 +196,19 @@ def attributes_scope(values: Values) -> dict[str, Value]:
     return found
 
 
-def equal(attribute: Attribute, have: Value, wanted: object) -> bool:
+def matches_value(attribute: Attribute, have: Value, wanted: object) -> bool:
     """Return whether an effective value is the one that `where` gives. Numbers are compared up to rounding.
 
     >>> from mjcompose.model.grammar import GRAMMAR
-    >>> equal(GRAMMAR.element("geom").attributes["friction"], (1.0, 0.005, 0.0001), [1, 0.005])
+    >>> matches_value(GRAMMAR.element("geom").attributes["friction"], (1.0, 0.005, 0.0001), [1, 0.005])
     True
     """
     if isinstance(wanted, list | tuple) and isinstance(have, tuple):
         return len(wanted) <= len(have) and all(
-            equal(attribute, h, w) for h, w in zip(have, wanted, strict=False)
+            matches_value(attribute, h, w) for h, w in zip(have, wanted, strict=False)
         )
     if isinstance(have, tuple):
-        return len(have) == 1 and equal(attribute, have[0], wanted)
+        return len(have) == 1 and matches_value(attribute, have[0], wanted)
     if isinstance(have, bool) or isinstance(wanted, bool):
         return have is wanted
     if isinstance(have, int | float):
@@ -240,7 +240,7 @@ class Masses:
         before = self.editing.sink.error_count
         found, hidden = self._survey
         if self.editing.sink.error_count > before:
-            raise Unusable
+            raise UnusableValue
         mass = None if found is None else found.values(body, "body_mass", 1)
         if mass is None:
             self.editing.sink.error(
@@ -251,7 +251,7 @@ class Masses:
                 help="`scale` needs not know it; or write a `mass` on each of its geoms",
                 subjects=self.editing.subjects(body),
             )
-            raise Unusable
+            raise UnusableValue
         return mass[0]
 
     def change(self, body: Node, verb: str, given: float, now: float | None, at: Path) -> None:
@@ -270,7 +270,7 @@ class Masses:
                 self.editing.span(at),
                 subjects=self.editing.subjects(body),
             )
-            raise Unusable
+            raise UnusableValue
         self.settle()
         self._scale(body, factor, at)
 
@@ -302,7 +302,7 @@ class Masses:
         with without_keys(unit.root):
             write_inertias(Linking(unit, [], editing.sink, measure=editing.linking.measure), unit)
         if editing.sink.error_count > before:
-            raise Unusable
+            raise UnusableValue
         editing.linking.base.forget_settings(*MEASURED, "inertiafromgeom", "inertiagrouprange")
 
     def _inertial(self, body: Node) -> Node | None:
@@ -352,7 +352,7 @@ class Masses:
             help=self._instead(body),
             subjects=editing.subjects(body),
         )
-        raise Unusable
+        raise UnusableValue
 
     def _instead(self, body: Node) -> str:
         """Return advice for a body without mass, such as the body that the joint of a part adds."""

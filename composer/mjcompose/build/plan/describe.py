@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Diagnostic, Path, Severity, Span
 from mjcompose.base.sink import Sink
-from mjcompose.build.plan.plan import AttachPart, EditOutcome, Foreseen, Gains, LoadBase, Plan
-from mjcompose.build.plan.steps import EditElements, Step, makers
+from mjcompose.build.plan.plan import AttachPart, EditOutcome, Gains, LoadBase, Plan, PlanPreview
+from mjcompose.build.plan.steps import EditElements, Step, steps_adding
 from mjcompose.language.attach import Attachment
 from mjcompose.language.used_model import ALLOW, Edit
 from mjcompose.model.merged_settings import Adopted, in_words
@@ -129,19 +129,19 @@ def _codes(node: Node | None) -> Iterator[tuple[str, Span]]:
 _PLURALS = {"body": "bodies", "mesh": "meshes", "equality": "equalities", "default class": "default classes"}
 
 
-def describe(plan: Plan, foreseen: Foreseen | None = None) -> str:
+def describe(plan: Plan, preview: PlanPreview | None = None) -> str:
     """Return one line for each step, in their order, with nested recipes indented."""
-    found = foreseen or Foreseen()
+    found = preview or PlanPreview()
     adopted = [f"  adopt {words}" for words in in_words(found.adopted)]
     excluded = [
         f"  {each.one} and {each.other} "
         + (f"will not collide: {each.why}" if each.why else "touch, and will not collide")
         for each in found.excluded
     ]
-    return "\n".join([*_lines(plan, found), *_gains(found.gains), *adopted, *excluded])
+    return "\n".join([*_lines(plan, found), *_gain_lines(found.gains), *adopted, *excluded])
 
 
-def _gains(found: Iterable[Gains]) -> Iterator[str]:
+def _gain_lines(found: Iterable[Gains]) -> Iterator[str]:
     """Yield a line for all servos whose joints feel the same."""
     alike: dict[str, list[str]] = {}
     for each in found:
@@ -154,47 +154,47 @@ def _gains(found: Iterable[Gains]) -> Iterator[str]:
         yield f"  {', '.join(names)}: {words}"
 
 
-def _lines(plan: Plan, foreseen: Foreseen, indent: str = "") -> Iterator[str]:
+def _lines(plan: Plan, preview: PlanPreview, indent: str = "") -> Iterator[str]:
     yield f"{indent}{plan.name}: {'written in' if plan.at else 'the model of'} {plan.file}"
     inner = indent + "  "
     if plan.base.model is None:
         yield f"{inner}start from an empty model"
     else:
         yield f"{inner}start from {_model(plan.base.model)}{_body(plan.base.subtree)}"
-        yield from _own(plan, plan.base, ("base",), foreseen=foreseen, indent=inner + "  ")
+        yield from _own_lines(plan, plan.base, ("base",), preview=preview, indent=inner + "  ")
         if isinstance(plan.base.model, Plan):
-            yield from _lines(plan.base.model, foreseen, inner + "  ")
+            yield from _lines(plan.base.model, preview, inner + "  ")
     early: list[Step] = []
-    yield from _part_lines(plan, foreseen, inner, early=early)
+    yield from _part_lines(plan, preview, inner, early=early)
     for field in plan.randomize.of_parameters if plan.randomize else ():
         yield inner + field.words
     for step in plan.steps:
         if step in early:
             continue
         if isinstance(step, EditElements):
-            yield from _edit(step.edit, foreseen.edits.get(plan.place_of(step.edit.at)), inner)
+            yield from _edit_lines(step.edit, preview.edits.get(plan.place_of(step.edit.at)), inner)
         else:
             yield inner + step.words
     for words in checks_of(plan):
         yield inner + words
 
 
-def _part_lines(plan: Plan, foreseen: Foreseen, indent: str, early: list[Step]) -> Iterator[str]:
+def _part_lines(plan: Plan, preview: PlanPreview, indent: str, early: list[Step]) -> Iterator[str]:
     """Yield the parts, copies as one. Before each stand the steps that make its place, which are added to `early`."""
     last = {part.at: part.prefix for part in plan.parts}
     places = plan.added_places
     for part in plan.parts:
         if any(part.copy):
             continue
-        for maker in makers(places, *part.attachment.place):
+        for maker in steps_adding(places, *part.attachment.place):
             if maker not in early:
                 early.append(maker)
                 yield indent + maker.words
         model = f"{_model(part.model)}{_body(part.attachment.subtree)}"
-        yield f"{indent}attach {_called(part, last[part.at])}: {model}, {_place(part)}"
-        yield from _own(plan, part.attachment, part.at, foreseen=foreseen, indent=indent + "  ")
+        yield f"{indent}attach {_called(part, last[part.at])}: {model}, {_place_words(part)}"
+        yield from _own_lines(plan, part.attachment, part.at, preview=preview, indent=indent + "  ")
         if isinstance(part.model, Plan):
-            yield from _lines(part.model, foreseen, indent + "  ")
+            yield from _lines(part.model, preview, indent + "  ")
 
 
 def _called(part: AttachPart, last: str) -> str:
@@ -217,31 +217,31 @@ def _body(name: str | None) -> str:
     return "" if name is None else f", its body {name} alone"
 
 
-def _own(
-    plan: Plan, wanted: LoadBase | Attachment, at: Path, foreseen: Foreseen, indent: str
+def _own_lines(
+    plan: Plan, wanted: LoadBase | Attachment, at: Path, preview: PlanPreview, indent: str
 ) -> Iterator[str]:
     """Yield what is done to a base or a part by itself."""
     if wanted.drop:
         yield f"{indent}drop {', '.join(map(str, wanted.drop))}"
-    yield from _left(foreseen.subtrees.get(plan.place_of(at)), indent)
+    yield from _dropped_lines(preview.subtrees.get(plan.place_of(at)), indent)
     for each in wanted.edit:
-        yield from _edit(each, foreseen.edits.get(plan.place_of(each.at)), indent)
+        yield from _edit_lines(each, preview.edits.get(plan.place_of(each.at)), indent)
 
 
-def _edit(edit: Edit, outcome: EditOutcome | None, indent: str) -> Iterator[str]:
+def _edit_lines(edit: Edit, outcome: EditOutcome | None, indent: str) -> Iterator[str]:
     """Yield an entry of `edit` with the number of its elements, and a line for each kind that it removes."""
     if outcome is None:
         yield indent + edit.words
         return
     counts = ", ".join(_counted(count, kind) for kind, count in outcome.selected.items())
     yield f"{indent}{edit.words} ({counts or 'nothing'})"
-    for kind, names in _by_kind(outcome.gone).items():
+    for kind, names in _by_kind(outcome.removed).items():
         yield f"{indent}  removes {_listed(kind, names)}"
-    for each in outcome.made:
+    for each in outcome.shapes:
         yield f"{indent}  {each.words}"
 
 
-def _left(subtree: Subtree | None, indent: str) -> Iterator[str]:
+def _dropped_lines(subtree: Subtree | None, indent: str) -> Iterator[str]:
     """Yield a line for each kind that is left behind, and one for each element that would be cut in two."""
     left = [each for each in subtree.left if each.lacks is None] if subtree else []
     for kind, names in _by_kind(left).items():
@@ -266,7 +266,7 @@ def _counted(count: int, kind: str) -> str:
     return f"{count} {kind if count == 1 else _PLURALS.get(kind, f'{kind}s')}"
 
 
-def _place(part: AttachPart) -> str:
+def _place_words(part: AttachPart) -> str:
     attachment = part.attachment
     for kind in ("site", "body", "frame"):
         name = getattr(attachment, kind)
@@ -288,9 +288,9 @@ def _place(part: AttachPart) -> str:
     return f"{place}, with {len(joint) if isinstance(joint, tuple) else 1} joint(s)"
 
 
-def as_data(plan: Plan, foreseen: Foreseen | None = None) -> dict[str, Any]:
+def as_data(plan: Plan, preview: PlanPreview | None = None) -> dict[str, Any]:
     """Return the plan as JSON data: name, sources with their references, steps in words."""
-    found = foreseen or Foreseen()
+    found = preview or PlanPreview()
     return {
         "name": plan.name,
         "recipe": plan.file,
@@ -303,7 +303,7 @@ def as_data(plan: Plan, foreseen: Foreseen | None = None) -> dict[str, Any]:
                 "model": _model_data(part.model, found),
                 **_own_data(plan, part.attachment, found),
                 **_subtree_data(found.subtrees.get(plan.place_of(part.at))),
-                "place": _place(part),
+                "place": _place_words(part),
             }
             for part in plan.parts
         ],
@@ -343,27 +343,27 @@ def _draws_data(plan: Plan) -> dict[str, Any]:
     return {"randomize": {"seed": wanted.seed, "samples": wanted.samples, "fields": fields}}
 
 
-def _own_data(plan: Plan, wanted: LoadBase | Attachment, foreseen: Foreseen) -> dict[str, Any]:
+def _own_data(plan: Plan, wanted: LoadBase | Attachment, preview: PlanPreview) -> dict[str, Any]:
     edits = [each.words for each in wanted.edit]
-    return {"edits": edits, **_edits_data(plan, wanted.edit, foreseen)} if edits else {}
+    return {"edits": edits, **_edits_data(plan, wanted.edit, preview)} if edits else {}
 
 
-def _edits_data(plan: Plan, edits: Iterable[Edit], foreseen: Foreseen) -> dict[str, Any]:
+def _edits_data(plan: Plan, edits: Iterable[Edit], preview: PlanPreview) -> dict[str, Any]:
     """Return what each entry of `edit` selects and removes, for those that succeeded."""
     edited = [
         {
             "words": each.words,
             "selected": dict(outcome.selected),
-            "removed": [{"kind": gone.what, "name": gone.name} for gone in outcome.gone],
-            **({"made": [_made_data(made) for made in outcome.made]} if outcome.made else {}),
+            "removed": [{"kind": gone.what, "name": gone.name} for gone in outcome.removed],
+            **({"made": [_shapes_data(made) for made in outcome.shapes]} if outcome.shapes else {}),
         }
         for each in edits
-        if (outcome := foreseen.edits.get(plan.place_of(each.at))) is not None
+        if (outcome := preview.edits.get(plan.place_of(each.at))) is not None
     ]
     return {"edited": edited} if edited else {}
 
 
-def _made_data(made: MadeShapes) -> dict[str, Any]:
+def _shapes_data(made: MadeShapes) -> dict[str, Any]:
     """Return what was made of a mesh, and how far it is from it."""
     return {
         "mesh": made.mesh,
@@ -381,11 +381,11 @@ def _subtree_data(subtree: Subtree | None) -> dict[str, Any]:
     return {"subtree": {"body": subtree.body, "left": left}} if subtree.body else {"dropped": left}
 
 
-def _model_data(model: Source | Plan | None, foreseen: Foreseen) -> Any:
+def _model_data(model: Source | Plan | None, preview: PlanPreview) -> Any:
     if model is None:
         return None
     if isinstance(model, Plan):
-        return as_data(model, foreseen)
+        return as_data(model, preview)
     return {
         "reference": model.reference,
         "kind": model.kind.name,

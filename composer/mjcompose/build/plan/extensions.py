@@ -21,7 +21,7 @@ _TABLES: dict[str, extensions.Table[Any]] = {"checks": KINDS, "verbs": VERBS, "d
 _OURS = {"checks": {*KINDS.own, SEVERITY, "when"}, "verbs": {*KEYS}}
 
 
-def admit(node: Mapping, origin: Origin | None, sink: Sink) -> None:
+def load_named_extensions(node: Mapping, origin: Origin | None, sink: Sink) -> None:
     """Load what the words of one file need. In a file that was fetched with `origin`, they are errors instead.
 
     Words that no installed package knows are left to the validation.
@@ -64,15 +64,15 @@ def _words(node: Node) -> Iterator[tuple[str, str, Span]]:
         for name, (_, value) in each.entries.items():
             if name == "check" and isinstance(value, Mapping):
                 for _, check in value.entries.values():
-                    yield from _strangers("checks", check)
+                    yield from _foreign_words("checks", check)
             elif name == "edit" and isinstance(value, Sequence):
                 for entry in value.items:
-                    yield from _strangers("verbs", entry)
+                    yield from _foreign_words("verbs", entry)
                     yield from _sheets(entry)
             waiting.append(value)
 
 
-def _strangers(group: str, node: Node) -> Iterator[tuple[str, str, Span]]:
+def _foreign_words(group: str, node: Node) -> Iterator[tuple[str, str, Span]]:
     if isinstance(node, Mapping):
         yield from (
             (group, word, key.span) for word, (key, _) in node.entries.items() if word not in _OURS[group]

@@ -15,7 +15,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.version import __version__
 from mjcompose.build.plan.extensions import packages_of
 from mjcompose.build.plan.parts import is_one_choice
-from mjcompose.build.plan.plan import Place, Plan
+from mjcompose.build.plan.plan import PlacedModel, Plan
 from mjcompose.build.plan.read import EXTENDS, files_of_recipe, files_of_source, read_recipe
 from mjcompose.sources.blobs import differences
 from mjcompose.sources.context import Context
@@ -71,7 +71,7 @@ def _report_versions(lock: Lock, shown: str, recipe: str, context: Context) -> N
 
 
 @dataclass(slots=True)
-class _Use:
+class _SourceUse:
     """Facts about a source while its files are gathered."""
 
     root: Path
@@ -95,7 +95,7 @@ def lock_of(
     `shapes` are the hashes of what was made of meshes, by key. What is damaged in the store is reported.
     """
     plans = tuple(plans)
-    uses = _Gathering(fetching, folder, context).of(plans)
+    uses = _FileGatherer(fetching, folder, context).of(plans)
     for id, use in uses.items():
         _is_whole(id, use, context)
     return Lock(
@@ -116,7 +116,7 @@ def check_lock(plan: Plan, context: Context) -> None:
     if fetching is None or not (fetching.lock or any(each.is_fetched for each in fetching.origins.values())):
         return
     lock_file = fetching.lock_file or lock_path(plan.path)
-    uses = _Gathering(fetching, lock_file.parent, context).of([plan])
+    uses = _FileGatherer(fetching, lock_file.parent, context).of([plan])
     whole = {id: use for id, use in uses.items() if _is_whole(id, use, context)}
     if fetching.lock is None:
         return
@@ -182,7 +182,7 @@ def _report_unused(unused: Iterable[str], shown: str, plan: Plan, context: Conte
                            help=f"run `mjcompose lock {plan.file}` and commit the lock")  # fmt: skip
 
 
-def planned_whole(make: Callable[[], Plan | None], context: Context) -> Plan | None:
+def plan_with_intact_store(make: Callable[[], Plan | None], context: Context) -> Plan | None:
     """Return the plan that `make` makes; if files in the store are damaged, they are fetched again for another one.
 
     Offline nothing is fetched, and `check_lock` reports them.
@@ -203,7 +203,7 @@ def _forgot_damaged(plan: Plan | None, context: Context) -> bool:
     used = [*context.recipes, *(source.path for source in fetching.first.values())]
     if plan is not None:
         folder = (fetching.lock_file or lock_path(plan.path)).parent
-        uses = _Gathering(fetching, folder, replace(context, sink=Sink())).of([plan])
+        uses = _FileGatherer(fetching, folder, replace(context, sink=Sink())).of([plan])
         used += (path for use in uses.values() if use.origin is not None for path in use.files.values())
     damaged: dict[str, Origin] = {}
     for path in dict.fromkeys(used):
@@ -235,7 +235,7 @@ def _is_damaged(path: Path, origin: Origin, fetching: Fetching) -> bool:
         return True
 
 
-def _is_whole(id: str, use: _Use, context: Context) -> bool:
+def _is_whole(id: str, use: _SourceUse, context: Context) -> bool:
     """Return whether the used files in the store are as they were fetched, and report those that are not."""
     if use.origin is None or context.fetching is None:
         return True
@@ -274,21 +274,21 @@ def _more(changes: Sequence[str]) -> list[Note]:
     return [Note(f"and {len(changes) - _SHOWN} more")] if len(changes) > _SHOWN else []
 
 
-def _is_gone(use: _Use, file: str) -> bool:
+def _is_gone(use: _SourceUse, file: str) -> bool:
     """Return whether a locked, unused file no longer exists either; another variant may use it."""
     return not os.path.isfile(use.root / file)
 
 
-class _Gathering:
+class _FileGatherer:
     """Gathers all files of plans by source."""
 
     def __init__(self, fetching: Fetching, folder: Path, context: Context) -> None:
         self.fetching = fetching
         self.folder = folder
         self.context = context
-        self.uses: dict[str, _Use] = {}
+        self.uses: dict[str, _SourceUse] = {}
 
-    def of(self, plans: Iterable[Plan]) -> dict[str, _Use]:
+    def of(self, plans: Iterable[Plan]) -> dict[str, _SourceUse]:
         for place in (place for plan in plans for place in plan.walk()):
             if isinstance(place.model, Plan):
                 self._recipe(place.model, place)
@@ -302,23 +302,27 @@ class _Gathering:
                 )
         return self.uses
 
-    def _recipe(self, plan: Plan, place: Place) -> None:
+    def _recipe(self, plan: Plan, placed: PlacedModel) -> None:
         """Add the files of a recipe itself.
 
         The built recipe, recipes next to it that it extends, and models written in place are not locked, because
         any change that matters changes a source. Nested recipes and fetched ones are locked.
         """
-        if place.part and not plan.at:
-            self._put(plan.path, [plan.path], plan.source, label=place.part, span=place.span)
-        label = f"{place.part}{plan.separator}{EXTENDS}" if place.part else EXTENDS
+        if placed.part and not plan.at:
+            self._put(plan.path, [plan.path], plan.source, label=placed.part, span=placed.span)
+        label = f"{placed.part}{plan.separator}{EXTENDS}" if placed.part else EXTENDS
         for source, span in plan.extended:
-            if place.part or source.origin is not None:
+            if placed.part or source.origin is not None:
                 self._put(
-                    source.path, [source.path, *source.licenses], source, label=label, span=place.span or span
+                    source.path,
+                    [source.path, *source.licenses],
+                    source,
+                    label=label,
+                    span=placed.span or span,
                 )
         for file in files_of_recipe(plan, self.context):
             main = plan.path if self.fetching.around(file) is None else file
-            self._put(main, [file], None, label=place.part or plan.path.name, span=place.span)
+            self._put(main, [file], None, label=placed.part or plan.path.name, span=placed.span)
 
     def _put(
         self, main: Path, files: list[Path], source: Source | None, label: str, span: Span | None
@@ -327,7 +331,7 @@ class _Gathering:
         root = self.folder if origin is None else origin.root
         id = _local_id(_relative(main, root)) if origin is None else origin.id
         if files:
-            use = self.uses.setdefault(id, _Use(root, origin, source, span=span))
+            use = self.uses.setdefault(id, _SourceUse(root, origin, source, span=span))
             use.used_by.setdefault(label)
             licenses = {os.path.realpath(each) for each in source.licenses} if source is not None else set()
             for file in files:
@@ -347,7 +351,7 @@ def _local_id(path: str) -> str:
     return path if path.startswith("../") or os.path.isabs(path) else f"./{path}"
 
 
-def _locked(use: _Use, fetching: Fetching) -> Locked | None:
+def _locked(use: _SourceUse, fetching: Fetching) -> Locked | None:
     """Return the entry of a source, or None if no file of it is readable."""
     files = {}
     for name, path in use.files.items():
@@ -385,7 +389,7 @@ def _mujoco() -> str | None:
         return None
 
 
-def changed(before: Lock | None, after: Lock) -> Iterator[str]:
+def lock_changes(before: Lock | None, after: Lock) -> Iterator[str]:
     """Yield the changes from an older lock to a new one, in words. No I/O."""
     old = before.sources if before is not None else {}
     for id in sorted({*old, *after.sources}):

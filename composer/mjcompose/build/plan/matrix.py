@@ -13,7 +13,7 @@ from mjcompose.base.draw_stream import bits
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
 from mjcompose.build.plan.plan import Drawn, Plan
-from mjcompose.build.plan.read import expanded, read_recipe
+from mjcompose.build.plan.read import expanded_recipe, read_recipe
 from mjcompose.language.distribution import CHOICE
 from mjcompose.language.expand import Cell, Concrete, cells, scope_of, settled_name
 from mjcompose.language.parameters import Parameter, node_of
@@ -24,7 +24,7 @@ from mjcompose.text.expression_values import Angle, Value, kind
 from mjcompose.text.node import Mapping, Node, Scalar, find, is_template, locate
 
 
-def drawn_parameters(
+def draw_parameters(
     randomize: Randomize, sample: int, concrete: Concrete, document: Mapping, sink: Sink
 ) -> tuple[dict[str, Node], tuple[Drawn, ...]]:
     """Return the values of a sample by name; sample 0 has none, and all other samples are checked for it."""
@@ -219,7 +219,7 @@ def filled_from_first_cell(recipe: Path, context: Context, given: Map[str, Node]
     document = read_recipe(context.folder / recipe, aside)
     if not isinstance(document, Mapping) or find(document, ("matrix",)) is None:
         return FilledValues(given)
-    concrete = expanded(context.folder / recipe, given, aside)
+    concrete = expanded_recipe(context.folder / recipe, given, aside)
     assert concrete is not None
     needed = {name for name in concrete.parameters if name not in concrete.scope and name not in given}
     matrix = read_matrix(recipe, aside, given) if needed else None
@@ -244,7 +244,7 @@ def _check_draws(matrix: Matrix, path: Path, given: Map[str, Node], context: Con
     """Report draws in cells that their parameters do not accept; other errors are reported elsewhere."""
     found: dict[str, list[Diagnostic]] = {}
     for cell in matrix.cells:
-        concrete = expanded(path, {**given, **cell.given}, replace(context, sink=Sink()))
+        concrete = expanded_recipe(path, {**given, **cell.given}, replace(context, sink=Sink()))
         if concrete is None:
             continue
         kept = {name: each for name, each in concrete.document.entries.items() if name in _DRAWN}
@@ -258,7 +258,7 @@ def _check_draws(matrix: Matrix, path: Path, given: Map[str, Node], context: Con
         alike = repr((randomize, known))
         if alike not in found:
             own = Sink()
-            drawn_parameters(randomize, 0, concrete, document=document, sink=own)
+            draw_parameters(randomize, 0, concrete, document=document, sink=own)
             found[alike] = own.diagnostics
         for each in found[alike]:
             context.sink.add_of_cell(cell.label, each)

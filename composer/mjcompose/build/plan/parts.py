@@ -124,16 +124,18 @@ def check_pieces(document: Mapping, given: Map[str, Node], sink: Sink) -> None:
     over the recipe.
     """
     if has_conditions(document):
-        _judge(document, given, None, sink=sink)
+        _report_faults(document, given, None, sink=sink)
     axes = read_axes(document, Sink())
     chosen = choose(axes, given, Sink())
     for axis, values in axes.items():
         for value, (key, piece) in values.entries.items():
             if value != chosen.get(axis):
-                _judge(document, {**given, axis: node_of(value, key.span)}, set(spans(piece)), sink=sink)
+                _report_faults(
+                    document, {**given, axis: node_of(value, key.span)}, set(spans(piece)), sink=sink
+                )
 
 
-def _judge(document: Mapping, given: Map[str, Node], places: Set[Span] | None, sink: Sink) -> None:
+def _report_faults(document: Mapping, given: Map[str, Node], places: Set[Span] | None, sink: Sink) -> None:
     """Report the faults, in these places, of a build with the items of all builds."""
     aside, computed = Sink(), set(_computed(document))
     validate_what_remains(expand(document, given, aside, any=True).document, aside)

@@ -141,7 +141,7 @@ def _mm(metres: float | int | None) -> str:
     return f"{number_text(float(f'{1000 * (metres or 0):.3g}'))} mm"
 
 
-ForeseenPlace: TypeAlias = tuple[str, Path]
+RecipePath: TypeAlias = tuple[str, Path]
 """A recipe's file, and a path in it."""
 
 
@@ -149,12 +149,12 @@ ForeseenPlace: TypeAlias = tuple[str, Path]
 class EditOutcome:
     """The effect of an entry of `edit`: how many elements of each kind it selects, and what it removes.
 
-    `gone` has what was selected first, then what goes with it; `made` what was made of meshes.
+    `removed` has the selected elements first, then those that go with them; `shapes` what was made of meshes.
     """
 
     selected: Mapping[str, int]
-    gone: tuple[Left, ...] = ()
-    made: tuple[MadeShapes, ...] = ()
+    removed: tuple[Left, ...] = ()
+    shapes: tuple[MadeShapes, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,15 +181,15 @@ class Gains:
 
 
 @dataclass(frozen=True, slots=True)
-class Foreseen:
+class PlanPreview:
     """What composing finds out about a plan.
 
     `adopted` are the settings that the model takes from its parts, `excluded` the bodies that need not collide, `gains`
     has the gains of the servos of a model whose actuators are edited, as their joints feel them.
     """
 
-    subtrees: Mapping[ForeseenPlace, Subtree] = field(default_factory=dict)
-    edits: Mapping[ForeseenPlace, EditOutcome] = field(default_factory=dict)
+    subtrees: Mapping[RecipePath, Subtree] = field(default_factory=dict)
+    edits: Mapping[RecipePath, EditOutcome] = field(default_factory=dict)
     adopted: tuple[Adopted, ...] = ()
     excluded: tuple[Excluded, ...] = ()
     gains: tuple[Gains, ...] = ()
@@ -207,8 +207,8 @@ class PartRecord:
     `part` is its name in a recipe: the prefix without its last separator, `base` for the base, and both for a part
     of a part. `body` is the body that the part's world is fixed to, None for the world, with `pose` in the body's
     frame, or None if the pose is unknown. `keys` starts the names of its keys; None if they were left out. `welded`
-    says that free joints at its root were removed, `stands` that it is fixed in the world, where the root link of a
-    URDF is fused with the world. `changed` are the arrays of `mjModel` that the recipe changes in it on purpose,
+    says that free joints at its root were removed, `is_fixed_in_world` is about the final model: the root link of a
+    URDF is then fused with the world. `changed` are the arrays of `mjModel` that the recipe changes in it on purpose,
     `replaced_keys` the keys that the recipe writes in place of the source's keys of these names. `obscure` says why
     it cannot be compared, if so, and `reduced` why it is compared only if a check requests it. `subtree` is the
     body that was taken from the source, if not all of it was.
@@ -221,7 +221,7 @@ class PartRecord:
     pose: Pose | None = IN_PLACE
     keys: str | None = ""
     welded: bool = False
-    stands: bool = True
+    is_fixed_in_world: bool = True
     changed: tuple[str, ...] = ()
     replaced_keys: tuple[str, ...] = ()
     obscure: str | None = None
@@ -380,12 +380,12 @@ class Plan:
         )
         return replace(self, steps=steps, sample=sample)
 
-    def walk(self, stands: bool = True) -> Iterator[Place]:
+    def walk(self, is_fixed: bool = True) -> Iterator[PlacedModel]:
         """Yield the plan itself, then its base and its parts in their order, each followed by its contents.
 
-        `stands` says that the plan itself is fixed in the world.
+        `is_fixed` says that the plan itself is fixed in the world.
         """
-        yield from _walk(Place(self, stands=stands))
+        yield from _walk(PlacedModel(self, is_fixed_in_world=is_fixed))
 
     def plans(self) -> Iterator[Plan]:
         """Yield the plan, and those of its nested recipes."""
@@ -436,13 +436,13 @@ class Plan:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class PlacedModel:
     """A model and its place in the outermost plan: that plan itself, or a base or part of it or of a nested plan.
 
     `outer` is the plan that it is the base or a part of, by `step`; both are None for the outermost plan. `part` is
     its name in the outermost recipe, empty for that recipe itself; `prefix` starts its names, `keys` the names of
-    its keyframes, None if they are left out. `others` are longer prefixes that do not belong to it. `stands` says
-    that it is fixed in the world, `span` is its place in the outermost recipe.
+    its keyframes, None if they are left out. `others` are longer prefixes that do not belong to it. `is_fixed_in_world`
+    is about the final model, `span` is its place in the outermost recipe.
     """
 
     model: Source | Plan | None
@@ -452,7 +452,7 @@ class Place:
     prefix: str = ""
     others: tuple[str, ...] = ()
     keys: str | None = ""
-    stands: bool = True
+    is_fixed_in_world: bool = True
     span: Span | None = None
 
     @property
@@ -461,39 +461,39 @@ class Place:
         return self.step.attachment if isinstance(self.step, AttachPart) else self.step
 
 
-def _walk(place: Place) -> Iterator[Place]:
-    yield place
-    plan = place.model
+def _walk(placed: PlacedModel) -> Iterator[PlacedModel]:
+    yield placed
+    plan = placed.model
     if not isinstance(plan, Plan):
         return
-    above = f"{place.part}{plan.separator}" if place.part else ""
+    above = f"{placed.part}{plan.separator}" if placed.part else ""
     yield from _walk(
-        Place(
+        PlacedModel(
             plan.base.model,
             plan,
             plan.base,
             part=above + BASE,
-            prefix=place.prefix,
-            others=(*place.others, *(place.prefix + part.prefix for part in plan.parts if part.prefix)),
-            keys=None if plan.base.keyframes == "none" else place.keys,
-            stands=place.stands,
-            span=place.span or plan.base.span,
+            prefix=placed.prefix,
+            others=(*placed.others, *(placed.prefix + part.prefix for part in plan.parts if part.prefix)),
+            keys=None if plan.base.keyframes == "none" else placed.keys,
+            is_fixed_in_world=placed.is_fixed_in_world,
+            span=placed.span or plan.base.span,
         )
     )
     for part in plan.parts:
         policy = part.attachment.key_policy
-        keys = None if policy == "none" or place.keys is None else place.keys
+        keys = None if policy == "none" or placed.keys is None else placed.keys
         yield from _walk(
-            Place(
+            PlacedModel(
                 part.model,
                 plan,
                 part,
                 part=above + part_name(part, plan.separator),
-                prefix=place.prefix + part.prefix,
-                others=place.others,
+                prefix=placed.prefix + part.prefix,
+                others=placed.others,
                 keys=keys + part.prefix if keys is not None and policy == "prefix" else keys,
-                stands=place.stands and stands_in_world(part.attachment),
-                span=place.span or part.span,
+                is_fixed_in_world=placed.is_fixed_in_world and is_fixed_in_world(part.attachment),
+                span=placed.span or part.span,
             )
         )
 
@@ -503,7 +503,7 @@ def part_name(part: AttachPart, separator: str) -> str:
     return part.prefix.removesuffix(separator) or str(part.at[-1])
 
 
-def stands_in_world(part: Attachment) -> bool:
+def is_fixed_in_world(part: Attachment) -> bool:
     """Return whether a part is fixed in the world of its recipe."""
     in_world = part.site is None and part.frame is None and part.body in (None, "world")
     return in_world and part.joint in (None, "none")

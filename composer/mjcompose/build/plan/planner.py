@@ -14,10 +14,10 @@ from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.diagnostic import Path as KeyPath
 from mjcompose.base.limits import advice, in_force
 from mjcompose.build.plan.locked import use_lock
-from mjcompose.build.plan.matrix import drawn_parameters, read_matrix
+from mjcompose.build.plan.matrix import draw_parameters, read_matrix
 from mjcompose.build.plan.parts import check_part_names, check_pieces, copies, without_rings
 from mjcompose.build.plan.plan import AttachPart, Drawn, LoadBase, Plan
-from mjcompose.build.plan.read import Given, folder_of, validated
+from mjcompose.build.plan.read import Given, folder_of, validated_recipe
 from mjcompose.build.plan.step_table import steps_of
 from mjcompose.build.plan.steps import (
     AngleContext,
@@ -91,7 +91,7 @@ def plan_what_remains(
 
 
 @dataclass(frozen=True, slots=True)
-class _Found:
+class _LoadedRecipe:
     """A recipe that was read from a file, or from the path `at` in a file."""
 
     path: Path
@@ -145,14 +145,14 @@ class _Planner:
         if self.worlds and not outer:
             self._check_worlds(path, recipe, document)
         elif randomize is not None and randomize.of_parameters and concrete is not None:
-            values, drawn = drawn_parameters(randomize, sample, concrete, document=document, sink=self.sink)
+            values, drawn = draw_parameters(randomize, sample, concrete, document=document, sink=self.sink)
             if values:
                 read = self._read(path, {**given, **values})
                 if read is None:
                     return None
                 recipe, document, concrete = read
                 randomize = recipe.randomize
-        found = _Found(
+        found = _LoadedRecipe(
             path,
             recipe,
             document,
@@ -167,7 +167,7 @@ class _Planner:
 
     def _assembled(
         self,
-        found: _Found,
+        found: _LoadedRecipe,
         inside: Outer,
         name: str,
         *,
@@ -259,7 +259,7 @@ class _Planner:
             )
 
     def _read(self, path: Path, given: Given) -> tuple[Recipe, Mapping, Concrete | None] | None:
-        found = validated(path, given, self.context)
+        found = validated_recipe(path, given, self.context)
         if found is None:
             return None
         self.sink.suppress_about(found.lost)
@@ -277,7 +277,7 @@ class _Planner:
         check_bare_angles(angle_context, self.sink)
         return angle_context
 
-    def _base(self, found: _Found, inside: Outer) -> LoadBase | None:
+    def _base(self, found: _LoadedRecipe, inside: Outer) -> LoadBase | None:
         recipe, document = found.recipe, found.document
         if recipe.base is None:
             return LoadBase(None, "merge", None)
@@ -295,7 +295,7 @@ class _Planner:
             edit=base.edit,
         )
 
-    def _parts(self, found: _Found, inside: Outer) -> Iterator[AttachPart]:
+    def _parts(self, found: _LoadedRecipe, inside: Outer) -> Iterator[AttachPart]:
         recipe, document = found.recipe, found.document
         taken: dict[str, Span] = {}
         for key, attachment in recipe.attach.items():
@@ -338,7 +338,7 @@ class _Planner:
         self,
         asked: Base | Attachment,
         at: KeyPath,
-        around: _Found,
+        around: _LoadedRecipe,
         inside: Outer,
     ) -> Source | Plan | None:
         """Return the model for the mapping at `at`: a source, or the plan of a nested recipe."""
@@ -381,7 +381,7 @@ class _Planner:
         )
         return replace(source, packages=packages, door=door, urdf=choices)
 
-    def _in_place(self, at: KeyPath, model: Mapping, around: _Found, inside: Outer) -> Plan | None:
+    def _in_place(self, at: KeyPath, model: Mapping, around: _LoadedRecipe, inside: Outer) -> Plan | None:
         """Return the plan of a recipe that is written in place of a model reference."""
         for key, what in (("with", "recipes in files"), ("packages", "URDF"), ("urdf", "URDF")):
             if find(around.document, (*at, key)) is not None:
@@ -395,7 +395,7 @@ class _Planner:
         own = {"angle", "eulerseq"} & model.entries.keys()
         others = {} if own else around.angle_context.others
         angle_context = AngleContext(read.document, AngleSettings(recipe.angle, recipe.eulerseq), others)
-        found = _Found(
+        found = _LoadedRecipe(
             around.path,
             recipe,
             read.document,

@@ -80,7 +80,7 @@ class ValidRecipe(NamedTuple):
     lost: frozenset[str]
 
 
-def expanded(path: Path, given: Given, context: Context) -> Concrete | None:
+def expanded_recipe(path: Path, given: Given, context: Context) -> Concrete | None:
     """Return the concrete recipe, or None if the file is not a mapping.
 
     Errors go to the context's sink on each call.
@@ -93,11 +93,11 @@ def expanded(path: Path, given: Given, context: Context) -> Concrete | None:
     return _once(("expanded", path, _values(given)), context, work)
 
 
-def validated(path: Path, given: Given, context: Context) -> ValidRecipe | None:
+def validated_recipe(path: Path, given: Given, context: Context) -> ValidRecipe | None:
     """Return the valid recipe, or None if the file is unreadable. Errors go to the context's sink on each call."""
 
     def work(own: Context) -> ValidRecipe | None:
-        concrete = expanded(path, given, own)
+        concrete = expanded_recipe(path, given, own)
         node = read_recipe(path, replace(own, sink=Sink())) if concrete is None else concrete.document
         gone = frozenset() if concrete is None else concrete.gone
         found = None if node is None else validate_what_remains(node, own.sink, gone)
@@ -144,7 +144,7 @@ def expanded_text(plan: Plan) -> str:
 
 def _lines(node: Mapping, indent: str) -> Iterator[tuple[str, Span]]:
     for name, (key, value) in node.entries.items():
-        yield from _entry(f"{indent}{_text_expanded(name)}:", value, indent + "  ", span=key.span)
+        yield from _entry(f"{indent}{_scalar_text(name)}:", value, indent + "  ", span=key.span)
 
 
 def _entry(start: str, value: Node, indent: str, span: Span) -> Iterator[tuple[str, Span]]:
@@ -181,20 +181,20 @@ def _flow(node: Node) -> str:
         return f"[{', '.join(_flow(item) for item in node.items)}]"
     return (
         "{"
-        + ", ".join(f"{_text_expanded(name)}: {_flow(value)}" for name, (_, value) in node.entries.items())
+        + ", ".join(f"{_scalar_text(name)}: {_flow(value)}" for name, (_, value) in node.entries.items())
         + "}"
     )
 
 
 def _value(node: Scalar) -> str:
     if isinstance(node.value, str):
-        return _text_expanded(node.value)
+        return _scalar_text(node.value)
     if node.value is None or isinstance(node.value, bool):
         return "null" if node.value is None else str(node.value).lower()
     return number_text(node.value)
 
 
-def _text_expanded(text: str) -> str:
+def _scalar_text(text: str) -> str:
     """Return text in YAML, quoted only if necessary."""
     plain = (
         text
@@ -251,9 +251,9 @@ def _read(
     ):  # without escapes YAML has none of them either
         check_characters(node, context.sink)
     if isinstance(node, Mapping) and text is not None and (b"check" in text or b"edit" in text):
-        from mjcompose.build.plan.extensions import admit
+        from mjcompose.build.plan.extensions import load_named_extensions
 
-        admit(node, context.fetching.around(path) if context.fetching else None, context.sink)
+        load_named_extensions(node, context.fetching.around(path) if context.fetching else None, context.sink)
     if node is None or context.sink.error_count > before:
         return None
     if not isinstance(node, Mapping):

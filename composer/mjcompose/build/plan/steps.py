@@ -180,12 +180,12 @@ def added_places(steps: Sequence[Step], document: Mapping) -> dict[tuple[str, st
     found: dict[tuple[str, str], AddedPlace] = {}
     for step in steps:
         if isinstance(step, AddElement):
-            for kind, name, span in _places(step.element, document):
+            for kind, name, span in _added_places_of(step.element, document):
                 found.setdefault((kind, name), AddedPlace(step, span))
     return found
 
 
-def makers(
+def steps_adding(
     places: Map[tuple[str, str], AddedPlace], kind: str, name: str, done: Container[int] = ()
 ) -> list[AddElement]:
     """Return the steps that create a place, in the order in which they must run; none if no step does.
@@ -201,7 +201,7 @@ def makers(
     return [*reversed(found.values())]
 
 
-def _places(element: Element, document: Mapping) -> Iterator[tuple[str, str, Span]]:
+def _added_places_of(element: Element, document: Mapping) -> Iterator[tuple[str, str, Span]]:
     if element.xml is not None:
         span = locate(document, (*element.at, "xml"))
         yield from ((tag, name, span) for tag, name in names_in(element.xml, KINDS))
@@ -210,7 +210,7 @@ def _places(element: Element, document: Mapping) -> Iterator[tuple[str, str, Spa
     if name is not None and element.tag in KINDS:
         yield element.tag, str(name), locate(document, (*element.at, "name"))
     for child in element.children:
-        yield from _places(child, document)
+        yield from _added_places_of(child, document)
 
 
 @dataclass(frozen=True, slots=True)

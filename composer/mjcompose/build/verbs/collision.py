@@ -11,7 +11,7 @@ from mjcompose.build.verbs.values import Entry
 
 def carry_out(entry: Entry, value: Mapping[str, Any], at: Path) -> None:
     """Replace how the selected geoms touch. All values that the entry writes are checked before."""
-    from mjcompose.build.compose.shapes import collide
+    from mjcompose.build.compose.shapes import make_collision_geoms
 
     entry.check()
-    entry.records += collide(entry.editing, entry.workshop, entry.found, value=value, at=at)
+    entry.records += make_collision_geoms(entry.editing, entry.workshop, entry.found, value=value, at=at)

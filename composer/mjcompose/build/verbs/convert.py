@@ -14,7 +14,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.build.compose.actuators import INPUTS, PLUGIN, ActuatorModel, actuator_models
 from mjcompose.build.compose.editing import Editing
-from mjcompose.build.compose.values import Unusable, Values, refuse
+from mjcompose.build.compose.values import UnusableValue, Values, report_unusable
 from mjcompose.build.verbs.values import Entry
 from mjcompose.language.value import read_value
 from mjcompose.language.verbs.convert import FROM
@@ -45,13 +45,13 @@ def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
     to = str(written["to"])
     models = actuator_models(editing.linking, editing.sink, found)
     if models is None:
-        raise Unusable
+        raise UnusableValue
     lost: dict[str, list[str]] = {}
     for index, node in enumerate(found):
         model = models.get(node)
         if model is None:
             message = f"{editing.called(node)} cannot be converted: MuJoCo does not say what it does"
-            refuse(editing, node, Fault("not-supported", message, at), it="it")
+            report_unusable(editing, node, Fault("not-supported", message, at), it="it")
         given = _given(editing, node, index, to=to, model=model, written=written, at=at)
         was = editing.called(node)
         for loss in _converted(editing, node, to, model=model, given=given, at=at):
@@ -83,14 +83,14 @@ def _given(
             source = item.removeprefix(FROM)
             text = editing.effective(node, source)
             if not text or not any(numbers.read(text)):
-                refuse(editing, node, Fault("missing-key", f"{editing.called(node)} has no `{source}`", path,
+                report_unusable(editing, node, Fault("missing-key", f"{editing.called(node)} has no `{source}`", path,
                                             help=f"write `{name}: …` with its values"))  # fmt: skip
             found[name] = str(text)
             continue
         if name == "inheritrange" and abs(gear) != 1 and item:
             # MuJoCo 4.0 gives the range of the joint to the control, which the gear multiplies.
             message = f"the control of {editing.called(node)} is {gear:g} times the position that `inheritrange` limits"
-            refuse(
+            report_unusable(
                 editing,
                 node,
                 Fault("not-supported", message, path, help="write `ctrlrange`, with that of the joint"),
@@ -107,7 +107,7 @@ def _given(
             attribute, values.of(item, path, now), path, owner=editing.called(node), faults=faults
         )
         for fault in faults[:1]:
-            refuse(editing, node, fault)
+            report_unusable(editing, node, fault)
         found[name] = _text(attribute, read, gear, power=power)
     return found
 
@@ -147,10 +147,10 @@ def _geared(value: Any, gear: float, power: int) -> Any:
 
 
 def _text(attribute: Attribute, value: Any, gear: float, power: int) -> str:
-    from mjcompose.build.compose.elements import plain
+    from mjcompose.build.compose.elements import pose_number
 
     if attribute.is_number:
-        found = [plain(each) for each in (value if isinstance(value, tuple) else (value,))]
+        found = [pose_number(each) for each in (value if isinstance(value, tuple) else (value,))]
         return numbers.text(_geared(tuple(found), gear, power) if power and gear != 1 else found)
     return to_text(attribute, value)
 
@@ -189,7 +189,7 @@ def _converted(
     wrong = [name for name in map(str, node.keys()) if name not in kind.attributes]
     if "body" in wrong or "orientation" in wrong:
         message = f"{editing.called(node)} acts on a body, which a `{to}` cannot"
-        refuse(editing, node, Fault("wrong-type", message, at))
+        report_unusable(editing, node, Fault("wrong-type", message, at))
     lost += _lost_attributes(to, model, wrong)
     if old != to and not _keeps_activation(to, {**made, **given}):
         _refuse_actrange(editing, node, to, at=at)
@@ -276,7 +276,7 @@ def _refuse_actrange(editing: Editing, node: Node, to: str, at: Path) -> None:
             f"a `{to}` cannot have the `actrange` that the class `{level.name}` gives {editing.called(node)}"
         )
         help = "write the `actrange` on the actuators, or `unset` it in the class"
-        refuse(editing, node, Fault("wrong-type", message, at, help=help))
+        report_unusable(editing, node, Fault("wrong-type", message, at, help=help))
 
 
 def _replaced(written: Mapping[str, str]) -> Iterator[str]:
@@ -474,7 +474,9 @@ def _gain_and_bias(model: ActuatorModel) -> str:
 def _needs(editing: Editing, node: Node, to: str, gain: str, at: Path) -> None:
     what = "position gain" if gain == "kp" else "velocity gain"
     message = f"{editing.called(node)} has no {what} that a `{to}` could take over"
-    refuse(editing, node, Fault("missing-key", message, at, help=f"write `{gain}: …` beside `to: {to}`"))
+    report_unusable(
+        editing, node, Fault("missing-key", message, at, help=f"write `{gain}: …` beside `to: {to}`")
+    )
 
 
 def _report(editing: Editing, to: str, lost: Mapping[str, list[str]], at: Path) -> None:

@@ -10,7 +10,7 @@ from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.sink import Sink
 from mjcompose.build.compose.editing import Editing
 from mjcompose.build.compose.keys import without_keys
-from mjcompose.build.compose.values import Unusable, refuse
+from mjcompose.build.compose.values import UnusableValue, report_unusable
 from mjcompose.build.verbs.values import Entry
 from mjcompose.language.verbs.inertia import Inertia
 from mjcompose.link import numbers
@@ -35,11 +35,11 @@ def carry_out(entry: Entry, written: Inertia, at: Path) -> None:
         mass, pos, quat, moments = rows.values()
         if mass is None or pos is None or quat is None or moments is None:
             message = f"MuJoCo does not say what {editing.called(body)} weighs"
-            refuse(editing, body, Fault("selector", message, at, key=True), it="it")
+            report_unusable(editing, body, Fault("selector", message, at, key=True), it="it")
         if not mass[0] > 0:
             message = f"the geoms of {editing.called(body)} have no volume"
             help = "write its mass: `set: {mass: …}`"
-            refuse(editing, body, Fault("wrong-type", message, at, key=True, help=help), it="it")
+            report_unusable(editing, body, Fault("wrong-type", message, at, key=True, help=help), it="it")
         _write(editing, body, {"pos": pos, "quat": quat, "mass": mass, "diaginertia": moments}, at=at)
 
 
@@ -76,17 +76,19 @@ def _geoms(editing: Editing, body: Node, written: Inertia, at: Path) -> list[Nod
             else "write `set: {mass: …}`"
         )
         message = f"{editing.called(body)} has no {what}"
-        refuse(editing, body, Fault("selector", message, at, key=True, help=help), it="it")
+        report_unusable(editing, body, Fault("selector", message, at, key=True, help=help), it="it")
     if written.group is not None:
         if written.group not in groups:
             message = f"{editing.called(body)} has no {what} in the group {written.group}"
             help = f"it has some in the groups {known}"
-            refuse(editing, body, Fault("selector", message, (*at, "group"), key=True, help=help), it="it")
+            report_unusable(
+                editing, body, Fault("selector", message, (*at, "group"), key=True, help=help), it="it"
+            )
         return groups[written.group]
     if len(groups) > 1:
         message = f"{editing.called(body)} has {what} in the groups {known}, which may be the same shape several times"
         help = f"say which of them count: `group: {min(groups)}`"
-        refuse(editing, body, Fault("selector", message, at, key=True, help=help), it="it")
+        report_unusable(editing, body, Fault("selector", message, at, key=True, help=help), it="it")
     return geoms
 
 
@@ -115,7 +117,7 @@ def _measured(
         if isinstance(found, Unmeasurable):
             message = f"the inertia of what is selected is not known: {found.why}"
             editing.sink.error("selector", message, editing.span(at, key=True))
-        raise Unusable
+        raise UnusableValue
     return found, copies
 
 

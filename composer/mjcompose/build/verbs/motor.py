@@ -12,7 +12,7 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.build.compose.editing import Editing
-from mjcompose.build.compose.values import Unusable, refuse
+from mjcompose.build.compose.values import UnusableValue, report_unusable
 from mjcompose.build.verbs.values import SET, Change, Entry
 from mjcompose.language.motors import SHEETS, Motor, library
 from mjcompose.language.verbs.motor import BANDWIDTH, ERROR, MODEL
@@ -34,7 +34,7 @@ def carry_out(entry: Entry, written: Mapping[str, Any], at: Path) -> None:
             editing.sink.error(
                 "missing-key", message, editing.span((*at, "effort")), help="leave `effort` out"
             )
-            raise Unusable
+            raise UnusableValue
         effort = sheet.rated
     for index, node in enumerate(entry.found):
         joint, gear = _joint(editing, node, at)
@@ -56,7 +56,7 @@ def _sheet(editing: Editing, name: str, at: Path) -> Motor:
             "unknown-name", f"the motor `{name}` does not exist", editing.span(at), notes=(note,), help=help,
             subjects=(name,),
         )  # fmt: skip
-        raise Unusable
+        raise UnusableValue
     return known[name]
 
 
@@ -66,11 +66,13 @@ def _joint(editing: Editing, node: Node, at: Path) -> tuple[Node, float]:
     joint = editing.find_node("joint", str(name)) if name else None
     if joint is None or joint_type(joint, editing.classes) != "hinge":
         message = f"{editing.called(node)} does not turn a hinge, and a motor does"
-        refuse(editing, node, Fault("wrong-type", message, at, key=True), it="it")
+        report_unusable(editing, node, Fault("wrong-type", message, at, key=True), it="it")
     gear = numbers.read(editing.effective(node, "gear") or "1")[0]
     if gear == 0:
         message = f"the `gear` of {editing.called(node)} is 0"
-        refuse(editing, node, Fault("wrong-type", message, at, key=True, help="set it to 1"), it="it")
+        report_unusable(
+            editing, node, Fault("wrong-type", message, at, key=True, help="set it to 1"), it="it"
+        )
     return joint, gear
 
 
@@ -139,7 +141,7 @@ class _Drive:
 
     def _lacks(self, message: str, help: str, *key: str) -> NoReturn:
         fault = Fault("missing-key", message, (*self.at, *key), key=True, help=help)
-        refuse(self.editing, self.node, fault, it="it")
+        report_unusable(self.editing, self.node, fault, it="it")
 
 
 def _without_dampratio(editing: Editing, node: Node, at: Path) -> None:
@@ -150,7 +152,7 @@ def _without_dampratio(editing: Editing, node: Node, at: Path) -> None:
     if any(numbers.read(editing.effective(node, "dampratio") or "0")):
         message = f"a class gives {editing.called(node)} a `dampratio`, beside which there can be no `kv`"
         help = "`unset` it in the class first: `{select: {default: CLASS}, unset: {position: [dampratio]}}`"
-        refuse(editing, node, Fault("wrong-type", message, at, key=True, help=help), it="it")
+        report_unusable(editing, node, Fault("wrong-type", message, at, key=True, help=help), it="it")
 
 
 def _without_other(editing: Editing, node: Node, at: Path) -> None:
@@ -158,7 +160,7 @@ def _without_other(editing: Editing, node: Node, at: Path) -> None:
         return
     message = f"{editing.called(node)} is a `{node.tag}`, whose gains a data sheet does not give"
     help = "write `convert: {to: position}` beside it, or `to: motor`"
-    refuse(editing, node, Fault("wrong-type", message, at, key=True, help=help), it="it")
+    report_unusable(editing, node, Fault("wrong-type", message, at, key=True, help=help), it="it")
 
 
 def _timestep(editing: Editing) -> float:

@@ -6,7 +6,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note, Path
 from mjcompose.build.compose.editing import Editing
-from mjcompose.build.compose.values import Unusable, Values
+from mjcompose.build.compose.values import UnusableValue, Values
 from mjcompose.build.verbs.values import SET, Change, Entry
 from mjcompose.language.verbs.move import Frame, Move
 from mjcompose.link.key_layout import JOINTS
@@ -36,7 +36,7 @@ def _move(editing: Editing, node: Node, index: int, to: str | Frame, at: Path) -
             span,
             subjects=(*editing.subjects(node), *editing.subjects(target)),
         )
-        raise Unusable
+        raise UnusableValue
     kind = kind_of(target)
     if str(node.tag) not in kind.children:
         editing.sink.error(
@@ -46,7 +46,7 @@ def _move(editing: Editing, node: Node, index: int, to: str | Frame, at: Path) -
             notes=(Note("it is written here", editing.span_of(node)),),
             subjects=(*editing.subjects(node), *editing.subjects(target)),
         )
-        raise Unusable
+        raise UnusableValue
     _check_free(editing, node, target, at=at)
     _check_scale(editing, node, target, at=at)
     _keep_class(editing, node, target)
@@ -70,7 +70,7 @@ def _target(editing: Editing, node: Node, index: int, to: str | Frame, at: Path)
         written = "to: {}" if kind == "body" else "to: {frame: {}}"
         span = editing.span(at)
         editing.sink.add(unresolved(editing, kind, name, span=span, written=written, purpose=" to move to"))
-        raise Unusable
+        raise UnusableValue
     return found
 
 
@@ -101,7 +101,7 @@ def _check_free(editing: Editing, node: Node, target: Node, at: Path) -> None:
         else "remove its free joint first, or move it to the world",
         subjects=(*editing.subjects(node), *editing.subjects(outer)),
     )
-    raise Unusable
+    raise UnusableValue
 
 
 def _check_scale(editing: Editing, node: Node, target: Node, at: Path) -> None:
@@ -119,7 +119,7 @@ def _check_scale(editing: Editing, node: Node, target: Node, at: Path) -> None:
         help="write the frame's content in its final size, without `scale` and `massscale`",
         subjects=(*editing.subjects(node), *editing.subjects(target)),
     )
-    raise Unusable
+    raise UnusableValue
 
 
 def _keep_class(editing: Editing, node: Node, target: Node) -> None:

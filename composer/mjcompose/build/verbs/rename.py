@@ -9,7 +9,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note, Path
 from mjcompose.build.compose.editing import Editing
-from mjcompose.build.compose.values import Unusable, Values
+from mjcompose.build.compose.values import UnusableValue, Values
 from mjcompose.build.verbs.values import Entry
 from mjcompose.model.edit import (
     BadBone,
@@ -64,7 +64,7 @@ def carry_out(entry: Entry, written: str, at: Path) -> None:
         message = unlistable_message(reference, name, editing.called(user))
         note = Note("the list is here", editing.span_of(user))
         editing.sink.error("bad-name", message, editing.span(at), notes=(note,))
-        raise Unusable
+        raise UnusableValue
     for node in new:
         naming = naming_attribute(kind_of(node))
         assert naming is not None
@@ -95,12 +95,12 @@ def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) 
         editing.sink.error(
             "wrong-type", f"{editing.called(node)} can have no name", span, subjects=editing.subjects(node)
         )
-        raise Unusable
+        raise UnusableValue
     now = own_name(node, naming.name)
     # MuJoCo 4.0: "top-level default class 'main' cannot be renamed".
     if node.tag == "default" and now is None:
         editing.sink.error("wrong-type", "the top class keeps its name", span)
-        raise Unusable
+        raise UnusableValue
     name = values.of(written, at, now)
     name = name if isinstance(name, str) else str(name)
     # The world has its name in every model: `<body name="world"/>` is "repeated name 'world' in body" in MuJoCo 4.0.
@@ -113,7 +113,7 @@ def _new_name(editing: Editing, node: Node, index: int, written: str, at: Path) 
             notes=(Note(f"for {editing.called(node)}"),),
             subjects=editing.subjects(node),
         )
-        raise Unusable
+        raise UnusableValue
     return name
 
 
@@ -142,7 +142,7 @@ def _check_twists(editing: Editing, new: dict[Node, str], at: Path) -> None:
             help=f"rename the flex, which takes its joints along: `select: {{flex: {rod}}}`",
             subjects=editing.subjects(node),
         )
-        raise Unusable
+        raise UnusableValue
 
 
 def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
@@ -170,7 +170,7 @@ def _check(editing: Editing, new: dict[Node, str], at: Path) -> None:
             help=help,
             subjects=(name, *editing.subjects(node), *editing.subjects(other)),
         )
-        raise Unusable
+        raise UnusableValue
 
 
 def _advice(editing: Editing, node: Node, other: Node, at: Path) -> str:

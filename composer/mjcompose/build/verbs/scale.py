@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from mjcompose.base.diagnostic import Path
-from mjcompose.build.compose.keys import only_zeros, report_only_zeros
+from mjcompose.build.compose.keys import report_only_zeros, zero_attributes
 from mjcompose.build.verbs.values import SCALE, Entry, change_all
 
 
 def carry_out(entry: Entry, value: Mapping[str, Any], at: Path) -> None:
     """Multiply the numbers of every selected element. Warn about a factor that changes nothing."""
-    zeros = only_zeros(entry.editing, entry.found, value)
+    zeros = zero_attributes(entry.editing, entry.found, value)
     change_all(entry, SCALE, value, at=at)
     for key in zeros:
         written = f'"{key}"' if "[" in key else key

@@ -11,7 +11,7 @@ from mjcompose.build.verbs.values import Entry
 
 def carry_out(entry: Entry, value: Mapping[str, Any], at: Path) -> None:
     """Give the selected meshes fewer faces. All values that the entry writes are checked before."""
-    from mjcompose.build.compose.shapes import simplify
+    from mjcompose.build.compose.shapes import simplify_meshes
 
     entry.check()
-    entry.records += simplify(entry.editing, entry.workshop, entry.found, value=value, at=at)
+    entry.records += simplify_meshes(entry.editing, entry.workshop, entry.found, value=value, at=at)

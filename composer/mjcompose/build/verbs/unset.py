@@ -9,7 +9,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Fault, Note, Path
 from mjcompose.build.compose.editing import Editing
-from mjcompose.build.compose.values import Unusable
+from mjcompose.build.compose.values import UnusableValue
 from mjcompose.build.verbs.values import Entry
 from mjcompose.language.fragment import report_clashing, report_missing
 from mjcompose.model.classes import chain
@@ -48,7 +48,7 @@ def unset(editing: Editing, found: list[Node], names: Any, at: Path) -> None:
                 help=help,
                 subjects=(name,),
             )
-            raise Unusable
+            raise UnusableValue
         for node in writing:
             editing.write(node, {name: (*at, position)})
             assign(editing, node, {name: None})
@@ -89,7 +89,7 @@ def report_newly_missing(
                 help=help,
                 subjects=(*fault.names, *editing.subjects(node)),
             )
-            raise Unusable
+            raise UnusableValue
 
 
 def _by_class(editing: Editing, node: Node, name: str) -> bool:

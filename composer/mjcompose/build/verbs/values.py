@@ -13,8 +13,8 @@ from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.build.compose.checks import check_class_angles, refer_to_top_class
 from mjcompose.build.compose.editing import Editing, is_angular, take_files
-from mjcompose.build.compose.elements import settle_joints, update
-from mjcompose.build.compose.values import POLYNOMIALS, Masses, Unusable, Values, refuse
+from mjcompose.build.compose.elements import settle_joints, update_node
+from mjcompose.build.compose.values import POLYNOMIALS, Masses, UnusableValue, Values, report_unusable
 from mjcompose.language.form import Element, Value
 from mjcompose.language.select import unknown_attribute
 from mjcompose.language.value import attribute_and_index, bare_angle, read_value
@@ -31,7 +31,7 @@ from mjcompose.model.values import check_python, is_in_degrees
 from mjcompose.text.expression_values import Angle
 
 if TYPE_CHECKING:
-    from mjcompose.build.compose.mesh_jobs import Record, Workshop
+    from mjcompose.build.compose.mesh_jobs import MeshResult, MeshWorkshop
 
 
 @dataclass(slots=True)
@@ -45,10 +45,10 @@ class Entry:
     editing: Editing
     found: list[Node]
     masses: Masses
-    workshop: Workshop
+    workshop: MeshWorkshop
     checks: list[Callable[[], None]] = field(default_factory=list)
     gone: list[Left] = field(default_factory=list)
-    records: list[Record] = field(default_factory=list)
+    records: list[MeshResult] = field(default_factory=list)
 
     def check(self) -> None:
         """Run the postponed checks. A verb that makes, renames or removes elements calls this first."""
@@ -89,7 +89,7 @@ def compute(
     given = values.of(written, at, values.now(attribute, subscript))
     if isinstance(given, list) and len(given) > len(now):
         message = f"`{attribute.name}` of {editing.called(node)} has {len(now)} numbers, got {len(given)}"
-        refuse(editing, node, Fault("wrong-length", message, at))
+        report_unusable(editing, node, Fault("wrong-length", message, at))
     places = [subscript] if subscript is not None else list(range(len(now)))
     if operation is OFFSET and attribute.name in POLYNOMIALS and not isinstance(given, list):
         places = places[:1]  # one number is the linear coefficient, as in MJCF
@@ -108,7 +108,7 @@ def compute(
     answer = check_python(attribute, result if attribute.max_length != 1 else result[0])
     if answer is not None:
         message = f"`{attribute.name}` of {editing.called(node)} {answer}"
-        refuse(editing, node, Fault("out-of-range", message, at))
+        report_unusable(editing, node, Fault("out-of-range", message, at))
     check_without_ends(values, attribute, at)
     if attribute.is_interval:
         editing.making.intervals[node, attribute.name] = editing.span(at)
@@ -128,11 +128,11 @@ def _present(
         if attribute.name == MASS:
             help = "its mass comes from its `density`: change that, or the whole mass of its body"
         message = f"{editing.called(node)} has no `{attribute.name}` that `{operation.verb}` could start from"
-        refuse(editing, node, Fault("wrong-type", message, at, key=True, help=help))
+        report_unusable(editing, node, Fault("wrong-type", message, at, key=True, help=help))
     now = numbers.read(text)
     if subscript is not None and subscript >= len(now):
         message = f"`{at[-1]}` of {editing.called(node)} does not exist: it has {len(now)} numbers"
-        refuse(editing, node, Fault("wrong-length", message, at, key=True))
+        report_unusable(editing, node, Fault("wrong-length", message, at, key=True))
     return now
 
 
@@ -156,17 +156,17 @@ def _number(
     making = editing.making
     given = Angle.read(item) if isinstance(item, str) else item
     if isinstance(given, bool) or not isinstance(given, int | float | Angle):
-        refuse(editing, node, Fault("wrong-type", f"`{at[-1]}` expects a number, got `{item}`", at))
+        report_unusable(editing, node, Fault("wrong-type", f"`{at[-1]}` expects a number, got `{item}`", at))
     if operation.is_factor:
         if isinstance(given, Angle):
-            refuse(editing, node, Fault("wrong-type", "a factor has no unit", at))
+            report_unusable(editing, node, Fault("wrong-type", "a factor has no unit", at))
         return float(given)
     if is_angle:
         settings = making.angle_context.at(at)
         if not isinstance(given, Angle) and given != 0 and settings.angle is None:
             help = f"write `{given}deg` or `{given}rad`, or `angle: degree` at the top of the recipe"
             message = f"`{attribute.name}` of {editing.called(node)} is an angle and {given} has no unit"
-            refuse(editing, node, Fault("bare-angle", message, at, help=help))
+            report_unusable(editing, node, Fault("bare-angle", message, at, help=help))
         radians = numbers.joint_radians if attribute.angle == "joint" else numbers.orientation_radians
         return making.turned(given, settings, radians)
     unit = "deg" if is_in_degrees(str(node.tag), attribute.name) else "rad"
@@ -181,7 +181,7 @@ def _check_sequence(values: Values, at: Path) -> None:
     if sequence != making.model_eulerseq:
         sequences = f"the sequence `{making.model_eulerseq}`, the recipe in `{sequence}`"
         message = f"`euler` of {editing.called(node)} turns in {sequences}"
-        refuse(editing, node, Fault("not-supported", message, at, help="set the whole orientation"))
+        report_unusable(editing, node, Fault("not-supported", message, at, help="set the whole orientation"))
 
 
 def set_whole(values: Values, attribute: Attribute, written: Any, at: Path) -> None:
@@ -197,7 +197,7 @@ def set_whole(values: Values, attribute: Attribute, written: Any, at: Path) -> N
             # MuJoCo 4.0 takes one orientation ("multiple orientation specifiers are not allowed"), so that the one
             # before has to go.
             replace(node, dict.fromkeys(ORIENTATIONS))
-        update(node, element, kind_of(node), making=making)
+        update_node(node, element, kind_of(node), making=making)
         settle_joints(making, lambda each: joint_type(each, editing.classes))
     check_class_angles(editing.linking, making)
     take_files(editing)
@@ -216,7 +216,7 @@ def _read(values: Values, attribute: Attribute, written: Any, at: Path) -> Value
         bare = bare_angle(attribute, read, joint, at=at, owner=editing.called(node))
         faults += [bare] if bare is not None else []
     if faults:
-        refuse(editing, node, faults[0])
+        report_unusable(editing, node, faults[0])
     assert read is not None
     return read
 
@@ -239,7 +239,7 @@ def check_units(values: Values, wanted: str, written: Mapping[str, Any], at: Pat
         message = (
             f"`{attribute.name}` of {editing.called(joint)} is {was}, and would be {would} for a {wanted}"
         )
-        refuse(
+        report_unusable(
             editing,
             joint,
             Fault("bare-angle", message, at, help=f"write `{attribute.name}` beside `type`"),
@@ -255,7 +255,7 @@ def check_without_ends(values: Values, attribute: Attribute, at: Path) -> None:
     ends = editing.effective(node, "fromto")
     if ends and "nan" not in ends.lower():
         message = f"`{attribute.name}` of {editing.called(node)} has no effect: `fromto` says where it is"
-        refuse(editing, node, Fault("wrong-type", message, at, help="set `fromto` instead"))
+        report_unusable(editing, node, Fault("wrong-type", message, at, help="set `fromto` instead"))
 
 
 def _check_references(values: Values, attribute: Attribute, at: Path) -> None:
@@ -271,7 +271,7 @@ def _check_references(values: Values, attribute: Attribute, at: Path) -> None:
             editing.sink.add(
                 unresolved(editing, namespace, value, span=span, written=written, typed_by=typed_by)
             )
-            raise Unusable
+            raise UnusableValue
 
 
 def change_all(entry: Entry, operation: Operation, written: Mapping[str, Any], at: Path) -> None:
@@ -304,7 +304,7 @@ class Change:
                 continue
             attribute = kind.attributes.get(name)
             if attribute is None:
-                refuse(self.editing, node, unknown_attribute(name, kind.tag, (kind,), at=path))
+                report_unusable(self.editing, node, unknown_attribute(name, kind.tag, (kind,), at=path))
             if self.operation is SET and subscript is None:
                 if kind.path == "joint" and name == "type":
                     check_units(values, str(values.of(item, path, values.now(attribute))), written, at=path)
@@ -316,7 +316,7 @@ class Change:
         """Edit the child with this tag of a class or section, and create it if needed."""
         editing, kind = self.editing, kind_of(node)
         if tag not in kind.children:
-            refuse(editing, node, unknown_attribute(tag, str(node.tag), (kind,), at=at))
+            report_unusable(editing, node, unknown_attribute(tag, str(node.tag), (kind,), at=at))
         child = next(node.iterchildren(tag, reversed=True), None)
         if child is None:
             child = node.makeelement(tag)
@@ -334,5 +334,5 @@ class Change:
         given = values.of(written, at, now)
         if isinstance(given, bool) or not isinstance(given, int | float):
             message = f"`{MASS}` expects a number, got `{given}`"
-            refuse(self.editing, node, Fault("wrong-type", message, at))
+            report_unusable(self.editing, node, Fault("wrong-type", message, at))
         self.masses.change(node, self.operation.verb, float(given), now=now, at=at)

@@ -16,7 +16,13 @@ from mjcompose.build.checks.check import from_json
 from mjcompose.build.plan.plan import BASE, MadeShapes, PartRecord, Plan, arrays_of_draw, of_part
 from mjcompose.build.verify.compile import WHOLE
 from mjcompose.build.verify.outcome import Outcome
-from mjcompose.build.verify.parts import Compared, Judge, causes, changed, notes
+from mjcompose.build.verify.parts import (
+    PartComparer,
+    PartComparison,
+    causes,
+    change_sentence,
+    difference_notes,
+)
 from mjcompose.language.checks.collision import Collision
 from mjcompose.language.checks.form import Check
 from mjcompose.language.checks.unchanged import Unchanged, attributes
@@ -32,7 +38,7 @@ from mjcompose.text.node import Scalar, find, locate
 
 
 @dataclass(frozen=True, slots=True)
-class Nested:
+class NestedRecipe:
     """A recipe within another one.
 
     `part` is its name there with a separator behind it, empty for the outermost recipe. `prefix` starts all its
@@ -78,12 +84,12 @@ class Nested:
         return None
 
 
-def checks_in(plan: Plan) -> Iterator[tuple[Nested, Check]]:
+def checks_in(plan: Plan) -> Iterator[tuple[NestedRecipe, Check]]:
     """Yield the checks of a plan, then those of its nested recipes."""
     for place in plan.walk():
         if isinstance(inner := place.model, Plan):
             part = f"{place.part}{inner.separator}" if place.part else ""
-            recipe = Nested(inner, part, place.prefix, others=place.others, keys=place.keys)
+            recipe = NestedRecipe(inner, part, place.prefix, others=place.others, keys=place.keys)
             yield from ((recipe, check) for check in inner.checks)
 
 
@@ -120,7 +126,7 @@ class Checks:
 
     def run(self, outcomes: list[Outcome]) -> None:
         """Run every check in the order of the recipe, and append what came of each."""
-        judge, kept = Judge(self.session, self.merged, self.renamed), True
+        judge, kept = PartComparer(self.session, self.merged, self.renamed), True
         drawn = sorted({array for step in self.plan.draws if step.sample for array in arrays_of_draw(step)})
         for recipe, check in checks_in(self.plan):
             own = replace(self.context, sink=Sink())
@@ -143,7 +149,7 @@ class Checks:
     def _ask(
         self,
         check: Check,
-        recipe: Nested,
+        recipe: NestedRecipe,
         context: Context,
     ) -> tuple[bool, dict[str, Any]]:
         """Run a check on the compiled model, in the process that keeps it.
@@ -178,8 +184,8 @@ class Checks:
     def _unchanged(
         self,
         check: Unchanged,
-        recipe: Nested,
-        judge: Judge,
+        recipe: NestedRecipe,
+        judge: PartComparer,
         context: Context,
         *,
         drawn: Sequence[str],
@@ -199,16 +205,16 @@ class Checks:
         return {"parts": len(found)}
 
 
-def places(plan: Plan) -> dict[str, Span]:
+def check_spans(plan: Plan) -> dict[str, Span]:
     """Return where each check is written, by the name in its outcome."""
     return {recipe.part + check.name: _place(check, recipe) for recipe, check in checks_in(plan)}
 
 
-def _place(check: Check, recipe: Nested) -> Span:
+def _place(check: Check, recipe: NestedRecipe) -> Span:
     return locate(recipe.plan.document, (*check.at, check.word), key=True)
 
 
-def _as_severe(found: Diagnostic, check: Check, recipe: Nested) -> Diagnostic:
+def _as_severe(found: Diagnostic, check: Check, recipe: NestedRecipe) -> Diagnostic:
     """Return the diagnostic with the severity that the check sets; errors in the check itself stay errors."""
     severity = find(recipe.plan.document, (*check.at, SEVERITY))
     warns = isinstance(severity, Scalar) and severity.value == Severity.WARNING
@@ -216,7 +222,7 @@ def _as_severe(found: Diagnostic, check: Check, recipe: Nested) -> Diagnostic:
 
 
 def _ask_elsewhere(
-    check: Check, recipe: Nested, elsewhere: Mapping[str, Elsewhere], context: Context
+    check: Check, recipe: NestedRecipe, elsewhere: Mapping[str, Elsewhere], context: Context
 ) -> dict[str, Any]:
     findings, values = elsewhere[check.word](asdict(check))  # type: ignore[call-overload]
     for finding in findings:
@@ -224,14 +230,14 @@ def _ask_elsewhere(
     return values
 
 
-def _report_finding(finding: Fault, check: Check, recipe: Nested, context: Context) -> None:
+def _report_finding(finding: Fault, check: Check, recipe: NestedRecipe, context: Context) -> None:
     span = locate(recipe.plan.document, (*check.at, check.word, *finding.at), key=not finding.at)
     message = f"check `{recipe.part}{check.name}`: {finding.message}"
     add = context.sink.warning if finding.code == _LOSS else context.sink.error
     add(finding.code, message, span, notes=finding.notes, help=finding.help)
 
 
-def _report(compared: Compared, recipe: Nested, check: Unchanged, context: Context) -> None:
+def _report(compared: PartComparison, recipe: NestedRecipe, check: Unchanged, context: Context) -> None:
     path = (*check.at, "unchanged")
     span = locate(recipe.plan.document, (*path, "part") if check.part else path, key=check.part is None)
     about = f"check `{recipe.part}{check.name}`"
@@ -241,13 +247,17 @@ def _report(compared: Compared, recipe: Nested, check: Unchanged, context: Conte
         )
         context.sink.error("part-not-compared", message, span)
         return
-    message = f"{about}: {changed(compared)}"
+    message = f"{about}: {change_sentence(compared)}"
     context.sink.error(
-        "part-changed", message, span, notes=notes(compared.differences), help=_excepting(compared, check)
+        "part-changed",
+        message,
+        span,
+        notes=difference_notes(compared.differences),
+        help=_excepting(compared, check),
     )
 
 
-def _excepting(compared: Compared, check: Unchanged) -> str | None:
+def _excepting(compared: PartComparison, check: Unchanged) -> str | None:
     """Return the line that accepts all differences, or None if one of them belongs to no attribute."""
     names = list(check.excepted)
     for each in causes(compared.differences):

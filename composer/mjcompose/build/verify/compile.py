@@ -57,7 +57,7 @@ def unmoved_flexes(root: Node, mujoco: str | None) -> Iterator[Node]:
             around = around.getparent()
 
 
-def judge(
+def compile_and_report(
     bundle: Bundle,
     model: Unit,
     context: Context,
@@ -82,7 +82,7 @@ def judge(
         span = None if element is None else model.origins.span(element, model.file, attribute)
         said = _with_sources(warning.message, model, context)
         context.sink.warning(
-            "mujoco-warning", f"MuJoCo warns: {said}", span, cause=Cause(said, _called(element))
+            "mujoco-warning", f"MuJoCo warns: {said}", span, cause=Cause(said, _words_for(element))
         )
     if verified.error is not None and verified.code is not None:
         fault = verified.error
@@ -105,12 +105,12 @@ def judge(
             f"MuJoCo {version} leaves the flex `{flex.get('name')}` where it would be without the frame around it",
             model.origins.span(flex, model.file),
             help="build with MuJoCo 4.0, which moves it, or put it into a body",
-            cause=Cause("left behind", _called(flex)),
+            cause=Cause("left behind", _words_for(flex)),
         )
     return verified.compiled
 
 
-def _called(element: Node | None) -> str:
+def _words_for(element: Node | None) -> str:
     if element is None:
         return "the model"
     name = element.get("name")
@@ -125,7 +125,11 @@ def _report_unread(element: Node, name: str | None, model: Unit, context: Contex
     file = model.origins.span(element, model.file).file
     found = unknown_element(element, file) if name is None else unknown_attribute(element, name, file)
     report(
-        found, element, model, context=context, cause=Cause(f"{element.tag} {name or ''}", _called(element))
+        found,
+        element,
+        model,
+        context=context,
+        cause=Cause(f"{element.tag} {name or ''}", _words_for(element)),
     )
 
 
@@ -227,7 +231,7 @@ class Verified:
         return CRASHES.get(self.crash, "mujoco-crash")
 
 
-class StrangerError(Exception):
+class OutsideFilesError(Exception):
     """A bundle names files outside of itself; `found` reports each of them."""
 
     def __init__(self, found: tuple[Diagnostic, ...]) -> None:
@@ -251,15 +255,15 @@ def verify(
     temporary folder, and StrangerError.
     """
     try:
-        with _written(bundle, session) as (folder, stands):
+        with _written(bundle, session) as (folder, is_reused):
             if stranger is not None and (found := outside(folder, bundle.model, stranger)):
-                raise StrangerError(found)
+                raise OutsideFilesError(found)
             compiled = engine.compile(
                 folder,
                 bundle.model,
                 wants=("index",),
                 keep=keep,
-                stands=stands,
+                folder_is_reused=is_reused,
                 limits=limits,
                 session=session,
             )

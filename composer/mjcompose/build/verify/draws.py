@@ -54,7 +54,9 @@ class DrawTable:
         """Look up the address of every number, and return whether each has one."""
         before = self.context.sink.error_count
         numeric = [each for each in self.tabled if self._is_numeric(each)]
-        answer = engine.call(self.session, resolve, [WHOLE], argument=[_question(each) for each in numeric])
+        answer = engine.call(
+            self.session, resolve_addresses, [WHOLE], argument=[_question(each) for each in numeric]
+        )
         if not answer.ok:
             self.crashed(answer)
             return False
@@ -179,7 +181,7 @@ _CLOSE = 1e-9
 """Tolerance for numbers that were computed in two ways, relative to the larger of 1 and the number."""
 
 
-def resolve(mujoco: Any, model: Model, asked: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def resolve_addresses(mujoco: Any, model: Model, asked: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Return for each element its id and the addresses of its numbers in mjModel, or an `error`.
 
     Runs under `mjcompose.mujoco.engine.call`. Each of `asked` has `tag`, `family`, `name` or `place`, `attribute`,
@@ -262,7 +264,7 @@ def with_worlds(table: DrawTable, bundle: Bundle, build: Build) -> Bundle:
         paths = {"draws": str(folder / "draws.npy"), "out": str(folder / "worlds.npz")}
         np.save(paths["draws"], np.array(list(table.values.values()), float).T)
         question: dict[str, object] = {**paths, "columns": list(table.columns.values())}
-        answer = engine.call(table.session, compute, [WHOLE], argument=question)
+        answer = engine.call(table.session, compute_worlds, [WHOLE], argument=question)
         if not answer.ok:
             table.crashed(answer)
             return bundle
@@ -271,7 +273,7 @@ def with_worlds(table: DrawTable, bundle: Bundle, build: Build) -> Bundle:
             if not build(sample):
                 return bundle
             question = {**paths, "world": sample - 1}
-            answer = engine.call(table.session, compare, [WHOLE, SAMPLE], argument=question)
+            answer = engine.call(table.session, compare_world, [WHOLE, SAMPLE], argument=question)
             if not answer.ok:
                 table.crashed(answer)
                 return bundle
@@ -316,14 +318,14 @@ Place = tuple[str, int]
 _BLOCK = 1024
 
 
-def compute(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[str]:
+def compute_worlds(mujoco: Any, model: Model, asked: dict[str, Any]) -> list[str]:
     """Write every number that differs in some world to the file `out`, and return the names of the arrays.
 
     Runs under `mjcompose.mujoco.engine.call`. `draws` is a file with a row for each world, `(worlds, columns)`;
     `columns` says where the numbers go; `stored` says what is written. The model is restored afterwards.
     """
     draws, columns = np.load(asked["draws"], allow_pickle=False), asked["columns"]
-    found, computed = Recorder(model), Computed(mujoco, model, mujoco.MjData(model))
+    found, computed = Recorder(model), DerivedValues(mujoco, model, mujoco.MjData(model))
     following = list(_following(model, columns))
     for first in range(0, len(draws), _BLOCK):
         drawn = list(_drawn(model, columns, following, rows=draws[first : first + _BLOCK], found=found))
@@ -373,7 +375,7 @@ def _drawn(
         yield found.view(dtype), memory, np.stack([values[place] for place in places], axis=1)
 
 
-def compare(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -> list[str]:
+def compare_world(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -> list[str]:
     """Return the arrays in which `world` of the file `out` differs from a built sample.
 
     Runs under `mjcompose.mujoco.engine.call`. The nominal model is restored afterwards.
@@ -390,7 +392,7 @@ def compare(mujoco: Any, nominal: Model, sample: Model, asked: dict[str, Any]) -
     return sorted(different)
 
 
-class Computed:
+class DerivedValues:
     """The values that the compiler computes and mj_setConst does not, unless the model sets them."""
 
     def __init__(self, mujoco: Any, model: Model, data: Any) -> None:

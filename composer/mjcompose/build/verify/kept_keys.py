@@ -61,7 +61,9 @@ def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink:
         return
     sources = [each for found in notes.sources.values() for each in found]
     texts = list(dict.fromkeys(each.text for each in sources))
-    held = [(at, written) for at, key in enumerate(keys) if (written := _held(key, model, notes)) is not None]
+    held = [
+        (at, written) for at, key in enumerate(keys) if (written := _held_key(key, model, notes)) is not None
+    ]
     question = {
         "texts": [*texts, final.text],
         "mark": MARK,
@@ -77,7 +79,7 @@ def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink:
         )
         return
     described = dict(zip(texts, answer.value["bare"], strict=False))
-    meaning = _Meaning(
+    meaning = _KeyMeanings(
         model, notes, {key: (each, described[each.text]) for each in sources for key in each.rows}
     )
     controls = {at: each["ctrl"] for (at, _), each in zip(held, answer.value["held"], strict=True)}
@@ -85,34 +87,34 @@ def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink:
         meant = meaning.of(key)
         if meant is not None:
             row = answer.value["keys"][at]
-            wrong = _wrong(
+            wrong = _differences(
                 final,
                 answer.value,
                 meant,
                 row=row,
-                settled=_settled(key, model, notes),
+                settled=_computed_controls(key, model, notes),
                 controls=controls.get(at),
                 notes=notes,
             )
             _report(key, list(wrong), model, sink=sink)
 
 
-def _held(key: Node, model: Unit, notes: KeyNotes) -> Written | None:
+def _held_key(key: Node, model: Unit, notes: KeyNotes) -> Written | None:
     """Return what the recipe writes into a key if it holds a pose."""
     record = model.origins.keys.get(key)
     written = notes.written.get(record.keys[0]) if record is not None and record.keys else None
     return written if written is not None and written.held else None
 
 
-def _settled(key: Node, model: Unit, notes: KeyNotes) -> Mapping[Any, Span]:
+def _computed_controls(key: Node, model: Unit, notes: KeyNotes) -> Mapping[Any, Span]:
     """Return the actuators whose controls MuJoCo computes, each with its place in the recipe."""
-    written = _held(key, model, notes)
+    written = _held_key(key, model, notes)
     said = {} if written is None else written.entries.get("ctrl", {})
     return {} if written is None else {node: span for node, span in written.held.items() if node not in said}
 
 
 @dataclass(slots=True)
-class _Meaning:
+class _KeyMeanings:
     """Finds what a key means, from the keys and entries that it is made of."""
 
     model: Unit
@@ -186,7 +188,7 @@ class _Difference(NamedTuple):
     meant: Value
 
 
-def _wrong(
+def _differences(
     final: Bare, answer: Mapping[str, Any], meant: Meant, row: Mapping[str, list[float]],
     settled: Mapping[Any, Span], controls: Sequence[float | None] | None, notes: KeyNotes,
 ) -> Iterator[_Difference]:  # fmt: skip

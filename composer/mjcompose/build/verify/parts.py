@@ -34,24 +34,24 @@ def keep_source(member: PartRecord, session: engine.Session, name: str) -> str |
     if member.source.format == "urdf":
         return _keep_urdf(member, session, name)
     compiled = engine.compile(path.parent, path.name, keep=name, session=session)
-    return None if compiled.ok else refused(compiled.error or compiled.crash)
+    return None if compiled.ok else refusal_message(compiled.error or compiled.crash)
 
 
 def _keep_urdf(member: PartRecord, session: engine.Session, name: str) -> str | None:
     from mjcompose.urdf.read import UrdfReader  # few recipes need it
 
     sink = Sink()
-    unit = UrdfReader(member.source, sink, session, stands=member.stands).unit()
+    unit = UrdfReader(member.source, sink, session, is_fixed_in_world=member.is_fixed_in_world).unit()
     if unit is None:
         found = sink.errors
         return f"its source cannot be read: {found[0].message}" if found else "its source cannot be read"
     with folder_of(unit) as folder:
         text = write(unit.root).decode()
         compiled = engine.compile(folder, "source.xml", text=text, keep=name, session=session)
-    return None if compiled.ok else refused(compiled.error or compiled.crash)
+    return None if compiled.ok else refusal_message(compiled.error or compiled.crash)
 
 
-def refused(said: str | None) -> str:
+def refusal_message(said: str | None) -> str:
     """Return the message about a source that MuJoCo does not compile alone."""
     return f"MuJoCo does not accept its source alone: {' '.join((said or '').split())}"
 
@@ -80,7 +80,7 @@ def keep_subtree(member: PartRecord, session: engine.Session, taken: str, whole:
     path = member.source.path
     unit = parse_file(path, sink, door=member.source.door)
     if unit is None:
-        return KeptSubtree(fault=_said(sink))
+        return KeptSubtree(fault=_errors_text(sink))
     bodies = (each for world in unit.root.iterchildren("worldbody") for each in world.iter("body"))
     body = next((each for each in bodies if each.get("name") == member.subtree), None)
     around = [] if body is None else list(body.iterancestors("body"))
@@ -95,7 +95,7 @@ def keep_subtree(member: PartRecord, session: engine.Session, taken: str, whole:
     measure = measure_with(Context(sink=sink, environment={}, folder=path.parent), session=session)
     keyframes: KeyPolicy = "none" if member.keys is None else "merge"
     if take_subtree(unit, member.subtree, sink, keyframes=keyframes, measure=measure) is None:
-        return KeptSubtree(fault=_said(sink))
+        return KeptSubtree(fault=_errors_text(sink))
     with folder_of(unit) as folder:
         return KeptSubtree(above, _keep(session, folder, path, text=write(unit.root), name=taken))
 
@@ -105,15 +105,15 @@ def _keep(session: engine.Session, folder: Path, path: Path, text: bytes | None,
     compiled = engine.compile(
         folder if given else path.parent, path.name, text=given, keep=name, session=session
     )
-    return None if compiled.ok else refused(compiled.error or compiled.crash)
+    return None if compiled.ok else refusal_message(compiled.error or compiled.crash)
 
 
-def _said(sink: Sink) -> str:
+def _errors_text(sink: Sink) -> str:
     return f"its source cannot be read: {sink.errors[0].message}"
 
 
 @dataclass(frozen=True, slots=True)
-class Question:
+class PartQuestion:
     """The question whether a part is unchanged.
 
     The fields are those of `compare`; the place is given as in a recipe. ``site`` and ``body`` are names in the
@@ -149,15 +149,15 @@ class Question:
         return Mount.of(composed, site=self.site, body=self.body, pos=self.pos, quat=self.quat)
 
 
-def ask(
+def compare_part(
     _mujoco: object, alone: Model, composed: Model, question: Mapping[str, Any]
 ) -> list[dict[str, Any]] | None:
     """Return the differences of a part as JSON data; runs under `mjcompose.mujoco.engine.call`.
 
-    ``question`` has the fields of a `Question`. Return None if the composition lacks the body of the part's
+    ``question`` has the fields of a `PartQuestion`. Return None if the composition lacks the body of the part's
     place.
     """
-    given = Question(**question)
+    given = PartQuestion(**question)
     if given.body is not None and given.body not in NameTable(composed).ids["body"]:
         return None
     found = compare(
@@ -177,7 +177,7 @@ def ask(
     return [asdict(each) for each in found if not _of_welding(each, free)]
 
 
-def _renamed(alone: Model, given: Question) -> Mapping[str, Mapping[str, str]]:
+def _renamed(alone: Model, given: PartQuestion) -> Mapping[str, Mapping[str, str]]:
     if given.key_prefix is None:
         return given.renamed
     names = NameTable(alone).ids["key"]
@@ -203,7 +203,7 @@ def _of_welding(difference: Difference, free: frozenset[str]) -> bool:
 
 
 def differences_of(value: list[dict[str, Any]]) -> list[Difference]:
-    """Return the differences that ``ask`` returned as JSON data."""
+    """Return the differences that ``compare_part`` returned as JSON data."""
     return [
         Difference(
             each["kind"],
@@ -230,7 +230,7 @@ _ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, slots=True)
-class Compared:
+class PartComparison:
     """The outcome for one part: its differences, or why it could not be compared."""
 
     member: PartRecord
@@ -251,7 +251,7 @@ class Incomparable:
 
 
 @dataclass(slots=True)
-class Judge:
+class PartComparer:
     """Compares parts with the composition that `session` keeps as `WHOLE`. Each source is compiled once.
 
     `merged` maps by kind the names in the composition that were merged into another one. `renamed` has, by
@@ -267,30 +267,32 @@ class Judge:
 
     def compare(
         self, member: PartRecord, excused: Iterable[str] = (), replaced_keys: Iterable[str] = ()
-    ) -> Compared:
+    ) -> PartComparison:
         """Compare a part with its source.
 
         `excused` are arrays, or ends of their names; `replaced_keys` are keys of the composition that the
         recipe wrote.
         """
         if member.obscure is not None:
-            return Compared(member, obscure=member.obscure)
+            return PartComparison(member, obscure=member.obscure)
         name = _kept(member)
         if name not in self.alone:
             self.alone[name] = self._compile(member, name)
         fault = self.alone[name]
         if fault is not None:
-            return Compared(member, obscure=fault)
+            return PartComparison(member, obscure=fault)
         given = tuple(excused), tuple(replaced_keys)
         question = _question(member, *given, self.merged, self.renamed.get(member.part, {}))
         found = self._ask(name, WHOLE, question)
         if isinstance(found, Incomparable):
-            return Compared(member, obscure=found.why)
-        return Compared(member, (*self.cut.get(name, ()), *found))
+            return PartComparison(member, obscure=found.why)
+        return PartComparison(member, (*self.cut.get(name, ()), *found))
 
-    def _ask(self, alone: str, composed: str, question: Question) -> tuple[Difference, ...] | Incomparable:
+    def _ask(
+        self, alone: str, composed: str, question: PartQuestion
+    ) -> tuple[Difference, ...] | Incomparable:
         """Return the differences of two models that the session keeps, or why they cannot be compared."""
-        answer = engine.call(self.session, ask, [alone, composed], argument=question.to_json())
+        answer = engine.call(self.session, compare_part, [alone, composed], argument=question.to_json())
         if not answer.ok:
             return Incomparable(answer.error or answer.crash or "it cannot be compared")
         if answer.value is None:
@@ -308,7 +310,7 @@ class Judge:
         why = ""
         for body in taken.above:
             here = body == taken.above[0]
-            question = Question(body=body, posed=here, keys=keys, tolerance=_ROUNDING, cut=True)
+            question = PartQuestion(body=body, posed=here, keys=keys, tolerance=_ROUNDING, cut=True)
             found = self._ask(name, whole, question)
             if not isinstance(found, Incomparable):
                 self.cut[name] = found
@@ -327,7 +329,7 @@ class Judge:
 
 def _kept(member: PartRecord) -> str:
     """Return a name for the compiled source, shared by all parts with the same source."""
-    stands = member.stands or member.source.format != "urdf"
+    stands = member.is_fixed_in_world or member.source.format != "urdf"
     taken = "" if member.subtree is None else f"{member.subtree} of {member.keys is None} "
     read = f"{member.source.urdf} {member.source.packages} " if member.source.format == "urdf" else ""
     return f"alone {'' if stands else 'and loose '}{taken}{read}{member.source.path}"
@@ -339,7 +341,7 @@ def _question(
     replaced_keys: tuple[str, ...],
     merged: Mapping[str, Mapping[str, str]],
     edited: Mapping[str, Mapping[str, str]],
-) -> Question:
+) -> PartQuestion:
     pose = member.pose
     renamed = {
         kind: {
@@ -357,7 +359,7 @@ def _question(
         keys = Keys.PREFIX
     elif member.keys:
         key_prefix = member.keys
-    return Question(
+    return PartQuestion(
         prefix=member.prefix,
         body=member.body,
         pos=ORIGIN if pose is None else pose.pos,
@@ -381,7 +383,7 @@ def causes(differences: Sequence[Difference]) -> list[Difference]:
     return [each for each in differences if each.array not in DERIVED] or list(differences)
 
 
-def changed(compared: Compared) -> str:
+def change_sentence(compared: PartComparison) -> str:
     """Return one sentence about a part that differs from its source."""
     found = causes(compared.differences)
     places = len(found)
@@ -393,7 +395,7 @@ def changed(compared: Compared) -> str:
     )
 
 
-def notes(differences: Sequence[Difference]) -> list[Note]:
+def difference_notes(differences: Sequence[Difference]) -> list[Note]:
     """Return the first differences as notes, with the expected and actual values."""
     found = causes(differences)
     listed = [Note(str(each)) for each in found[:_SHOWN]]

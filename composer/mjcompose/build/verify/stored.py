@@ -21,8 +21,8 @@ from mjcompose.build.bundle.manifest import Input, Manifest, Part, index_of
 from mjcompose.build.bundle.read import ReadError, read
 from mjcompose.build.plan.plan import PartRecord
 from mjcompose.build.plan.planner import make_plan
-from mjcompose.build.verify.compile import WHOLE, StrangerError, Verified, verify
-from mjcompose.build.verify.parts import Compared, Judge, changed, notes
+from mjcompose.build.verify.compile import WHOLE, OutsideFilesError, Verified, verify
+from mjcompose.build.verify.parts import PartComparer, PartComparison, change_sentence, difference_notes
 from mjcompose.model.parse import all_admitted, parse_file
 from mjcompose.sources.context import Context
 from mjcompose.sources.kinds import kind_called
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from mjcompose.mujoco.engine import Compiled, Session
 
 
-class Inputs:
+class InputFinder:
     """The inputs of a bundle, found through its recipe if there is one, else from `context.folder`.
 
     Without `recipe`, a file of the recipe's name in the folder is used if its hash is that in the manifest.
@@ -109,18 +109,18 @@ def _sha256(path: Path) -> str | None:
 
 
 @dataclass(frozen=True, slots=True)
-class Stored:
+class VerifiedBundle:
     """A bundle that was read, its compiled model, and its parts in the order of the manifest."""
 
     bundle: Bundle
     manifest: Manifest | None
     compiled: Compiled | None
-    parts: tuple[Compared, ...]
+    parts: tuple[PartComparison, ...]
 
 
 def verify_stored(
     path: Path, context: Context, session: Session, recipe: Path | None = None
-) -> Stored | None:
+) -> VerifiedBundle | None:
     """Check a bundle in a folder, a zip or an MJZ, and report errors to the sink.
 
     Return None if it cannot be read. Files are compared with the hashes in the manifest, the compiled model with
@@ -137,15 +137,15 @@ def verify_stored(
     if manifest is not None:
         check_files(bundle, manifest, shown, sink=context.sink)
     if manifest is not None and manifest.target is not None and manifest.index is None:
-        return Stored(bundle, manifest, None, parts=())  # it was written for another program
+        return VerifiedBundle(bundle, manifest, None, parts=())  # it was written for another program
     compiled = _compiled(bundle, shown, context, session=session)
     if manifest is None or compiled is None:
-        return Stored(bundle, manifest, compiled, parts=())
+        return VerifiedBundle(bundle, manifest, compiled, parts=())
     if manifest.index is not None and compiled.index is not None:
         check_index(manifest.index, index_of(compiled.index), shown, sink=context.sink)
-    inputs = Inputs(manifest, recipe, context)
+    inputs = InputFinder(manifest, recipe, context)
     renamed = {part.part: part.renamed for part in manifest.parts}
-    parts = tuple(_parts(manifest, inputs, Judge(session, manifest.merged, renamed)))
+    parts = tuple(_parts(manifest, inputs, PartComparer(session, manifest.merged, renamed)))
     for compared in parts:
         _report(compared, manifest, inputs, context=context)
     if manifest.union is not None:
@@ -161,13 +161,13 @@ def verify_stored(
             f"the manifest of `{shown}` does not say where its parts are attached: none was compared with its source",
             help="build it again with this version",
         )
-    return Stored(bundle, manifest, compiled, parts=parts)
+    return VerifiedBundle(bundle, manifest, compiled, parts=parts)
 
 
 def _compiled(bundle: Bundle, shown: str, context: Context, session: Session) -> Compiled | None:
     try:
         verified: Verified = verify(bundle, session=session, keep=WHOLE, stranger=shown)
-    except StrangerError as error:
+    except OutsideFilesError as error:
         for each in error.found:
             context.sink.add(each)
         return None
@@ -187,12 +187,12 @@ def _compiled(bundle: Bundle, shown: str, context: Context, session: Session) ->
     return None
 
 
-def _parts(manifest: Manifest, inputs: Inputs, judge: Judge) -> Iterator[Compared]:
+def _parts(manifest: Manifest, inputs: InputFinder, judge: PartComparer) -> Iterator[PartComparison]:
     for part in manifest.parts:
         found = inputs.find(part.input)
         if isinstance(found, str):
             nowhere = Source(Path(), PATH, "")
-            yield Compared(_member(part, nowhere), obscure=part.obscure or found)
+            yield PartComparison(_member(part, nowhere), obscure=part.obscure or found)
         else:
             yield judge.compare(_member(part, found), part.changed, part.replaced_keys)
 
@@ -201,16 +201,18 @@ def _member(part: Part, source: Source) -> PartRecord:
     pose = None if part.pos is None or part.quat is None else Pose(part.pos, part.quat)
     return PartRecord(
         part.part, part.prefix, source, body=part.body, pose=pose, keys=part.keys, welded=part.welded,
-        stands=part.stands, changed=part.changed, replaced_keys=part.replaced_keys, obscure=part.obscure,
+        is_fixed_in_world=part.stands, changed=part.changed, replaced_keys=part.replaced_keys, obscure=part.obscure,
         subtree=part.subtree,
     )  # fmt: skip
 
 
-def _report(compared: Compared, manifest: Manifest, inputs: Inputs, context: Context) -> None:
+def _report(compared: PartComparison, manifest: Manifest, inputs: InputFinder, context: Context) -> None:
     member = compared.member
     if compared.obscure is None:
         if compared.differences:
-            context.sink.error("part-changed", changed(compared), notes=notes(compared.differences))
+            context.sink.error(
+                "part-changed", change_sentence(compared), notes=difference_notes(compared.differences)
+            )
         return
     message = f"`{member.called}` is not compared with its source: {compared.obscure}"
     cause = Cause(compared.obscure, f"`{member.called}`")

@@ -35,7 +35,7 @@ from mjcompose.build.plan.matrix import check_sample, read_matrix
 from mjcompose.build.plan.plan import Excluded, Plan
 from mjcompose.build.plan.planner import make_plan, plan_what_remains
 from mjcompose.build.plan.read import Given
-from mjcompose.build.verify.compile import StrangerError, judge, verify
+from mjcompose.build.verify.compile import OutsideFilesError, compile_and_report, verify
 from mjcompose.language.expand import Cell
 from mjcompose.link.measure import measure_with
 from mjcompose.model import xml_faults
@@ -426,7 +426,7 @@ def load_cell(
     if (bundle := assemble(plan, composed.model, composed.files, context=context)) is None:
         return None
     watch([composed.model], collect)
-    compiled = judge(bundle, composed.model, context, session=session, keep=kept, at=plan.span)
+    compiled = compile_and_report(bundle, composed.model, context, session=session, keep=kept, at=plan.span)
     acknowledge(plan, context.sink, context.shown, whole=False)
     if compiled is None or context.sink.has_errors:
         return None
@@ -495,7 +495,7 @@ def _bundle(operand: Operand, kept: str, session: Session) -> Side | None:
     try:
         bundle = read(operand.path, shown=shown)
         verified = verify(bundle, session=session, keep=kept, stranger=shown)
-    except StrangerError as error:
+    except OutsideFilesError as error:
         for each in error.found:
             context.sink.add(each)
         return None
