@@ -17,7 +17,7 @@ from lxml import etree
 from mjcompose import mjcf
 from mjcompose.base.sink import Sink
 from mjcompose.link.link import finish, link
-from mjcompose.link.linking import Linking, Part, Place
+from mjcompose.link.linking import AttachmentPlace, Linking, Part
 from mjcompose.model.parse import parse_text
 
 from bench import peers
@@ -181,7 +181,7 @@ def _linked(text: str) -> None:
         for name, each in (("base", "<mujoco><worldbody/></mujoco>"), ("part", text))
     )
     assert base is not None and part is not None
-    linking = Linking(base, [Part(part, "p/", Place("world", None))], sink)
+    linking = Linking(base, [Part(part, "p/", AttachmentPlace("world", None))], sink)
     link(linking)
     finish(linking)
     assert not sink.has_errors, sink.errors

@@ -8,7 +8,7 @@ from pathlib import Path
 from lxml import etree
 from mjcompose.base.sink import Sink
 from mjcompose.link.link import finish, link
-from mjcompose.link.linking import Linking, Measure, Part, Place, Request
+from mjcompose.link.linking import AttachmentPlace, Linking, Measure, Part, Request
 from mjcompose.model.parse import parse_file
 from mjcompose.model.unit import Unit
 from mjcompose.model.xml_text import write
@@ -23,11 +23,16 @@ def attached(arm: Path, hand: Path, site: str) -> bytes:
     base, unit = parse_file(arm, sink), parse_file(hand, sink)
     assert base is not None and unit is not None
     return _linked(
-        Linking(base, [Part(unit, "hand/", Place("site", site))], sink, Request(overridden_options=_SETTLED))
+        Linking(
+            base,
+            [Part(unit, "hand/", AttachmentPlace("site", site))],
+            sink,
+            Request(overridden_options=_SETTLED),
+        )
     )
 
 
-def paired(base: Path, parts: Iterable[tuple[Path, str, Place]], measure: Measure) -> bytes | None:
+def paired(base: Path, parts: Iterable[tuple[Path, str, AttachmentPlace]], measure: Measure) -> bytes | None:
     """The text of a model with parts in their places; None where they cannot be joined.
 
     Where they disagree about an option the model's value stands, and the warnings say so.

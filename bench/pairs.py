@@ -15,7 +15,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from mjcompose.link.linking import Measure, Place
+from mjcompose.link.linking import AttachmentPlace, Measure
 from mjcompose.link.measure import measure_with
 from mjcompose.model.unit import Unit
 from mjcompose.mujoco.engine import Session
@@ -36,7 +36,7 @@ class Pair:
 
     name: str
     base: Path
-    parts: tuple[tuple[Path, str, Place], ...]
+    parts: tuple[tuple[Path, str, AttachmentPlace], ...]
 
     @property
     def files(self) -> list[str]:
@@ -138,12 +138,12 @@ def _pairs(corpus: Path) -> list[Pair]:
     return [pair for pair in pairs if all(file.suffix == ".xml" for file, *_ in [(pair.base,), *pair.parts])]
 
 
-def _part(corpus: Path, given: dict[str, Any]) -> tuple[Path, str, Place]:
+def _part(corpus: Path, given: dict[str, Any]) -> tuple[Path, str, AttachmentPlace]:
     offset = {name: " ".join(map(repr, map(float, given[name]))) for name in ("pos", "quat") if name in given}
     for kind in ("site", "body"):
         if kind in given["at"]:
-            return corpus / given["child"], given["prefix"], Place(kind, given["at"][kind], offset)
-    return corpus / given["child"], given["prefix"], Place(offset=offset)
+            return corpus / given["child"], given["prefix"], AttachmentPlace(kind, given["at"][kind], offset)
+    return corpus / given["child"], given["prefix"], AttachmentPlace(offset=offset)
 
 
 def main() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from link.workshop import BASE, Linked, Piece, Workshop
 from mjcompose.base.sink import Sink
-from mjcompose.link.agreement import opinions, settling
+from mjcompose.link.agreement import requested_settings, resolving_settings
 from mjcompose.link.link import link
 from mjcompose.link.linking import Linking, Part
 from mjcompose.model.parse import parse_text
@@ -105,7 +105,7 @@ def test_an_agreed_default_is_not_written_and_counts_in_the_recipe_around(worksh
     inner = workshop.link(BASE, options('<option cone="pyramidal"/>')).linking.flat()
     (each,) = inner.adopted
     assert (each.value, each.is_written) == ("pyramidal", False)
-    assert [*opinions(inner)] == ["option/cone"]
+    assert [*requested_settings(inner)] == ["option/cone"]
 
 
 @pytest.mark.parametrize(("written", "path", "settling"), CONFLICTS)
@@ -316,7 +316,7 @@ def test_user_data_outside_the_body_tree_finds_room(workshop: Workshop, given: s
     ],
 )
 def test_the_line_that_settles_a_conflict(path: str, value: str, line: str) -> None:
-    assert line in settling({path: value}, ())
+    assert line in resolving_settings({path: value}, ())
 
 
 def test_a_model_alone_is_not_looked_at(workshop: Workshop) -> None:
@@ -328,8 +328,8 @@ def test_a_model_alone_is_not_looked_at(workshop: Workshop) -> None:
 def test_one_line_settles_all_conflicts_of_a_section() -> None:
     wanted = {"visual/map/znear": "0.01", "visual/headlight/diffuse": "1 1 1", "visual/map/zfar": "9"}
     both = "map: {znear: 0.01, zfar: 9}, headlight: {diffuse: [1, 1, 1]}"
-    assert settling(wanted, ()).endswith(f"`visual: {{{both}}}`")
-    added = settling(wanted, {"visual/map/force"})
+    assert resolving_settings(wanted, ()).endswith(f"`visual: {{{both}}}`")
+    added = resolving_settings(wanted, {"visual/map/force"})
     assert "the recipe's `visual`" in added and added.endswith(f"`{both}`")
 
 

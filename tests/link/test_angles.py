@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from link.workshop import BASE, Piece, Workshop, placed
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.sink import Sink
-from mjcompose.link.angles import angles, taken_back
+from mjcompose.link.angles import angles, undo_settings
 from mjcompose.link.linking import Joint, Linking, Part, Sense
 
 SEQUENCES = ("xyz", "zyx", "XYZ", "zXy", "yzY")
@@ -378,4 +378,4 @@ def test_settings_of_several_numbers_are_taken_back_number_by_number(workshop: W
     found = workshop.link(base, Piece(model("", ARM), "p/")).model()
     alone = workshop.link(model("", ARM), Piece(model("", ARM), "p/")).model()
     assert found.joint("p/j").solref.tolist() == alone.joint("p/j").solref.tolist()
-    assert taken_back({"solreflimit": ".01"}) == {"solreflimit": "0.02"}
+    assert undo_settings({"solreflimit": ".01"}) == {"solreflimit": "0.02"}

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from link.workshop import BASE, Linked, Piece, Workshop, hinge, placed
 from mjcompose.link.bodies import effective_pose
-from mjcompose.link.linking import Joint, Place
+from mjcompose.link.linking import AttachmentPlace, Joint
 
 ARM = """
 <mujoco model="arm">
@@ -48,14 +48,16 @@ OFFSETS = [placed(), placed(pos=(0.1, 0.2, 0.3)), placed(pos=(0.0, 0.0, 1.0), qu
 SITES = ["plain", "classed", "own", "rod", "framed", "deep", "childclassed", "there"]
 
 
-def at(kind: str, name: str | None, offset: Place) -> Place:
-    return Place(kind, name, offset.offset, offset.span)  # type: ignore[arg-type]
+def at(kind: str, name: str | None, offset: AttachmentPlace) -> AttachmentPlace:
+    return AttachmentPlace(kind, name, offset.offset, offset.span)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("site", SITES)
 @pytest.mark.parametrize("offset", OFFSETS, ids=["", "moved", "turned"])
 @pytest.mark.mujoco4("an orientation of the class wins over one of the element")
-def test_a_part_on_a_site_stands_as_the_site_does(workshop: Workshop, site: str, offset: Place) -> None:
+def test_a_part_on_a_site_stands_as_the_site_does(
+    workshop: Workshop, site: str, offset: AttachmentPlace
+) -> None:
     linked = workshop.link(ARM, Piece(HAND, place=at("site", site, offset)))
     linked.check()
 
@@ -70,7 +72,7 @@ def test_the_angles_of_a_site_are_read_in_the_unit_of_the_model(workshop: Worksh
 
 @pytest.mark.parametrize("body", ["link", "still"])
 @pytest.mark.parametrize("offset", OFFSETS, ids=["", "moved", "turned"])
-def test_a_part_on_a_body_stands_in_its_frame(workshop: Workshop, body: str, offset: Place) -> None:
+def test_a_part_on_a_body_stands_in_its_frame(workshop: Workshop, body: str, offset: AttachmentPlace) -> None:
     workshop.link(ARM, Piece(HAND, place=at("body", body, offset))).check()
 
 
@@ -191,7 +193,7 @@ def test_what_hangs_on_a_part_without_a_place_is_not_told_too(workshop: Workshop
     assert [fault.code for fault in linked.sink.errors] == ["attach-place"]
 
 
-def joined(workshop: Workshop, place: Place, *joints: Joint) -> Linked:
+def joined(workshop: Workshop, place: AttachmentPlace, *joints: Joint) -> Linked:
     return workshop.link(ARM, Piece(HAND, "hand/", place, options={"joints": joints}))
 
 
@@ -210,7 +212,7 @@ JOINTS = {
     "place", [placed(), placed("site", "classed", pos=(0.1, 0.0, 0.0)), placed("body", "still")]
 )
 def test_joints_stand_between_a_place_and_a_part(
-    workshop: Workshop, joints: tuple[Joint, ...], place: Place
+    workshop: Workshop, joints: tuple[Joint, ...], place: AttachmentPlace
 ) -> None:
     linked = joined(workshop, place, *joints)
     model = linked.check()

@@ -12,7 +12,7 @@ from mjcompose.base.access import own_door
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.collect import collect
-from mjcompose.link.files import KINDS, Merged, add_file, dedup, files, inside
+from mjcompose.link.files import KINDS, Merged, add_file, dedup, files, path_in_assets
 from mjcompose.link.link import link as link_link_link
 from mjcompose.link.linking import FileUse, Linking, Part
 from mjcompose.model.files import Settings
@@ -320,7 +320,7 @@ def test_files_of_the_recipe_itself_do_not_meet_those_of_parts(workshop: Worksho
     ],
 )
 def test_what_is_left_of_a_path_in_the_bundle(settings: Settings, written: str, expected: str) -> None:
-    assert inside(settings, written) == expected
+    assert path_in_assets(settings, written) == expected
 
 
 def test_the_pass_by_itself_reads_no_file_but_skins(workshop: Workshop) -> None:

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 from link.workshop import BASE, Piece, Workshop, placed
 from mjcompose.base.sink import Sink
-from mjcompose.link.source_check import STUMBLES, check_source, put_right
+from mjcompose.link.source_check import INVALID_SOURCE, check_source, repair
 from mjcompose.model.parse import parse_text
 from mjcompose.model.xml_text import to_text
 
@@ -46,12 +46,12 @@ def test_every_stumble_has_its_fault(workshop: Workshop, inside: str, instead: s
     for base, part in ((radian, text), (text, radian)):
         try:
             workshop.link(base, Piece(part, place=placed(pos=(1.0, 0.0, 0.0))), measure=None)
-        except STUMBLES:
+        except INVALID_SOURCE:
             sink = Sink()
             unit = parse_text(text, Sink(), file="a.xml", directory=workshop.folder, label="a")
             assert unit is not None
             assert not check_source(unit, sink)
-            put_right(unit)
+            repair(unit)
             right = to_text(unit.root)
             again = (right, radian) if base is text else (radian, right)
             workshop.link(again[0], Piece(again[1], place=placed(pos=(1.0, 0.0, 0.0))), measure=None)
@@ -107,7 +107,7 @@ def test_what_would_get_lost_is_told(workshop: Workshop, inside: str, code: str,
     unit = workshop.unit(f"<mujoco>{inside}</mujoco>")
     assert not check_source(unit, sink)
     assert [(each.code, each.message) for each in sink.errors] == [(code, message)]
-    put_right(unit)
+    repair(unit)
     assert check_source(unit, sink)
 
 
@@ -133,7 +133,7 @@ def test_attributes_of_which_mujoco_takes_one(workshop: Workshop, element: str, 
     assert not check_source(unit, sink)
     (error,) = sink.errors
     assert error.message.endswith(f"has {names}, of which MuJoCo takes only one")
-    put_right(unit)
+    repair(unit)
     assert check_source(unit, sink)
     assert check_source(workshop.unit(text.format(f"<frame><body>{element}</body></frame>")), sink)
 

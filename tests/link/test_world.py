@@ -8,7 +8,7 @@ import pytest
 from link.workshop import BASE, Piece, Workshop, hinge, placed
 from mjcompose.base.rotation import Pose, normalise, rotate
 from mjcompose.link import world
-from mjcompose.link.linking import Joint, Place
+from mjcompose.link.linking import AttachmentPlace, Joint
 from mjcompose.mujoco.match import Mount
 from mjcompose.mujoco.unchanged import compare
 
@@ -380,7 +380,7 @@ def test_who_looks_at_the_origin_of_a_moved_part_is_reported(
     ],
 )
 def test_a_world_that_cannot_be_named_is_an_error(
-    workshop: Workshop, base: str, place: Place, words: str
+    workshop: Workshop, base: str, place: AttachmentPlace, words: str
 ) -> None:
     text = TOP.format(gravity="0 0 0", joint=HINGE, equality=EQUALITIES[8])
     (fault,) = workshop.link(base, Piece(text, place=place)).linking.sink.diagnostics

@@ -14,7 +14,7 @@ from mjcompose.base.rotation import IDENTITY_QUAT, ORIGIN, Pose, Quat, Vec3, nor
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.collect import collect
 from mjcompose.link.link import finish, link
-from mjcompose.link.linking import Joint, Linking, Part, Place, Request
+from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part, Request
 from mjcompose.link.measure import measure_with
 from mjcompose.model.parse import parse_file
 from mjcompose.model.unit import Unit
@@ -59,14 +59,14 @@ def obj(scale: float = 0.1) -> bytes:
 
 def placed(
     kind: str = "world", name: str | None = None, *, pos: Vec3 = ORIGIN, quat: Quat = IDENTITY_QUAT
-) -> Place:
+) -> AttachmentPlace:
     """A place in the model with an offset."""
     offset: dict[str, str] = {}
     if pos != ORIGIN:
         offset["pos"] = " ".join(map(repr, pos))
     if quat != IDENTITY_QUAT:
         offset["quat"] = " ".join(map(repr, quat))
-    return Place(kind, name, offset, Span("recipe.yaml", 1, 1))  # type: ignore[arg-type]
+    return AttachmentPlace(kind, name, offset, Span("recipe.yaml", 1, 1))  # type: ignore[arg-type]
 
 
 @dataclass
@@ -75,7 +75,7 @@ class Piece:
 
     text: str
     prefix: str = "part/"
-    place: Place = field(default_factory=Place)
+    place: AttachmentPlace = field(default_factory=AttachmentPlace)
     files: Mapping[str, bytes | str] = field(default_factory=dict)
     options: dict[str, Any] = field(default_factory=dict)
     label: str = "part"

@@ -40,7 +40,7 @@ _LARGER_IS_SAFER = ("iterations", "ls_iterations", "noslip_iterations", "ccd_ite
                     "sdf_initpoints")  # fmt: skip
 
 
-class Written(NamedTuple):
+class WrittenSetting(NamedTuple):
     """A setting, and a function that finds where it is written.
 
     `parts` are the parts that it comes from, if the unit is a nested recipe.
@@ -51,35 +51,35 @@ class Written(NamedTuple):
     parts: tuple[str, ...] = ()
 
 
-def written(unit: Unit) -> dict[str, Written]:
+def written_settings(unit: Unit) -> dict[str, WrittenSetting]:
     """Return every setting in the unit's own tree by its path. If a section repeats, the last value wins."""
-    found: dict[str, Written] = {}
+    found: dict[str, WrittenSetting] = {}
     for section in unit.root.iterchildren(*SINGLETONS):
         _note(section, str(section.tag), unit, found)
     return found
 
 
-def opinions(unit: Unit) -> dict[str, Written]:
+def requested_settings(unit: Unit) -> dict[str, WrittenSetting]:
     """Return the settings a unit asks for: its own, and for a nested recipe the defaults that its parts agree on."""
-    own = written(unit)
+    own = written_settings(unit)
     if not unit.adopted:
         return own
     agreed = {each.path: each for each in unit.adopted}
     found = {
-        path: Written(each.value, each.at, each.parts) for path, each in agreed.items()
+        path: WrittenSetting(each.value, each.at, each.parts) for path, each in agreed.items()
         if not each.is_written
     }  # fmt: skip
     for path, each in own.items():
         known = agreed.get(path)
-        parts = known.parts if known is not None and equal(known.value, each.value) else ()
-        found[path] = Written(each.value, each.span, parts)
+        parts = known.parts if known is not None and equal_values(known.value, each.value) else ()
+        found[path] = WrittenSetting(each.value, each.span, parts)
     return found
 
 
-def _note(element: Node, path: str, unit: Unit, found: dict[str, Written]) -> None:
+def _note(element: Node, path: str, unit: Unit, found: dict[str, WrittenSetting]) -> None:
     for name, value in element.items():
         if value and not value.isspace():
-            found[f"{path}/{name!s}"] = Written(str(value), partial(_span, unit, element, str(name)))
+            found[f"{path}/{name!s}"] = WrittenSetting(str(value), partial(_span, unit, element, str(name)))
     for child in element.iterchildren("*"):
         _note(child, f"{path}/{child.tag!s}", unit, found)
 
@@ -104,11 +104,11 @@ def default_of(path: str) -> str | None:
 def is_default(path: str, value: str) -> bool:
     """Return whether the value is MuJoCo's default of the setting."""
     default = default_of(path)
-    return default is not None and equal(default, value)
+    return default is not None and equal_values(default, value)
 
 
 @lru_cache(4096)
-def equal(a: str, b: str) -> bool:
+def equal_values(a: str, b: str) -> bool:
     """Return whether two values of a setting are equal: `1e-2` is `0.01`."""
     if a == b or a.split() == b.split():
         return True
@@ -118,7 +118,7 @@ def equal(a: str, b: str) -> bool:
         return False
 
 
-def merged(path: str, have: Written | None, wanted: Written) -> str | None:
+def merge_values(path: str, have: WrittenSetting | None, wanted: WrittenSetting) -> str | None:
     """Return two values merged as MuJoCo does, or None if they conflict.
 
     A value that is not written gives way. Of steps and tolerances the smaller is used, of iterations the larger.
@@ -149,18 +149,18 @@ def set_value(unit: Unit, path: str, value: str) -> Node:
     return element
 
 
-Opinions = Mapping[str, Written]
+Opinions = Mapping[str, WrittenSetting]
 
 
 def common_settings(
     base: Opinions, parts: Sequence[tuple[str, Opinions]], overridden: Collection[str]
-) -> tuple[dict[str, Adopted], dict[str, list[tuple[str, Written]]]]:
+) -> tuple[dict[str, Adopted], dict[str, list[tuple[str, WrittenSetting]]]]:
     """Return the settings that the parts agree on, and those that they do not agree on, by path.
 
     `base` and `parts` are what each unit asks for, the parts by what messages call them; `overridden` are the paths
     that the recipe sets itself. What the parts do not agree on comes with who writes which value.
     """
-    asked: dict[str, list[tuple[str, Written]]] = {}
+    asked: dict[str, list[tuple[str, WrittenSetting]]] = {}
     for name, opinions in parts:
         for path, wanted in opinions.items():
             if path not in base and path not in overridden:
@@ -168,14 +168,14 @@ def common_settings(
     found: dict[str, Adopted] = {}
     for path, given in list(asked.items()):
         first = given[0][1]
-        if all(equal(first.value, wanted.value) for _, wanted in given):
+        if all(equal_values(first.value, wanted.value) for _, wanted in given):
             names = tuple(name for owner, wanted in given for name in _names(owner, wanted))
             found[path] = Adopted(path, first.value, names, first.span, not is_default(path, first.value))
             del asked[path]
     return found, asked
 
 
-def _names(owner: str, wanted: Written) -> list[str]:
+def _names(owner: str, wanted: WrittenSetting) -> list[str]:
     """Return the part that writes the setting, or for a nested recipe its parts that write it."""
     return [owner + inner for inner in wanted.parts] or [owner]
 
@@ -185,7 +185,7 @@ def of_base(adopted: tuple[Adopted, ...], now: Opinions, overridden: Collection[
     return tuple(
         each
         for each in adopted
-        if each.path not in overridden and each.path in now and equal(now[each.path].value, each.value)
+        if each.path not in overridden and each.path in now and equal_values(now[each.path].value, each.value)
     )
 
 
@@ -197,8 +197,8 @@ class _Wish:
     """A setting of a part that differs from the model's; `settled` is the value that a merge gives it."""
 
     path: str
-    wanted: Written
-    have: Written | None
+    wanted: WrittenSetting
+    have: WrittenSetting | None
     settled: str | None = None
 
     @property
@@ -222,19 +222,19 @@ def agreement(linking: Linking) -> None:
 
     Sizes make room for both; what contradicts the base is reported:
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = '<option gravity="0 0 0" cone="elliptic"/><size nuserdata="3"/>'
     >>> base = '<option gravity="0 0 -1"/>'
-    >>> after(agreement, part, base)
+    >>> print_after(agreement, part, base)
     base: <option gravity="0 0 -1" cone="elliptic"/>
     base: <size nuserdata="3"/>
     error: `p/` wants `option.gravity` to be `0 0 0`, the model has `0 0 -1`
     """
     if not linking.parts:
         return
-    model = opinions(linking.base)
-    asked = [(part, opinions(part.unit)) for part in linking.parts]
-    common, disagreed = _common(linking, model, asked)
+    model = requested_settings(linking.base)
+    asked = [(part, requested_settings(part.unit)) for part in linking.parts]
+    common, disagreed = _note_common(linking, model, asked)
     if linking.request.conflict == "mujoco":  # as in MuJoCo, a default gives way, wherever it is written
         unwritten = {each.path for each in linking.base.adopted if not each.is_written}
         model = {path: have for path, have in model.items() if path not in unwritten}
@@ -250,9 +250,9 @@ def agreement(linking: Linking) -> None:
     merge_sizes(linking)
 
 
-def _common(
-    linking: Linking, now: Opinions, asked: list[tuple[Part, dict[str, Written]]]
-) -> tuple[dict[str, Adopted], dict[str, list[tuple[str, Written]]]]:
+def _note_common(
+    linking: Linking, now: Opinions, asked: list[tuple[Part, dict[str, WrittenSetting]]]
+) -> tuple[dict[str, Adopted], dict[str, list[tuple[str, WrittenSetting]]]]:
     """Return the settings that the parts agree on, which the base notes, and those that they do not agree on."""
     base, overridden = linking.base, linking.request.overridden_options
     parts = [(part.called, wanted) for part, wanted in asked]
@@ -262,7 +262,7 @@ def _common(
 
 
 def _wishes(
-    linking: Linking, asked: Opinions, model: dict[str, Written], common: Mapping[str, Adopted]
+    linking: Linking, asked: Opinions, model: dict[str, WrittenSetting], common: Mapping[str, Adopted]
 ) -> Iterator[_Wish]:
     """Yield the settings that a part asks for and the model does not have. Later parts see the results of merges.
 
@@ -272,20 +272,20 @@ def _wishes(
         if path in linking.request.overridden_options:
             continue
         if path in common:
-            _take(linking, common[path])
+            _adopt(linking, common[path])
             continue
         have = model.get(path)
         current = have.value if have is not None else default_of(path)
-        if current is not None and equal(current, wanted.value):
+        if current is not None and equal_values(current, wanted.value):
             continue
-        settled = merged(path, have, wanted) if linking.request.conflict == "mujoco" else None
+        settled = merge_values(path, have, wanted) if linking.request.conflict == "mujoco" else None
         yield _Wish(path, wanted, have, settled)
         if settled is not None:
             set_value(linking.base, path, settled)
             model[path] = wanted._replace(value=settled)
 
 
-def _take(linking: Linking, adopted: Adopted) -> None:
+def _adopt(linking: Linking, adopted: Adopted) -> None:
     if adopted.is_written:
         element = set_value(linking.base, adopted.path, adopted.value)
         linking.base.origins.settings.setdefault(element, {})[_name(adopted.path)] = adopted.at
@@ -295,7 +295,7 @@ def _report(linking: Linking, part: Part, wishes: list[_Wish], all_wishes: list[
     """Report all settings of a part in one finding with one help text for all parts. Equal parts share a finding."""
     if not wishes:
         return
-    message, notes, span, cause = _described(part, wishes)
+    message, notes, span, cause = _message_of(part, wishes)
     if linking.request.conflict == "base":
         stands = ", which stands" if len(wishes) == 1 else "; the model's values stand"
         linking.sink.warning("option-conflict", f"{message}{stands}", span, notes=notes, cause=cause)
@@ -307,7 +307,7 @@ def _report(linking: Linking, part: Part, wishes: list[_Wish], all_wishes: list[
     others = [f"leave those of the part out: `drop: [{', '.join(sections)}]`"]
     if linking.request.conflict == "error" and _would_merge(all_wishes):
         others.append("write `conflict: mujoco`")
-    sentence, *lines = settling(asked, linking.request.overridden_options).split("\n")
+    sentence, *lines = resolving_settings(asked, linking.request.overridden_options).split("\n")
     help = "\n".join([f"{sentence}; or {', or '.join(others)}", *lines])
     subjects = (part.called, *(wish.path for wish in wishes))
     linking.sink.error(
@@ -318,12 +318,12 @@ def _report(linking: Linking, part: Part, wishes: list[_Wish], all_wishes: list[
 def _report_merged(linking: Linking, part: Part, wishes: list[_Wish]) -> None:
     if not wishes:
         return
-    message, notes, span, cause = _described(part, wishes)
+    message, notes, span, cause = _message_of(part, wishes)
     message += f"; merged to `{wishes[0].settled}`" if len(wishes) == 1 else "; they are merged"
     linking.sink.warning("option-conflict", message, span, notes=notes, cause=cause)
 
 
-def _described(part: Part, wishes: list[_Wish]) -> tuple[str, list[Note], Span, Cause]:
+def _message_of(part: Part, wishes: list[_Wish]) -> tuple[str, list[Note], Span, Cause]:
     """Return the message, the notes with both values, the place, and the cause by which equal parts are recognized."""
     first = wishes[0]
     if len(wishes) == 1:
@@ -338,31 +338,31 @@ def _described(part: Part, wishes: list[_Wish]) -> tuple[str, list[Note], Span, 
         names = ", ".join(wish.shown for wish in wishes[:_NAMED])
         more = f" and {len(wishes) - _NAMED} more settings" if len(wishes) > _NAMED else ""
         message = f"`{part.called}` wants other values than the model has of {names}{more}"
-        notes = [Note(_noted(wish), wish.written()) for wish in wishes]
+        notes = [Note(_note_of(wish), wish.written()) for wish in wishes]
     same = [[wish.path, wish.wanted.value, wish.settled] for wish in wishes]
     return message, notes, first.wanted.span(), Cause(str(same), f"`{part.called}`")
 
 
-def _noted(wish: _Wish) -> str:
+def _note_of(wish: _Wish) -> str:
     said = wish.difference(f"{wish.shown}: it wants")
     return said if wish.settled is None else f"{said}; merged to `{wish.settled}`"
 
 
 def _would_merge(wishes: Iterable[_Wish]) -> bool:
     """Return whether `conflict: mujoco` would resolve all conflicts."""
-    model: dict[str, Written] = {}
+    model: dict[str, WrittenSetting] = {}
     for wish in wishes:
         have = model.get(wish.path, wish.have)
-        if have is not None and equal(have.value, wish.wanted.value):
+        if have is not None and equal_values(have.value, wish.wanted.value):
             continue
-        settled = merged(wish.path, have, wish.wanted)
+        settled = merge_values(wish.path, have, wish.wanted)
         if settled is None:
             return False
         model[wish.path] = wish.wanted._replace(value=settled)
     return True
 
 
-def _model_has(have: Written | None, current: str | None) -> str:
+def _model_has(have: WrittenSetting | None, current: str | None) -> str:
     if have is not None:
         return f"{f'`{have.parts[0]}`' if have.parts else 'the model'} has `{have.value}`"
     if current is not None:
@@ -374,12 +374,12 @@ def _name(path: str) -> str:
     return path.rsplit("/", 1)[1]
 
 
-def settling(wanted: Mapping[str, str], settled: Collection[str]) -> str:
+def resolving_settings(wanted: Mapping[str, str], settled: Collection[str]) -> str:
     """Return what to write in a recipe to resolve all conflicts.
 
     `wanted` has the value that one part asks for, by path; `settled` are the paths that the recipe sets already.
 
-    >>> settling({"option/cone": "elliptic", "option/flag/gravity": "disable"}, ())
+    >>> resolving_settings({"option/cone": "elliptic", "option/flag/gravity": "disable"}, ())
     'say in the recipe which it is, for example `option: {cone: elliptic, flag: {gravity: disable}}`'
     """
     tree: dict[str, Any] = {}
@@ -468,19 +468,19 @@ _NAME = "passthrough"
 def passthrough(linking: Linking) -> None:
     """Let the model say what its textures are used to; refuse units of which some ask for it and some do not.
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = '<compiler passthrough="textures"/><asset><texture name="t" type="2d" file="t.png"/></asset>'
-    >>> after(passthrough, part)
+    >>> print_after(passthrough, part)
     base: <compiler passthrough="textures"/>
     """
-    if not linking.parts or not any(map(_asks, linking.units)):
+    if not linking.parts or not any(map(_wants_passthrough, linking.units)):
         return
     asking: list[tuple[Unit, Node]] = []
     others: list[tuple[Unit, Node]] = []
     for unit in linking.units:
         textures = (element for element, _, _ in file_attributes(unit.root) if element.tag == "texture")
         if (texture := next(textures, None)) is not None:
-            (asking if _asks(unit) else others).append((unit, texture))
+            (asking if _wants_passthrough(unit) else others).append((unit, texture))
     if asking and others:
         _refuse(linking, asking[0][0], *others[0])
     for compiler in linking.base.root.iterchildren("compiler"):
@@ -489,7 +489,7 @@ def passthrough(linking: Linking) -> None:
         linking.base.section("compiler").set(_NAME, "textures")
 
 
-def _asks(unit: Unit) -> bool:
+def _wants_passthrough(unit: Unit) -> bool:
     said = [each.get(_NAME) for each in unit.root.iterchildren("compiler") if each.get(_NAME)]
     return bool(said) and said[-1] == "textures"
 

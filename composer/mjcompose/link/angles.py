@@ -53,10 +53,10 @@ def angles(linking: Linking) -> None:
 
     The part is in degrees, MuJoCo's default, and the base is not:
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = '<worldbody><body euler="180 0 0"><joint range="0 90"/></body></worldbody>'
     >>> base = '<compiler angle="radian"/>'
-    >>> after(angles, part, base)
+    >>> print_after(angles, part, base)
     part: <worldbody><body euler="3.141592653589793 0 0"><joint range="0 1.5707963267948966"/></body></worldbody>
     """
     unit, sequence = model_angle(linking), linking.base.settings.eulerseq
@@ -252,12 +252,12 @@ def note_flexes(linking: Linking) -> None:
 
     MuJoCo gives their vertices the joint settings of the top class:
 
-    >>> from mjcompose.link.link import noted
+    >>> from mjcompose.link.link import linking_after
     >>> part = (
     ...     '<default><joint armature="2"/></default>'
     ...     '<worldbody><flexcomp name="f" type="grid" count="2 2 1" spacing="1 1 1"/></worldbody>'
     ... )
-    >>> noted(note_flexes, part).notes.flexes[0].joint
+    >>> linking_after(note_flexes, part).notes.flexes[0].joint
     {'armature': '2'}
     """
     if not linking.parts:
@@ -287,13 +287,13 @@ def keep_in_main(linking: Linking, top: Node) -> None:
         if joint is None:
             joint = wrapped.makeelement("joint")
             wrapped.insert(0, joint)
-        for name, value in taken_back(kept).items():
+        for name, value in undo_settings(kept).items():
             if written(joint, name) is None:
                 joint.set(name, value)
     top.insert(0, top.makeelement("joint", linking.notes.main_joint))
 
 
-def taken_back(given: Mapping[str, str]) -> dict[str, str]:
+def undo_settings(given: Mapping[str, str]) -> dict[str, str]:
     """Return the joint attributes that undo what the top class sets."""
     # As many numbers as are given, for the others are MuJoCo's own.
     undone = {name: _neutral(name).split()[: len(value.split())] for name, value in given.items()}
@@ -305,18 +305,18 @@ def check_flexes(linking: Linking) -> None:
 
     A flex takes the joint defaults of the body around it, which are those of the base here:
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = (
     ...     '<default><joint armature="2"/></default>'
     ...     '<worldbody><flexcomp name="f" type="grid" count="2 2 1" dim="2"/></worldbody>'
     ... )
     >>> base = '<worldbody><body><site name="tool"/></body></worldbody>'
-    >>> after(check_flexes, part, base, on="tool")
+    >>> print_after(check_flexes, part, base, on="tool")
     error: the flex of `p/` takes the joint defaults `armature="2"` alone, and here of MuJoCo
     """
     for flex in linking.notes.flexes:
         body = next(flex.element.iterancestors("body"), None)
-        given = linking.notes.main_joint if body is None else _given_by(linking, body)
+        given = linking.notes.main_joint if body is None else _joint_settings_above(linking, body)
         lost = [name for name in given if name in flex.joint and not _neutral(name)]
         if not _same(given, flex.joint) or lost:
             _refuse(linking, flex, given)
@@ -330,14 +330,14 @@ def top_joint(unit: Unit) -> dict[str, str]:
     for section in unit.root.iterchildren("default"):
         for joint in section.iterchildren("joint"):
             given.update({str(name): str(value) for name, value in joint.items() if value.strip()})
-    return _taken(given)
+    return _differing_settings(given)
 
 
-def _given_by(linking: Linking, body: Node) -> dict[str, str]:
+def _joint_settings_above(linking: Linking, body: Node) -> dict[str, str]:
     found = _class_of(linking, body)
     kind = GRAMMAR.element("default/joint")
     values = {each: found.lookup("joint", each) for each in kind.attributes}
-    return _taken({each: value[0] for each, value in values.items() if value is not None})
+    return _differing_settings({each: value[0] for each, value in values.items() if value is not None})
 
 
 def _will_be_set(linking: Linking, body: Node) -> bool:
@@ -354,7 +354,7 @@ def _class_of(linking: Linking, body: Node) -> DefaultClass:
     return linking.base.classes.get(str(body.get("childclass") or childclass_of(body) or MAIN))
 
 
-def _taken(given: Mapping[str, str]) -> dict[str, str]:
+def _differing_settings(given: Mapping[str, str]) -> dict[str, str]:
     return {
         name: value
         for name, value in given.items()
@@ -411,11 +411,11 @@ def flex_turns(linking: Linking) -> None:
 
     A `quat` that a frame would normalise is reported:
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = (
     ...     '<worldbody><flexcomp name="f" type="grid" count="2 2 1" dim="2" quat="0 2 0 0"/></worldbody>'
     ... )
-    >>> after(flex_turns, part)
+    >>> print_after(flex_turns, part)
     error: the flex of `p/` is turned by a `quat` of length 2: MuJoCo stretches it alone, and not below a frame
     """
     for flex in linking.notes.flexes:

@@ -12,7 +12,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.suggest import closest, exists_note, renaming
 from mjcompose.link import numbers
-from mjcompose.link.angles import model_angle, taken_back
+from mjcompose.link.angles import model_angle, undo_settings
 from mjcompose.link.inertia import has_mass
 from mjcompose.link.key_layout import JOINTS, joint_type
 from mjcompose.link.linking import Linking, Part, Sense
@@ -39,17 +39,17 @@ _GIVEN = ("pos", *ORIENTATIONS, "fromto")
 def bodies(linking: Linking) -> None:
     """Attach the parts in their order. A part that is attached to another part waits for that one.
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = '<worldbody><body/></worldbody>'
     >>> base = '<worldbody><site name="s" pos="0 0 1"/></worldbody>'
-    >>> after(bodies, part, base, on="s")
+    >>> print_after(bodies, part, base, on="s")
     model: <worldbody><site name="s" pos="0 0 1"/><frame pos="0 0 1" childclass="p/"><body/></frame></worldbody>
     """
-    order = _Order(linking)
+    order = _AttachmentOrder(linking)
     tops: dict[Part, Node] = {}
     while ready := order.next():
         for part in ready:
-            _hang(linking, part, tops)
+            _attach_part(linking, part, tops)
             order.attached(part)
     if not order.waiting:
         _in_order(linking, tops)
@@ -57,14 +57,14 @@ def bodies(linking: Linking) -> None:
     lost = [part for part in order.waiting if part.mount is None]
     _report_lost(linking, lost)
     if not lost:
-        _ring(linking, [*order.waiting])
+        _report_ring(linking, [*order.waiting])
     prefixes = [part.prefix for part in order.waiting if part.prefix]
     linking.sink.suppress_about(
         [*prefixes, *(each.removesuffix(linking.request.separator) for each in prefixes)]
     )
 
 
-class _Order:
+class _AttachmentOrder:
     """The order in which parts can be attached. Each part is looked at again only when what it waits for is there.
 
     A part waits for the part that has its place, for an entry of `add` that makes it, or for the body that another
@@ -103,7 +103,7 @@ class _Order:
     def _look(self, part: Part) -> None:
         if part not in self.waiting:
             return
-        if _mount(self.linking, part):
+        if _find_mount(self.linking, part):
             self.ready.add(self.numbers[part])
         elif part.mount is not None:
             self.until.setdefault(part.mount.getroottree().getroot(), []).append(part)
@@ -136,7 +136,7 @@ def _in_order(linking: Linking, tops: Mapping[Part, Node]) -> None:
         world.extend(hung)
 
 
-def _ring(linking: Linking, waiting: list[Part]) -> None:
+def _report_ring(linking: Linking, waiting: list[Part]) -> None:
     """Report parts that are attached to one another, or a part that is attached to itself."""
     by_root = {part.unit.root: part for part in waiting}
     ring = [waiting[0]]
@@ -162,17 +162,17 @@ def _report_lost(linking: Linking, lost: Iterable[Part]) -> None:
     later = linking.later_places
     waiting = []
     for part in lost:
-        added = None if later is None else later.stands_on(part.place.kind, str(part.place.name))
+        added = None if later is None else later.target_of(part.place.kind, str(part.place.name))
         if added is None:
-            _nowhere(linking, part)
+            _report_missing_place(linking, part)
         elif any(linking.names.find(kind, added[0]) is not None for kind in ("body", "frame")):
             waiting.append((part, *added))
         # What is added to nothing is reported where that is carried out.
     for part, to, span in waiting[:1]:
-        _waits_for_itself(linking, part, to, span)
+        _report_wait_for_itself(linking, part, to, span)
 
 
-def _nowhere(linking: Linking, part: Part) -> None:
+def _report_missing_place(linking: Linking, part: Part) -> None:
     """Report that the place of a part does not exist."""
     kind, name = part.place.kind, part.place.name or ""
     added = [] if linking.later_places is None else linking.later_places.names()
@@ -212,7 +212,7 @@ def _nowhere(linking: Linking, part: Part) -> None:
     )
 
 
-def _waits_for_itself(linking: Linking, part: Part, to: str, added: Span) -> None:
+def _report_wait_for_itself(linking: Linking, part: Part, to: str, added: Span) -> None:
     """Report that a part is attached to an element that is added to this part or to a part attached to it."""
     linking.sink.error(
         "attach-cycle",
@@ -225,7 +225,7 @@ def _waits_for_itself(linking: Linking, part: Part, to: str, added: Span) -> Non
     )
 
 
-def _mount(linking: Linking, part: Part) -> bool:
+def _find_mount(linking: Linking, part: Part) -> bool:
     """Find the element to attach to. Return False if it is not in the model yet."""
     if part.place.kind == "world":
         part.mount = linking.base.section("worldbody")
@@ -235,7 +235,7 @@ def _mount(linking: Linking, part: Part) -> bool:
     return part.mount is not None and part.mount.getroottree().getroot() is linking.base.root
 
 
-def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
+def _attach_part(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
     """Attach a part, and put the outermost element created for it into `tops`."""
     mount = part.mount
     assert mount is not None
@@ -247,34 +247,34 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
         # A site holds nothing: the part hangs beside it, with its pose.
         parent, pose = holder, effective_pose(mount, linking.base.classes)
     if (scaled := scaled_above(parent)) is not None:
-        _scaled(linking, part, scaled)
+        _report_scaled(linking, part, scaled)
     if (
         part.place.kind != "world"
         and not part.floats
         and (aligned := _aligned_by(linking, parent)) is not None
     ):
-        _aligned(linking, part, aligned)
+        _report_aligned(linking, part, aligned)
     offset = dict(part.place.offset)
     if part.sense is not None and part.floats:
-        _nothing_carries(linking, part)
+        _report_uncarried(linking, part)
     if part.floats and part.place.kind != "world":
         pose = _in_world(linking, parent, pose, offset)
         parent, offset = linking.base.section("worldbody"), {}
     outer, last = parent, next(parent.iterchildren(reversed=True), None)
     if part.sense is not None:
-        parent, pose = _sensing_body(linking, part, part.sense, parent, pose), {}
+        parent, pose = _add_sensing_body(linking, part, part.sense, parent, pose), {}
     # A frame has one pose, so that the site's and the recipe's offset from it take two.
     if pose and offset:
-        parent = _child(linking, part, parent, "frame", pose)
+        parent = _add_child(linking, part, parent, "frame", pose)
         pose = {}
     written = part.place.written if offset and not pose else {}
     pose = pose or offset
     if part.joints or part.mocap:
-        parent, pose, written = _body_of(linking, part, parent, pose, written), {}, {}
+        parent, pose, written = _add_moving_body(linking, part, parent, pose, written), {}, {}
     # In MuJoCo 4.0 the `childclass` of a `<frame>` counts for what stands in it, and a frame without a pose changes no
     # bit of the bodies inside.
     frame = parent.makeelement("frame", {**pose, "childclass": part.top_class})
-    _bring_world(linking, part, frame)
+    _move_world(linking, part, frame)
     if next(frame.iterchildren("*"), None) is not None:
         parent.append(frame)
         part.content = frame
@@ -288,26 +288,26 @@ def _hang(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
         tops[part] = top
     placed = any(keyed is part for keyed, _ in linking.keys.attached)
     if placed or (part.layout is not None and part.layout.in_world_coordinates):
-        part.pose_in_world = pose_in_world(frame, *_reading(linking))
+        part.pose_in_world = pose_in_world(frame, *_angle_units(linking))
     linking.base.origins.adopt(part.unit.origins)
     linking.base.origins.own(frame, part.unit.file)
     if written:
         linking.base.origins.settings[frame] = dict(written)
 
 
-def _body_of(
+def _add_moving_body(
     linking: Linking, part: Part, parent: Node, pose: dict[str, str], written: Mapping[str, Span]
 ) -> Node:
     """Create the body for a part that moves. It has the joints of the attachment."""
     named = {"name": part.prefix} if part.prefix else {}
-    body = _child(linking, part, parent, "body", {**named, **pose}, written)
+    body = _add_child(linking, part, parent, "body", {**named, **pose}, written)
     if part.mocap:
         body.set("mocap", "true")
     if any(flex.part is part for flex in linking.notes.flexes):
         body.set("childclass", part.top_class)
     for joint in part.joints:
-        undone = taken_back(linking.notes.main_joint) if joint.tag == "joint" else {}
-        added = _child(linking, part, body, joint.tag, {**undone, **joint.attributes}, joint.written)
+        undone = undo_settings(linking.notes.main_joint) if joint.tag == "joint" else {}
+        added = _add_child(linking, part, body, joint.tag, {**undone, **joint.attributes}, joint.written)
         _declare_joint(linking, part, added)
     if part.prefix:
         linking.names.declared.setdefault("body", {})[part.prefix] = body
@@ -325,10 +325,10 @@ def _bound_mass(linking: Linking, body: Node) -> None:
         body.insert(0, body.makeelement("inertial", inertial))
 
 
-def _sensing_body(linking: Linking, part: Part, sense: Sense, parent: Node, pose: dict[str, str]) -> Node:
+def _add_sensing_body(linking: Linking, part: Part, sense: Sense, parent: Node, pose: dict[str, str]) -> Node:
     """Create the body that carries the part, with its site and its sensors."""
-    body = _child(linking, part, parent, "body", {"name": sense.name, **pose})
-    site = _child(linking, part, body, "site", {"name": sense.name})
+    body = _add_child(linking, part, parent, "body", {"name": sense.name, **pose})
+    site = _add_child(linking, part, body, "site", {"name": sense.name})
     if linking.base.classes.give("site", *_GIVEN):  # what a class of the place says is meant for other sites
         site.attrib.update({"class": MAIN, "pos": "0 0 0", "quat": "1 0 0 0"})
     made = [("body", sense.name, body), ("site", sense.name, site)]
@@ -355,7 +355,7 @@ def _sensing_body(linking: Linking, part: Part, sense: Sense, parent: Node, pose
     return body
 
 
-def _nothing_carries(linking: Linking, part: Part) -> None:
+def _report_uncarried(linking: Linking, part: Part) -> None:
     assert part.sense is not None
     linking.sink.error(
         "attach-place",
@@ -366,7 +366,7 @@ def _nothing_carries(linking: Linking, part: Part) -> None:
     )
 
 
-def _bring_world(linking: Linking, part: Part, frame: Node) -> None:
+def _move_world(linking: Linking, part: Part, frame: Node) -> None:
     """Move the elements in the worldbody of a part into its frame, with the comments above them."""
     unit = part.unit
     # MuJoCo reads several `<worldbody>` as one, in their order.
@@ -383,7 +383,7 @@ def _bring_world(linking: Linking, part: Part, frame: Node) -> None:
             frame.insert(0, comment)
 
 
-def _scaled(linking: Linking, part: Part, frame: Node) -> None:
+def _report_scaled(linking: Linking, part: Part, frame: Node) -> None:
     linking.sink.error(
         "attach-place",
         f"`{part.called}` cannot be attached to the {part.place.kind} `{part.place.name}`: "
@@ -410,7 +410,7 @@ def _aligned_by(linking: Linking, mount: Node) -> Node | None:
     return None
 
 
-def _aligned(linking: Linking, part: Part, joint: Node) -> None:
+def _report_aligned(linking: Linking, part: Part, joint: Node) -> None:
     linking.sink.error(
         "attach-place",
         f"`{part.called}` cannot be attached to the {part.place.kind} `{part.place.name}`: MuJoCo aligns its body with "
@@ -438,18 +438,18 @@ def _declare_joint(linking: Linking, part: Part, joint: Node) -> None:
         )
 
 
-def _reading(linking: Linking) -> tuple[bool, str]:
+def _angle_units(linking: Linking) -> tuple[bool, str]:
     return model_angle(linking) == "degree", linking.base.settings.eulerseq
 
 
 def _in_world(linking: Linking, parent: Node, pose: dict[str, str], offset: dict[str, str]) -> dict[str, str]:
     """Return the pose of the place in the world, because a floating part cannot be below a body."""
-    reading = _reading(linking)
+    reading = _angle_units(linking)
     there = pose_in_world(parent, *reading) @ read_pose(pose, *reading) @ read_pose(offset, *reading)
     return {"pos": numbers.text(there.pos), "quat": numbers.text(there.quat)}
 
 
-def _child(
+def _add_child(
     linking: Linking,
     part: Part,
     parent: Node,

@@ -13,9 +13,9 @@ from collections.abc import Collection
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Cause, Note
-from mjcompose.link.inertia import has_mass, settle
+from mjcompose.link.inertia import has_mass, settle_inertia
 from mjcompose.link.linking import Linking, Part
-from mjcompose.link.measure import BODIES, NAMED, Survey, cannot_be_kept, survey
+from mjcompose.link.measure import BODIES, NAMED, Survey, report_not_kept, survey
 from mjcompose.model.classes import childclass_of, own, through_frames, walk_bodies
 from mjcompose.model.files import stem
 from mjcompose.model.grammar import GRAMMAR
@@ -28,12 +28,12 @@ _REDUCING = ("fusestatic", "discardvisual")
 def body_reduction(linking: Linking) -> None:
     """Reduce each unit that asks for it; a model of one unit leaves it to MuJoCo.
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = (
     ...     '<compiler discardvisual="true"/>'
     ...     '<worldbody><geom size=".1"/><geom size=".2" contype="0" conaffinity="0"/></worldbody>'
     ... )
-    >>> after(body_reduction, part)
+    >>> print_after(body_reduction, part)
     part: <compiler/>
     part: <worldbody><geom size=".1"/></worldbody>
     """
@@ -56,7 +56,7 @@ def _reduce(linking: Linking, unit: Unit, part: Part | None) -> None:
     changed = discard(unit, found) if "discardvisual" in wanted else set()
     changed |= fuse(linking, unit, part, found) if "fusestatic" in wanted else set()
     unit.forget_settings(*wanted)
-    settle(linking, unit, changed, found)
+    settle_inertia(linking, unit, changed, found)
 
 
 _ASSETS = ("mesh", "material", "texture")
@@ -127,11 +127,11 @@ def fuse(linking: Linking, unit: Unit, part: Part | None, found: Survey) -> set[
     fused = [
         element for element, _ in walk_bodies(unit.root) if element.tag == "body" and found.is_gone(element)
     ]
-    hosts = {body: _host(body, found) for body in fused}
-    if any(_flexible(linking, unit, body, host) for body, host in hosts.items()):
+    hosts = {body: _body_fused_with(body, found) for body in fused}
+    if any(_report_flexcomp(linking, unit, body, host) for body, host in hosts.items()):
         return set()
     if part is not None and part.place.kind != "world":
-        _weightless(linking, unit, part, [body for body, host in hosts.items() if host is None])
+        _remove_mass(linking, unit, part, [body for body, host in hosts.items() if host is None])
     frames = {str(frame.get("name")) for frame in unit.root.iter("frame")}
     for body in fused:
         _make_frame(body, frames)
@@ -146,7 +146,7 @@ def _body_above(element: Node) -> Node | None:
     return next(element.iterancestors("body"), None)
 
 
-def _host(body: Node, found: Survey) -> Node | None:
+def _body_fused_with(body: Node, found: Survey) -> Node | None:
     """Return the body that a fused body becomes part of, or None for the world."""
     host = _body_above(body)
     while host is not None and found.is_gone(host):
@@ -211,7 +211,7 @@ def _split(unit: Unit, frame: Node, behind: list[Node]) -> Node:
     return other
 
 
-def _flexible(linking: Linking, unit: Unit, body: Node, host: Node | None) -> bool:
+def _report_flexcomp(linking: Linking, unit: Unit, body: Node, host: Node | None) -> bool:
     """Report a `<flexcomp>` whose joints would change: their classes come from its body, never from a frame."""
     flexcomp = next((child for child in through_frames(body) if child.tag == "flexcomp"), None)
     if flexcomp is None:
@@ -220,13 +220,13 @@ def _flexible(linking: Linking, unit: Unit, body: Node, host: Node | None) -> bo
     after = unit.classes.get(None if host is None else host.get("childclass") or childclass_of(host))
     if before is after or not (before.sets("joint") or after.sets("joint")):
         return False
-    cannot_be_kept(
+    report_not_kept(
         linking, unit, ("fusestatic",), "the joints of a `<flexcomp>` would have another class", flexcomp
     )
     return True
 
 
-def _weightless(linking: Linking, unit: Unit, part: Part, bodies: list[Node]) -> None:
+def _remove_mass(linking: Linking, unit: Unit, part: Part, bodies: list[Node]) -> None:
     """Remove the mass of bodies that are fused with the world, so that the part adds no mass where it is attached."""
     # MuJoCo gives the world no mass, whatever its geoms: `body_mass` of `<worldbody><geom size=".1"/></worldbody>` is
     # 0.

@@ -47,13 +47,13 @@ def defaults(linking: Linking) -> None:
 
     The actuator stands outside of the body tree and has to name the class:
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = (
     ...     '<default><motor gear="2"/></default>'
     ...     '<worldbody><site name="s"/></worldbody>'
     ...     '<actuator><motor site="s"/></actuator>'
     ... )
-    >>> after(defaults, part)
+    >>> print_after(defaults, part)
     base: <default><default class="p/"><motor gear="2"/></default></default>
     part: <actuator><motor site="p/s" class="p/"/></actuator>
     """
@@ -64,10 +64,10 @@ def defaults(linking: Linking) -> None:
         own = _wrap(linking, base, linking.base_class)
         _claim_sections(base, linking.base_class, own | linking.request.isolated_tags)
         _claim_world(base, linking.base_class)
-    _join(linking)
+    _move_classes(linking)
 
 
-def _join(linking: Linking) -> None:
+def _move_classes(linking: Linking) -> None:
     """Wrap the top class of every part, and move the classes below that of the model."""
     base = linking.base
     if not linking.parts:
@@ -93,9 +93,9 @@ def choose_classes(linking: Linking) -> None:
 
     The top class of the base keeps its name as long as it sets nothing:
 
-    >>> from mjcompose.link.link import noted
-    >>> noted(choose_classes, base='<default><default class="c"/></default>').base_class
-    >>> linking = noted(choose_classes, base='<default><geom density="5"/></default>')
+    >>> from mjcompose.link.link import linking_after
+    >>> linking_after(choose_classes, base='<default><default class="c"/></default>').base_class
+    >>> linking = linking_after(choose_classes, base='<default><geom density="5"/></default>')
     >>> linking.base_class, linking.parts[0].top_class
     ('base/', 'p/')
     """
@@ -105,16 +105,16 @@ def choose_classes(linking: Linking) -> None:
     taken = _class_names(linking.base, *(part.unit for part in linking.parts if not part.prefix))
     for part in linking.parts:
         own = part.prefix or f"{part.unit.model or part.unit.label}{separator}"
-        part.top_class = _free(own, taken if part.prefix else taken | prefixes)
+        part.top_class = _free_class(own, taken if part.prefix else taken | prefixes)
         taken.add(part.top_class)
     needed = any(flex.joint for flex in in_world(linking))
     # An element cannot take back all that a class says: with `<default><geom user="1 2"/></default>` in the base,
     # `<geom user=""/>` of a part still has 1 2 in MuJoCo 4.0. So the top class of the base may set nothing.
     if linking.parts and (linking.request.isolated_tags or needed or _top_kinds(linking.base.root)):
-        linking.base_class = _free(f"base{separator}", taken | prefixes)
+        linking.base_class = _free_class(f"base{separator}", taken | prefixes)
 
 
-def _free(name: str, taken: Set[str]) -> str:
+def _free_class(name: str, taken: Set[str]) -> str:
     # A class exists once in a model, wherever it is nested: else MuJoCo 4.0 says "repeated default class name".
     while name in taken:
         name = "_" + name
@@ -242,13 +242,13 @@ class _Suspect(NamedTuple):
 def top_level_defaults(linking: Linking) -> None:
     """Write the gain that several top-level `<default>` elements set for an actuator, or refuse it if impossible.
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = (
     ...     '<default><position kp="4"/></default><default><velocity kv="9"/></default>'
     ...     '<worldbody><body><joint name="j"/><geom size=".1"/></body></worldbody>'
     ...     '<actuator><position joint="j"/></actuator>'
     ... )
-    >>> after(top_level_defaults, part)
+    >>> print_after(top_level_defaults, part)
     part: <actuator><position joint="j" kp="1"/></actuator>
     """
     wrapped = [part.unit for part in linking.parts]

@@ -47,7 +47,7 @@ def dedup(
     meanings = _Meanings(model, uses, merged)
     gone: set[Node] = set()
     for kind in KINDS:
-        kept: dict[Hashable, list[_Kept]] = {}
+        kept: dict[Hashable, list[_KeptElement]] = {}
         for element in [
             each for section in model.root.iterchildren("asset") for each in section.iterchildren(kind)
         ]:
@@ -60,7 +60,7 @@ def dedup(
             alike = kept.setdefault(meanings.of(element), [])
             free = [each for each in alike if part not in each.parts]
             if not free:
-                alike.append(_Kept(name, name.removeprefix(part), {part}))
+                alike.append(_KeptElement(name, name.removeprefix(part), {part}))
                 continue
             found = next((each for each in free if each.local == name.removeprefix(part)), free[0])
             found.parts.add(part)
@@ -77,7 +77,7 @@ def dedup(
 
 
 @dataclass(slots=True)
-class _Kept:
+class _KeptElement:
     """An element that is kept: its name, its name within its part, and the parts that contain it."""
 
     name: str
@@ -184,9 +184,9 @@ Taken = dict[str, tuple[str, bytes | None]]
 def files(linking: Linking) -> None:
     """Store each file as `assets/LABEL/path`. Units with the same label share a folder unless their paths clash.
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = '<compiler meshdir="meshes"/><asset><mesh file="link.obj"/></asset>'
-    >>> after(files, part)
+    >>> print_after(files, part)
     part: <asset><mesh file="assets/part/link.obj"/></asset>
     """
     # Parts of one source share its files: the same path is taken by the same bytes only.
@@ -218,7 +218,7 @@ def _give_paths(
         tag = element.tag
         if where:
             path = name if "/" in name and is_settled(unit, tag, name) else target + name
-            source = listed.get(where) or _admitted(linking, unit, element, attribute, where)
+            source = listed.get(where) or _readable_path(linking, unit, element, attribute, where)
             if source is None:
                 continue
             alone: tuple[str, bytes | None] = (source, None)
@@ -230,19 +230,19 @@ def _give_paths(
         known = unit.contents.get(written) if unit.contents else None
         content = known if isinstance(known, bytes) else None
         if known is None:
-            source = _admitted(linking, unit, element, attribute, join(directory, written))
+            source = _readable_path(linking, unit, element, attribute, join(directory, written))
         else:
             source = held(known if isinstance(known, Path) else join(directory, written))
         if source is None:
             continue
         if prefix and tag == "skin":
             content = _skin(linking, unit, element, prefix, source, content)
-        path = _free(unit, tag, written, source, content, taken)
+        path = _free_path(unit, tag, written, source, content, taken)
         element.set(attribute, path)
         use(FileUse(element, attribute, path, source, content))
 
 
-def _admitted(linking: Linking, unit: Unit, element: Node, attribute: str, path: str) -> Passed | None:
+def _readable_path(linking: Linking, unit: Unit, element: Node, attribute: str, path: str) -> Passed | None:
     """Return the path that a unit refers to, or None if the unit may not read it, which is reported."""
     try:
         return unit.door.admit(path)
@@ -273,8 +273,10 @@ def is_settled(unit: Unit, tag: object, name: str) -> bool:
     return not (settings.texture_folder if tag == "texture" else settings.mesh_folder)
 
 
-def _free(unit: Unit, tag: object, written: str, source: str, content: bytes | None, taken: Taken) -> str:
-    below = inside(unit.settings, written)
+def _free_path(
+    unit: Unit, tag: object, written: str, source: str, content: bytes | None, taken: Taken
+) -> str:
+    below = path_in_assets(unit.settings, written)
     path = f"{ASSETS}/{unit.label}/{below}"
     if is_settled(unit, tag, written):
         path = written
@@ -292,7 +294,7 @@ def _free(unit: Unit, tag: object, written: str, source: str, content: bytes | N
         path = f"{ASSETS}/{label}-{number}/{below}"
 
 
-def inside(settings: Settings, written: str) -> str:
+def path_in_assets(settings: Settings, written: str) -> str:
     """Return the path below the unit's own asset folder, which is not repeated in the bundle."""
     if is_absolute(written):
         return written.rsplit("/", 1)[-1]

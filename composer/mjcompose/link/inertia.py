@@ -20,7 +20,7 @@ from mjcompose.base.diagnostic import Note
 from mjcompose.base.rotation import Pose
 from mjcompose.link import numbers
 from mjcompose.link.linking import Linking
-from mjcompose.link.measure import BODIES, GEOMS, Survey, cannot_be_kept, survey
+from mjcompose.link.measure import BODIES, GEOMS, Survey, report_not_kept, survey
 from mjcompose.link.numbers import read_pose
 from mjcompose.model.classes import ORIENTATIONS, Classes, childclass_of, own, walk_bodies
 from mjcompose.model.files import Settings
@@ -39,12 +39,12 @@ def inertia(linking: Linking) -> None:
 
     A geom outside of `inertiagrouprange` gives its body no mass:
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = (
     ...     '<compiler inertiagrouprange="0 1"/>'
     ...     '<worldbody><body><geom size=".1" group="2"/></body></worldbody>'
     ... )
-    >>> after(inertia, part)
+    >>> print_after(inertia, part)
     part: <worldbody><body><geom size=".1" group="2" mass="0"/></body></worldbody>
     """
     if not linking.composed:
@@ -129,7 +129,7 @@ def write_inertias(linking: Linking, unit: Unit) -> None:
         write_measured(linking, unit, wanting, _bodies(unit), found)
 
 
-def settle(linking: Linking, unit: Unit, changed: Collection[Node], found: Survey) -> None:
+def settle_inertia(linking: Linking, unit: Unit, changed: Collection[Node], found: Survey) -> None:
     """Write the surveyed inertia of the changed bodies, or of all bodies if a rule of the unit requires it.
 
     Afterwards the unit has MuJoCo's own rules, in the place of those that the survey has applied.
@@ -148,7 +148,7 @@ def write_measured(
     """Write the surveyed inertia onto these bodies. Report a body for which that is impossible."""
     flexible = next(unit.root.iter("flexcomp"), None)
     if flexible is not None and any(name in settings for name in MEASURED):
-        cannot_be_kept(linking, unit, settings, "`<flexcomp>` is expanded by MuJoCo")
+        report_not_kept(linking, unit, settings, "`<flexcomp>` is expanded by MuJoCo")
         return False
     for body in bodies:
         rows = [found.values(body, array, width) for array, width in zip(BODIES, (1, 3, 4, 3), strict=True)]
@@ -156,7 +156,7 @@ def write_measured(
         if mass is None or pos is None or quat is None or moments is None:
             gone = found.is_gone(body)
             why = "`fusestatic` makes this body one with another" if gone else "the copies of a body differ"
-            cannot_be_kept(linking, unit, settings, why, body)
+            report_not_kept(linking, unit, settings, why, body)
             return False
         written = own(body, "inertial")
         for inertial in written:
@@ -179,16 +179,16 @@ _SETTING = ("fitaabb",)
 _SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
 
 
-def fitting(linking: Linking) -> None:
+def fitted_sizes(linking: Linking) -> None:
     """Measure the fitted primitives of each unit that fits them to the bounding box.
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = (
     ...     '<compiler fitaabb="true"/>'
     ...     '<asset><mesh name="m" vertex="-1 -1 -1 1 1 1 -1 1 1 1 -1 1 1 1 -1 -1 -1 1 -1 1 -1 1 -1 -1"/></asset>'
     ...     '<worldbody><geom type="sphere" mesh="m"/></worldbody>'
     ... )
-    >>> after(fitting, part)  # doctest: +ELLIPSIS
+    >>> print_after(fitted_sizes, part)  # doctest: +ELLIPSIS
     part: <worldbody><geom type="sphere" size="1"...
     """
     for unit in linking.units if linking.composed else ():
@@ -216,7 +216,7 @@ def _write(linking: Linking, unit: Unit, geom: Node, sizes: int, found: Survey) 
     rows = [found.values(geom, array, width) for array, width in zip(GEOMS, (3, 3, 4), strict=True)]
     size, pos, quat = rows
     if size is None or pos is None or quat is None:
-        cannot_be_kept(linking, unit, _SETTING, "the copies of a geom differ", geom)
+        report_not_kept(linking, unit, _SETTING, "the copies of a geom differ", geom)
         return
     x, y, z = pos
     w, a, b, c = quat
@@ -254,13 +254,13 @@ _ARRAYS = ("actuator_lengthrange",)
 def lengthranges(linking: Linking) -> None:
     """Measure the actuators of each unit that has rules of its own; the model keeps MuJoCo's rules.
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = (
     ...     '<compiler><lengthrange mode="all"/></compiler>'
     ...     '<worldbody><body><joint name="j" type="slide" range="0 1"/><geom size=".1"/></body></worldbody>'
     ...     '<actuator><motor joint="j"/></actuator>'
     ... )
-    >>> after(lengthranges, part)  # doctest: +ELLIPSIS
+    >>> print_after(lengthranges, part)  # doctest: +ELLIPSIS
     part: <compiler/>
     part: <actuator><motor joint="j" lengthrange="-0.000...
     """
@@ -279,7 +279,7 @@ def lengthranges(linking: Linking) -> None:
                 continue
             measured = found.arrays["actuator_lengthrange"]
             if len(measured) != 2 * len(actuators):
-                cannot_be_kept(linking, unit, ("lengthrange",), "MuJoCo makes copies of actuators")
+                report_not_kept(linking, unit, ("lengthrange",), "MuJoCo makes copies of actuators")
                 continue
             for at, actuator in enumerate(actuators):
                 low, high = measured[2 * at : 2 * at + 2]
@@ -287,7 +287,7 @@ def lengthranges(linking: Linking) -> None:
                 if (low, high) != (0.0, 0.0):
                     actuator.set("lengthrange", numbers.text([low, high]))
                 elif _is_muscle(actuator):
-                    _no_range(linking, unit, rules[-1], actuator)
+                    _report_no_range(linking, unit, rules[-1], actuator)
                     break
         for rule in rules:
             compiler = rule.getparent()
@@ -315,7 +315,7 @@ def _is_muscle(actuator: Node) -> bool:
     return actuator.tag == "muscle" or "muscle" in (actuator.get("gaintype"), actuator.get("biastype"))
 
 
-def _no_range(linking: Linking, unit: Unit, rule: Node, actuator: Node) -> None:
+def _report_no_range(linking: Linking, unit: Unit, rule: Node, actuator: Node) -> None:
     """Report a range that MuJoCo would read as not written, and would compute by the model's rules."""
     linking.sink.error(
         "compiler-setting",

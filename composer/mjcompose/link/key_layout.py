@@ -56,7 +56,7 @@ def element_of(holder: Node | Copy) -> Node:
 
 
 @dataclass(frozen=True, slots=True)
-class _Thing:
+class _Multiplied:
     """A tendon or an actuator after the replicates carried out so far."""
 
     element: Node
@@ -64,7 +64,7 @@ class _Thing:
     name: str
     refers: frozenset[Name]
 
-    def copied(self, replicate: Node, number: int, suffix: str, lost: frozenset[Name]) -> _Thing:
+    def copied(self, replicate: Node, number: int, suffix: str, lost: frozenset[Name]) -> _Multiplied:
         """Return a copy that refers to the copies of what is `lost`."""
         refers = frozenset(
             (kind, name + suffix if (kind, name) in lost else name) for kind, name in self.refers
@@ -91,7 +91,7 @@ def actuators_in_order(root: Node) -> list[Node | Copy]:
     return [Copy(each.element, each.within) if each.within else each.element for each in driving]
 
 
-def names_made(root: Node) -> set[Name]:
+def copied_names(root: Node) -> set[Name]:
     """Return every name in the body tree that a replicate makes."""
     made: dict[Node, list[Name]] = {}
     for world in root.iterchildren("worldbody"):
@@ -102,8 +102,8 @@ def names_made(root: Node) -> set[Name]:
 
 
 def _multiply(
-    things: list[_Thing], lost: frozenset[Name], replicate: Node
-) -> tuple[list[_Thing], frozenset[Name]]:
+    things: list[_Multiplied], lost: frozenset[Name], replicate: Node
+) -> tuple[list[_Multiplied], frozenset[Name]]:
     """Multiply the things that refer to `lost` names, as a replicate does. Return all things, and the old names."""
     # MuJoCo 4.0 multiplies what refers to something inside, too: `<motor joint="j"/>` on the joint of a body in
     # `<replicate count="2">` gives two controls. They stand behind the actuators that are not multiplied.
@@ -177,7 +177,7 @@ def suffixes(replicate: Node) -> list[str]:
     return [f"{replicate.get('sep') or ''}{number:0{width}}" for number in range(count)]
 
 
-def _thing(element: Node, section: str) -> _Thing:
+def _thing(element: Node, section: str) -> _Multiplied:
     table = naming_table(section)
     refers = {
         (namespace, str(each.get(name)))
@@ -185,7 +185,7 @@ def _thing(element: Node, section: str) -> _Thing:
         for name, (action, namespace) in table.get(str(each.tag), {}).items()
         if action == REFERS and each.get(name) and namespace != "default"
     }
-    return _Thing(element, (), str(element.get("name") or ""), frozenset(refers))
+    return _Multiplied(element, (), str(element.get("name") or ""), frozenset(refers))
 
 
 JOINTS = ("joint", "freejoint")

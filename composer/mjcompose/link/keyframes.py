@@ -16,7 +16,14 @@ from mjcompose.link import numbers
 from mjcompose.link.key_layout import BLOCK, Copy, Holder, Layout, Slot
 from mjcompose.link.linking import Linking, Part
 from mjcompose.link.measure import Reference
-from mjcompose.link.unit_keys import VECTORS, final_layout, holders, keys_of, refer_anew, reshaped_flexes
+from mjcompose.link.unit_keys import (
+    VECTORS,
+    final_layout,
+    holders,
+    keys_of,
+    measure_references_again,
+    reshaped_flexes,
+)
 from mjcompose.model.classes import ORIENTATIONS
 from mjcompose.model.unit import (
     Key,
@@ -192,15 +199,15 @@ def _carry(part: Part, layout: Layout, vector: str, taken: dict[Holder, list[Num
     if vector in ("qpos", "qvel"):
         for joint, slot in layout.joints.items():
             if slot.free and joint in taken:
-                taken[joint] = moved(taken[joint], _carried(pose, slot, vector, texts(taken[joint])), by)
+                taken[joint] = moved(taken[joint], _carry_slot(pose, slot, vector, texts(taken[joint])), by)
     elif vector in ("mpos", "mquat"):
         for body in layout.mocaps:
             if body in taken:
-                now = _placed(pose, vector, numbers.read(" ".join(texts(taken[body]))))
+                now = _place_vector(pose, vector, numbers.read(" ".join(texts(taken[body]))))
                 taken[body] = moved(taken[body], numbers.text(now).split(), by)
 
 
-def _placed(pose: Pose, vector: str, values: Sequence[float]) -> list[float]:
+def _place_vector(pose: Pose, vector: str, values: Sequence[float]) -> list[float]:
     """Return the moved positions or orientations of mocap bodies."""
     if vector == "mpos":
         rows = zip(*[iter(values)] * 3, strict=True)
@@ -209,7 +216,7 @@ def _placed(pose: Pose, vector: str, values: Sequence[float]) -> list[float]:
     return [each for quat in quats for each in (pose @ Pose(quat=normalise(quat))).quat]
 
 
-def _carried(place: Pose, slot: Slot, vector: str, values: list[str]) -> list[str]:
+def _carry_slot(place: Pose, slot: Slot, vector: str, values: list[str]) -> list[str]:
     """Return the numbers of a joint or a block, with every free joint in it moved."""
     values = list(values)
     for at_qpos, at_qvel in slot.free:
@@ -231,7 +238,7 @@ def _carry_references(linking: Linking, part: Part, layout: Layout) -> None:
         return
     for joint, slot in layout.joints.items():
         if slot.free and joint in linking.keys.references:
-            linking.keys.references[joint] = _carried(pose, slot, "qpos", linking.keys.references[joint])
+            linking.keys.references[joint] = _carry_slot(pose, slot, "qpos", linking.keys.references[joint])
     for body in layout.mocaps:
         if body in linking.keys.mocap_references:
             linking.keys.mocap_references[body] = [
@@ -244,7 +251,7 @@ def keyframes(linking: Linking) -> None:
 
     The two keys of one name become one, in the order of the joints:
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = (
     ...     '<worldbody><body><joint/><geom size=".1"/></body></worldbody>'
     ...     '<keyframe><key name="home" qpos="2"/></keyframe>'
@@ -253,14 +260,14 @@ def keyframes(linking: Linking) -> None:
     ...     '<worldbody><body><joint/><geom size=".1"/></body></worldbody>'
     ...     '<keyframe><key name="home" qpos="1"/></keyframe>'
     ... )
-    >>> after(keyframes, part, base)
+    >>> print_after(keyframes, part, base)
     model: <keyframe><key name="home" qpos="1 2"/></keyframe>
     """
     _check_attached(linking)
     if linking.keys.base_layout is None:
         return
     linking.base.part_keys = part_keys(linking)
-    keys = _merged(linking)
+    keys = _merged_keys(linking)
     final = linking.keys.final_layout = final_layout(linking)
     if final is None:
         return
@@ -269,7 +276,7 @@ def keyframes(linking: Linking) -> None:
         linking.request.requested_keys is None
         and not linking.parts
         and not linking.keys.void_keys
-        and _same(final, linking.keys.base_layout)
+        and _same_layout(final, linking.keys.base_layout)
     ):
         return
     _check_kept(linking)
@@ -278,7 +285,7 @@ def keyframes(linking: Linking) -> None:
         assert section is not None
         section.remove(key)
     if keys:
-        refer_anew(linking, final)
+        measure_references_again(linking, final)
     reference = Reference(linking)
     for merged in keys.values():
         element = _element(linking, merged, final, reference)
@@ -344,7 +351,7 @@ def _warn_of_lost(linking: Linking, key: Key, reference: Reference) -> None:
     reference.lost.clear()
 
 
-def _merged(linking: Linking) -> dict[str, Key]:
+def _merged_keys(linking: Linking) -> dict[str, Key]:
     """Return the keys of the base, then of the parts, with equal names joined, and then those of the recipe.
 
     One of the recipe stands in the place of those of its name.
@@ -352,7 +359,7 @@ def _merged(linking: Linking) -> dict[str, Key]:
     written = {key.name: key for key in linking.keys.written}
     came: dict[str, Key] = {}
     owners: dict[str, Part | None] = {}
-    for part, key in _coming(linking):
+    for part, key in _source_keys(linking):
         name = _name(part, key)
         # Keys without a name stay apart: MuJoCo 4.0 reads `<key/><key/>` as two.
         slot = name or f"\0{len(came)}"
@@ -363,8 +370,8 @@ def _merged(linking: Linking) -> dict[str, Key]:
             owners[slot] = part
             continue
         if name not in written and "prefix" in (_policy(linking, owners[slot]), _policy(linking, part)):
-            _not_apart(linking, earlier, owners[slot], key, part)
-        _join(linking, earlier, key, settled=name in written)
+            _report_same_name(linking, earlier, owners[slot], key, part)
+        _merge_keys(linking, earlier, key, settled=name in written)
     linking.keys.replaced = {name: came[name] for name in written if name in came}
     return came | written
 
@@ -378,7 +385,7 @@ def lay_out_replaced(linking: Linking) -> list[Node]:
     return [_element(linking, key, final, reference) for key in linking.keys.replaced.values()]
 
 
-def _coming(linking: Linking) -> Iterator[tuple[Part | None, Key]]:
+def _source_keys(linking: Linking) -> Iterator[tuple[Part | None, Key]]:
     """Yield the keys of the sources, each with its part, which is None for the base."""
     part_keys(linking)
     for part, keys in linking.keys.own.items():
@@ -397,7 +404,7 @@ def _name(part: Part | None, key: Key) -> str:
     )
 
 
-def _join(linking: Linking, key: Key, other: Key, *, settled: bool) -> None:
+def _merge_keys(linking: Linking, key: Key, other: Key, *, settled: bool) -> None:
     """Add to a key the values of another key with the same name. The times of a `settled` key need not agree."""
     key.others += (other.element, *other.others)
     if key.time is None:
@@ -407,12 +414,12 @@ def _join(linking: Linking, key: Key, other: Key, *, settled: bool) -> None:
         and other.time is not None
         and numbers.read(other.time.text) != numbers.read(key.time.text)
     ):
-        _times_differ(linking, key, other)
+        _report_times(linking, key, other)
     for vector, columns in other.values.items():
         key.values.setdefault(vector, {}).update(columns)
 
 
-def _times_differ(linking: Linking, key: Key, other: Key) -> None:
+def _report_times(linking: Linking, key: Key, other: Key) -> None:
     assert key.time is not None and other.time is not None
     report = linking.sink.error if linking.request.conflict == "error" else linking.sink.warning
     report(
@@ -427,7 +434,7 @@ def _times_differ(linking: Linking, key: Key, other: Key) -> None:
     )
 
 
-def _not_apart(
+def _report_same_name(
     linking: Linking, first: Key, its_part: Part | None, second: Key, second_part: Part | None
 ) -> None:
     """Report two keys that would have the same name, when at least one of them must not change."""
@@ -453,7 +460,7 @@ def _owner(part: Part | None) -> str:
     return "the base" if part is None else f"`{part.called}`"
 
 
-def _same(final: Layout, before: Layout) -> bool:
+def _same_layout(final: Layout, before: Layout) -> bool:
     return (
         list(final.joints.items()) == list(before.joints.items())
         and list(final.actuators.items()) == list(before.actuators.items())

@@ -18,13 +18,13 @@ from mjcompose.link.bodies import bodies
 from mjcompose.link.body_reduction import body_reduction
 from mjcompose.link.defaults import choose_classes, defaults, top_level_defaults
 from mjcompose.link.files import files
-from mjcompose.link.inertia import fitting, inertia, lengthranges
+from mjcompose.link.inertia import fitted_sizes, inertia, lengthranges
 from mjcompose.link.keyframes import keyframes
-from mjcompose.link.linking import Joint, Linking, Part, Place
+from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part
 from mjcompose.link.measure import measure_with
 from mjcompose.link.names import names
 from mjcompose.link.replicates import check_replicates, replicates
-from mjcompose.link.settings import alignment, asked, compiler, room
+from mjcompose.link.settings import alignment, compiler, memory_requests, memory_size
 from mjcompose.link.submodels import submodel_options, submodels
 from mjcompose.link.unit_keys import layouts
 from mjcompose.link.world import check_roots, roots, sections, worlds
@@ -118,7 +118,7 @@ compile each unit alone, with its own settings, files and angles
         ended |= dict.fromkeys(row.ends, row)
 
 
-def after(
+def print_after(
     run: object, part: str = "", base: str = "", *, files: Mapping[str, str] | None = None, **hung: Any
 ) -> None:
     """Link a part with the prefix `p/` to a base, up to a pass, and print the sections that this pass has changed.
@@ -138,8 +138,8 @@ def after(
         print(f"{fault.severity.value}: {fault.message}")  # noqa: T201
 
 
-def noted(run: object, part: str = "", base: str = "", **hung: Any) -> Linking:
-    """Return the linking after a pass that only records facts. The arguments are those of `after`."""
+def linking_after(run: object, part: str = "", base: str = "", **hung: Any) -> Linking:
+    """Return the linking after a pass that only records facts. The arguments are those of `print_after`."""
     linking, _, _ = _linked(run, part, base, {}, **hung)
     return linking
 
@@ -153,7 +153,7 @@ def _linked(
     sink = Sink()
     measure = measure_with(Context(sink=sink, environment={}))
     linking = Linking(_unit("base", base), [_part(part, files, **hung)], sink, measure=measure)
-    linking.notes.memory = asked(linking)
+    linking.notes.memory = memory_requests(linking)
     facts = set(AT_THE_START)
     before: list[list[str]] = []
     for each in (*PASSES, *FINISHING):
@@ -169,7 +169,7 @@ def _part(text: str, files: Mapping[str, str], *, on: str = "", joint: str = "",
     """Return a part that is attached to the world, or to the site `on`, with a `joint` if one is given."""
     unit = _unit("part", text)
     unit.contents = {name: each.encode() for name, each in files.items()}
-    place = Place("site", on) if on else Place()
+    place = AttachmentPlace("site", on) if on else AttachmentPlace()
     return Part(unit, "p/", place, joints=(Joint("joint", {"name": joint}),) if joint else (), weld=weld)
 
 
@@ -269,7 +269,7 @@ PASSES: tuple[Pass, ...] = (
         needs=_all(Fact.REDUCED, Fact.ALONE, Fact.OWN_NAMES),
     ),
     Pass(
-        fitting,
+        fitted_sizes,
         "fitted by MuJoCo to the mesh's bounding box, by `fitaabb`",
         needs=_all(Fact.REDUCED, Fact.ALONE, Fact.OWN_NAMES),
     ),
@@ -413,7 +413,7 @@ FINISHING: tuple[Pass, ...] = (
         needs=_all(Fact.LAID_OUT, Fact.JOINED, Fact.NAMES_FINAL),
         rewrites=True,
     ),
-    Pass(room, "the memory that the whole model needs", needs=_all(Fact.JOINED)),
+    Pass(memory_size, "the memory that the whole model needs", needs=_all(Fact.JOINED)),
 )
 
 check_order((*PASSES, *FINISHING))

@@ -48,7 +48,7 @@ class Request:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class AttachmentPlace:
     """The place where a part is attached: an element of the model, by its final name, and an offset in its frame.
 
     `offset` holds the attributes of a `<frame>`: `pos` in metres, `quat`. `written` has the places of these in the
@@ -99,7 +99,7 @@ class Part:
 
     unit: Unit
     prefix: str
-    place: Place = Place()
+    place: AttachmentPlace = AttachmentPlace()
     keyframes: KeyPolicy = "merge"
     joints: tuple[Joint, ...] = ()
     weld: bool = False
@@ -194,7 +194,7 @@ class Notes:
 
 
 @dataclass(eq=False, slots=True)
-class Written:
+class WrittenKey:
     """A key that a recipe writes: the keys that it takes over, its entries by vector, and what is to hold the pose.
 
     With `forces`, the controls that hold also balance what acts on the model there. `void` is what edits have made
@@ -243,7 +243,7 @@ class KeyTable:
     shapes: dict[Node, str] = field(default_factory=dict)
     void_keys: set[Node] = field(default_factory=set)
     edited_keys: set[Node] = field(default_factory=set)
-    noted: dict[Node, Written] = field(default_factory=dict)
+    noted: dict[Node, WrittenKey] = field(default_factory=dict)
 
 
 class Measure(Protocol):
@@ -272,7 +272,7 @@ class LaterPlaces(Protocol):
         """Return the kind and the name of each place that does not exist yet."""
         ...
 
-    def stands_on(self, kind: str, name: str) -> tuple[str, Span] | None:
+    def target_of(self, kind: str, name: str) -> tuple[str, Span] | None:
         """Return what a place is added to and where its name is written, or None if the recipe does not add it."""
         ...
 

@@ -137,7 +137,7 @@ _ARRAYS = (
 _OF_FLEX = ("nq", "nv", "jnt_type")
 
 
-def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
+def flexible_widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     """Measure what the tree does not tell about a unit's keys, by element. Return None if MuJoCo refuses the unit.
 
     That is all of what MuJoCo attaches, (nctrl, nact) of every actuator, (nq, nv) of every flex and of one more
@@ -146,7 +146,7 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     arrays = linking.measure(unit, _ARRAYS) if linking.measure else None
     if not arrays:
         return None
-    found = attached(linking, unit)
+    found = attached_slots(linking, unit)
     brought = sum(slot.actuators for slot in found.values())
     found.update(_flexes(linking, unit))
     actuators = list(map(element_of, actuators_in_order(unit.root)))
@@ -181,7 +181,7 @@ def widths(linking: Linking, unit: Unit) -> dict[Node, Slot] | None:
     return found
 
 
-def attached(linking: Linking, unit: Unit) -> dict[Node, Slot]:
+def attached_slots(linking: Linking, unit: Unit) -> dict[Node, Slot]:
     """Measure what each `<attach>` adds, alone in an empty world. `linking.keys.measured` caches the results."""
     found: dict[Node, Slot] = {}
     for attach in unit.root.iter("attach"):
@@ -194,7 +194,7 @@ def attached(linking: Linking, unit: Unit) -> dict[Node, Slot]:
 def _flexes(linking: Linking, unit: Unit) -> Iterator[tuple[Node, Slot]]:
     """Measure what each `<flexcomp>` adds, alone. Those that MuJoCo refuses alone are left out."""
     for flex in unit.root.iter("flexcomp"):
-        arrays = linking.measure(_alone(unit, flex), _OF_FLEX, attempt=True) if linking.measure else None
+        arrays = linking.measure(_flex_alone(unit, flex), _OF_FLEX, attempt=True) if linking.measure else None
         if arrays:
             # The vertices and nodes of a flex slide; hinges are the twists of a rod (since MuJoCo 4.0).
             twists = arrays["jnt_type"].count(HINGE)
@@ -204,7 +204,7 @@ def _flexes(linking: Linking, unit: Unit) -> Iterator[tuple[Node, Slot]]:
             )
 
 
-def _alone(unit: Unit, flex: Node) -> Unit:
+def _flex_alone(unit: Unit, flex: Node) -> Unit:
     """Return a model with only a flex in its world, and only the sections that affect its number of joints."""
     root = unit.root.makeelement("mujoco")
     root.extend(copy.copy(compiler) for compiler in unit.root.iterchildren("compiler"))
@@ -224,7 +224,7 @@ def _alone(unit: Unit, flex: Node) -> Unit:
 
 
 def _measured(linking: Linking, unit: Unit, attach: Node) -> Slot | None:
-    arrays = linking.measure(_by_itself(unit, attach), _ARRAYS, attempt=True) if linking.measure else None
+    arrays = linking.measure(_attach_alone(unit, attach), _ARRAYS, attempt=True) if linking.measure else None
     if not arrays:
         return None
     acts, controls = _counts(arrays, "actnum"), _counts(arrays, "ctrlnum")
@@ -241,7 +241,7 @@ def _measured(linking: Linking, unit: Unit, attach: Node) -> Slot | None:
     )
 
 
-def _by_itself(unit: Unit, attach: Node) -> Unit:
+def _attach_alone(unit: Unit, attach: Node) -> Unit:
     """Return a model that only attaches what `attach` attaches."""
     root = unit.root.makeelement("mujoco")
     for compiler in unit.root.iterchildren("compiler"):
@@ -368,14 +368,14 @@ def survey(
     pinned: Collection[Node] = (),
 ) -> Survey | None:
     """Measure the unit to keep the effect of these settings. Report an error if that is not possible."""
-    found = measured(linking, unit, arrays, pinned=pinned)
+    found = compile_unaligned(linking, unit, arrays, pinned=pinned)
     if isinstance(found, Unmeasurable):
-        cannot_be_kept(linking, unit, settings, found.why, found.element)
+        report_not_kept(linking, unit, settings, found.why, found.element)
         return None
     return found
 
 
-def measured(
+def compile_unaligned(
     linking: Linking, unit: Unit, arrays: tuple[str, ...], *, pinned: Collection[Node] = ()
 ) -> Survey | Unmeasurable | None:
     """Compile the unit alone, without the alignment of free bodies, which is done in the model.
@@ -403,13 +403,13 @@ def measured(
             element.set("user", str(len(marked)))
         if original in pinned:
             _pin(copy, element, len(marked))
-    _neutral(copy.root)
+    _without_alignment(copy.root)
     found = linking.measure(copy, tuple(dict.fromkeys((*arrays, *_MARKS))))
     if not found:
         return None
     rows: dict[Node, list[int]] = {element: [] for element in marked}
     for marks, counted in (("body_user", "body_mass"), ("geom_user", "geom_type")):
-        for row, mark in _first(found[marks], len(found[counted])):
+        for row, mark in _first_rows(found[marks], len(found[counted])):
             rows[marked[mark - 1]].append(row)
     for element, places in rows.items():
         if places and len(places) != _copies(element):
@@ -417,7 +417,7 @@ def measured(
     return Survey(found, {element: tuple(places) for element, places in rows.items()})
 
 
-def cannot_be_kept(
+def report_not_kept(
     linking: Linking, unit: Unit, settings: Sequence[str], why: str, element: Node | None = None
 ) -> None:
     """Report that settings cannot be kept, at an element or where the first of them is written."""
@@ -441,7 +441,7 @@ def _pin(unit: Unit, body: Node, number: int) -> None:
     sensors.append(sensors.makeelement("framepos", {"objtype": "body", "objname": str(body.get("name"))}))
 
 
-def _neutral(root: Node) -> None:
+def _without_alignment(root: Node) -> None:
     """Prevent the alignment of free bodies, so that the inertia is in the frame in which it will be written."""
     for joint in root.iter("freejoint"):
         joint.set("align", "false")
@@ -452,7 +452,7 @@ def _neutral(root: Node) -> None:
                     del element.attrib[name]
 
 
-def _first(marks: list[float], count: int) -> Iterator[tuple[int, int]]:
+def _first_rows(marks: list[float], count: int) -> Iterator[tuple[int, int]]:
     """Yield the mark of each row that has one."""
     width = len(marks) // count if count else 0
     for row in range(count if width else 0):
@@ -498,7 +498,7 @@ class Reference:
                 poses = self.linking.keys.mocap_references.get(body) or [self._pose(element_of(body))]
                 text = [number for pose in poses for number in (pose.pos if vector == "mpos" else pose.quat)]
                 said = found(body) or []
-                row += [*said, *_by_nobody(vector, numbers.text(text).split())[len(said) :]]
+                row += [*said, *_unset_numbers(vector, numbers.text(text).split())[len(said) :]]
             return row
         # Numbers still mean something if neither their holder's meaning nor its width has been edited.
         second = vector in ("qvel", "act")
@@ -510,7 +510,7 @@ class Reference:
                 if vector in ("qpos", "qvel") and given and any(numbers.read(" ".join(texts(given)))):
                     self.lost.append((vector, element))
                 default = self._qpos(holder, slot) if vector == "qpos" else ["0"] * width
-                given = _by_nobody(vector, default, given)
+                given = _unset_numbers(vector, default, given)
             row += given
         return row
 
@@ -577,15 +577,15 @@ class Reference:
         return inner if outer is None else pose_in_world(outer, self.degrees, self.sequence) @ inner
 
 
-def emptied(values: Mapping[str, dict[Holder, list[Number]]], void: Collection[Node]) -> None:
+def without_void(values: Mapping[str, dict[Holder, list[Number]]], void: Collection[Node]) -> None:
     """Empty the numbers of a key that an edit has made meaningless, and note what they were."""
     for vector, columns in values.items():
         for holder, row in columns.items():
             if element_of(holder) in void:
-                columns[holder] = _by_nobody(vector, ["0"] * len(row), row)
+                columns[holder] = _unset_numbers(vector, ["0"] * len(row), row)
 
 
-def _by_nobody(vector: str, default: list[str], lost: list[Number] | None = None) -> list[Number]:
+def _unset_numbers(vector: str, default: list[str], lost: list[Number] | None = None) -> list[Number]:
     """Return the numbers that no key sets, or that have `lost` their meaning by an edit."""
     first = lost[0] if lost else None
     source = KeySource(

@@ -33,7 +33,7 @@ Clash = tuple[str, str, Node, Node]
 """Namespace, name, the element that declares it, and the one that did before."""
 
 
-def loose_end(
+def dangling_reference(
     linking: Linking,
     unit: Unit,
     prefix: str,
@@ -60,7 +60,7 @@ def loose_end(
     )
 
 
-def repeated(linking: Linking, unit: Unit, prefix: str, clash: Clash) -> None:
+def report_repeated(linking: Linking, unit: Unit, prefix: str, clash: Clash) -> None:
     """Report a name that a source itself declares twice."""
     namespace, name, element, earlier = clash
     linking.sink.error(
@@ -72,7 +72,7 @@ def repeated(linking: Linking, unit: Unit, prefix: str, clash: Clash) -> None:
     )
 
 
-def clash_with_others(linking: Linking, part: Part, clashes: Sequence[Clash]) -> None:
+def report_clashes(linking: Linking, part: Part, clashes: Sequence[Clash]) -> None:
     """Report all names of a part that the model already has, as one fault."""
     namespace, name, element, earlier = min(clashes, key=lambda clash: line_of(clash[2]) or 0)
     here = linking.span(part.unit, element)
@@ -110,28 +110,28 @@ _NOTHING: Mapping[str, str] = MappingProxyType({})
 def names(linking: Linking) -> None:
     """Rename part by part; afterwards `linking.names` knows every name of the model.
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = (
     ...     '<worldbody><body name="b"><joint name="j"/></body></worldbody>'
     ...     '<actuator><motor joint="j"/></actuator>'
     ... )
-    >>> after(names, part)
+    >>> print_after(names, part)
     part: <worldbody><body name="p/b"><joint name="p/j"/></body></worldbody>
     part: <actuator><motor joint="p/j"/></actuator>
     """
-    _join(linking, linking.base, "", linking.base_class or MAIN, None)
+    _rename_unit(linking, linking.base, "", linking.base_class or MAIN, None)
     for part in linking.parts:
-        _join(linking, part.unit, part.prefix, part.top_class, part)
+        _rename_unit(linking, part.unit, part.prefix, part.top_class, part)
 
 
-def _join(linking: Linking, unit: Unit, prefix: str, top_class: str, part: Part | None) -> None:
+def _rename_unit(linking: Linking, unit: Unit, prefix: str, top_class: str, part: Part | None) -> None:
     found = rename(unit, prefix, top_class, part.outward if part else {})
     _refer_to_keys(linking, unit, prefix, part)
     for namespace, name, element in found.repeated:
-        repeated(linking, unit, prefix, (namespace, name, element, found.declared(namespace)[name]))
+        report_repeated(linking, unit, prefix, (namespace, name, element, found.declared(namespace)[name]))
     for namespace, name, element in found.dangling():
         if not may_be_generated(name, unit.root):
-            loose_end(linking, unit, prefix, namespace, name, element, found.declared(namespace))
+            dangling_reference(linking, unit, prefix, namespace, name, element, found.declared(namespace))
     clashes: list[Clash] = []
     known = linking.names.declared
     for namespace, declared in found.all_declared():
@@ -144,7 +144,7 @@ def _join(linking: Linking, unit: Unit, prefix: str, top_class: str, part: Part 
                 declared[name] = earlier_ones[name]  # the first one keeps it
         earlier_ones.update(declared)
     if part is not None and clashes:
-        clash_with_others(linking, part, clashes)
+        report_clashes(linking, part, clashes)
 
 
 def _refer_to_keys(linking: Linking, unit: Unit, prefix: str, part: Part | None) -> None:
@@ -160,7 +160,7 @@ def _refer_to_keys(linking: Linking, unit: Unit, prefix: str, part: Part | None)
         if name not in own and may_be_generated(name, unit.root):
             element.set("objname", prefix + name)  # of a model that MuJoCo attaches
         elif name not in own:
-            loose_end(linking, unit, "", "key", name, element, own)
+            dangling_reference(linking, unit, "", "key", name, element, own)
         elif policy == "prefix":
             element.set("objname", prefix + name)
         elif (
@@ -175,7 +175,7 @@ def _refer_to_keys(linking: Linking, unit: Unit, prefix: str, part: Part | None)
             )
 
 
-class Found:
+class UnitNames:
     """The names of one unit, as in the model, by slot (see `_slots`), each with the first element that has it.
 
     `repeated` has the elements that declare a name again.
@@ -188,7 +188,7 @@ class Found:
     def declared(self, namespace: str) -> dict[str, Node]:
         return self.by_slot[_slot(namespace)]
 
-    def wanted(self, namespace: str) -> dict[str, Node]:
+    def references(self, namespace: str) -> dict[str, Node]:
         return self.by_slot[_slot(namespace, wanted=True)]
 
     def all_declared(self) -> Iterator[tuple[str, dict[str, Node]]]:
@@ -218,7 +218,7 @@ def _namespaces() -> tuple[str, ...]:
 
 @cache
 def _slot(namespace: str, wanted: bool = False) -> int:
-    """Return the slot for the declared names of a namespace, or with `wanted` for the names that are referred to."""
+    """Return the slot for the declared names of a namespace, or with `referred` for the names that are referred to."""
     return 1 + _namespaces().index(namespace) + (len(_namespaces()) if wanted else 0)
 
 
@@ -247,13 +247,13 @@ def _slots(section: str) -> dict[str, dict[str, int]]:
     return table
 
 
-def rename(unit: Unit, prefix: str, top_class: str, outward: Mapping[str, str] = _NOTHING) -> Found:
+def rename(unit: Unit, prefix: str, top_class: str, outward: Mapping[str, str] = _NOTHING) -> UnitNames:
     """Prefix the names of a unit in place, and return its names; `outward` is that of a part.
 
     This is the one walk over every element of every part: an attribute that holds no name costs one look into a
     dictionary, one that does is written and noted at once.
     """
-    found = Found()
+    found = UnitNames()
     by_slot = found.by_slot
     last_declared = len(_namespaces())
     for section in unit.root.iterchildren("*"):
@@ -290,7 +290,10 @@ def rename(unit: Unit, prefix: str, top_class: str, outward: Mapping[str, str] =
     # `world` is always the whole model's, and nothing else may have the name: `<body name="world"/>` is a repeated name
     # in MuJoCo 4.0. `main` is that of the unit, which is wrapped.
     for namespace, reserved, meant in (("body", WORLD, WORLD), ("default", MAIN, top_class)):
-        if found.wanted(namespace).pop(prefix + reserved, None) is not None and prefix + reserved != meant:
+        if (
+            found.references(namespace).pop(prefix + reserved, None) is not None
+            and prefix + reserved != meant
+        ):
             for section in unit.root.iterchildren("*"):
                 for element, key in users(section, namespace, prefix + reserved):
                     element.set(key, meant)
@@ -298,7 +301,7 @@ def rename(unit: Unit, prefix: str, top_class: str, outward: Mapping[str, str] =
 
 
 def _rename_special(
-    found: Found,
+    found: UnitNames,
     element: Node,
     key: str,
     value: str,
@@ -316,7 +319,7 @@ def _rename_special(
         for each in value.split():
             names.append(each if each == WORLD else outward.get(each, prefix + each))
             if each != WORLD and each not in outward:
-                found.wanted(namespace).setdefault(prefix + each, element)
+                found.references(namespace).setdefault(prefix + each, element)
         name = " ".join(names)
     elif kind == REFERS_BY:
         target = object_namespace(element, namespace)
@@ -327,12 +330,12 @@ def _rename_special(
         if value in outward:
             name = outward[value]
         elif target:
-            found.wanted(target).setdefault(name, element)
+            found.references(target).setdefault(name, element)
     if name != value:
         element.set(key, name)
 
 
-def _name_asset(found: Found, element: Node, file: str, prefix: str) -> None:
+def _name_asset(found: UnitNames, element: Node, file: str, prefix: str) -> None:
     """If MuJoCo takes the name from the file and a prefix is needed, write the name with the prefix."""
     if element.get("name") or not file:
         return

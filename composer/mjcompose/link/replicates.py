@@ -25,7 +25,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Cause, Note
 from mjcompose.base.rotation import ORIGIN, Pose, Vec3, quat_from_euler, rotate
 from mjcompose.link import numbers
-from mjcompose.link.key_layout import Name, inner_first, names_made, suffixes
+from mjcompose.link.key_layout import Name, copied_names, inner_first, suffixes
 from mjcompose.link.linking import Linking
 from mjcompose.link.numbers import orientation_radians
 from mjcompose.model.cost import scaled_above
@@ -43,7 +43,7 @@ from mjcompose.model.unit import Unit
 
 
 @lru_cache(maxsize=16)  # every copy of a part asks for the same rows
-def row(
+def copy_poses(
     count: int, offset: Vec3, angles: tuple[float, ...], sequence: str, *, degrees: bool = False
 ) -> tuple[Pose, ...]:
     """Return the poses of all copies. Copy N is turned by N times each angle; the next is at `offset` in its frame."""
@@ -72,56 +72,61 @@ def check_replicates(linking: Linking) -> None:
 
     MuJoCo would copy the clock of the base, too, and the replicate must stay as the `<exclude>` refers to it:
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = (
     ...     '<worldbody><replicate count="2"><body name="b"/></replicate></worldbody>'
     ...     '<contact><exclude body1="b" body2="b"/></contact>'
     ... )
     >>> base = '<sensor><clock/></sensor>'
-    >>> after(check_replicates, part, base)
+    >>> print_after(check_replicates, part, base)
     error: the `<replicate>` of `part.xml` would multiply the `<clock>` without a name of `base.xml`, too
     """
-    waiting = {unit: list(things(unit)) for unit in linking.units if linking.notes.replicates}
+    waiting = {unit: list(multiplied_elements(unit)) for unit in linking.units if linking.notes.replicates}
     if not any(
         found for other, found in waiting.items() for unit, _ in linking.notes.replicates if other is not unit
     ):
         return
     places = {element: at for at, element in enumerate(linking.base.root.iter("*"))}
-    made = names_made(linking.base.root)
+    made = copied_names(linking.base.root)
     reported: set[tuple[Unit, Unit]] = set()
     for unit, replicate in linking.notes.replicates:
         for other in linking.units:
             if other is unit or (unit, other) in reported:
                 continue
             thing = next(
-                (each for each in waiting[other] if resolves(linking, each, replicate, places, made)), None
+                (
+                    each
+                    for each in waiting[other]
+                    if resolves_in_copies(linking, each, replicate, places, made)
+                ),
+                None,
             )
             if thing is not None:
                 reported.add((unit, other))
                 _refuse(linking, unit, replicate, other, thing)
 
 
-def things(unit: Unit) -> Iterator[Node]:
+def multiplied_elements(unit: Unit) -> Iterator[Node]:
     """Yield the elements that a replicate may multiply."""
     for section in unit.root.iterchildren(*_SECTIONS):
         yield from (each for each in section.iterchildren("*") if each.tag not in _OF_NOTHING)
 
 
-def resolves(
+def resolves_in_copies(
     linking: Linking, thing: Node, replicate: Node, places: Mapping[Node, int], made: Set[Name]
 ) -> bool:
     """Return whether MuJoCo also finds the thing's reference with a number appended when it reads the replicate."""
-    names = list(referred(thing))
+    names = list(references_of(thing))
     found = (linking.names.find(kind, name + end) for kind, name in names for end in suffixes(replicate))
     here = places.get(replicate, 0)
-    if made_from(names, suffixes(replicate), linking.names.find, made):
+    if is_made_by(names, suffixes(replicate), linking.names.find, made):
         return True
     return not names or any(
         element is not None and (_is_listed(element) or places.get(element, here) < here) for element in found
     )
 
 
-def made_from(
+def is_made_by(
     names: Iterable[Name], ends: Collection[str], find: Callable[[str, str], Node | None], made: Set[Name]
 ) -> bool:
     """Return whether a replicate makes one of the names with a number appended for another element."""
@@ -140,7 +145,7 @@ def _is_listed(element: Node) -> bool:
     return section is not None and section.tag in _SECTIONS
 
 
-def referred(thing: Node) -> Iterator[tuple[str, str]]:
+def references_of(thing: Node) -> Iterator[tuple[str, str]]:
     """Yield the namespace and name of each reference of a thing to something that a replicate copies."""
     section = thing.getparent()
     assert section is not None
@@ -171,10 +176,10 @@ def replicates(linking: Linking) -> None:
 
     Beside this replicate, MuJoCo would multiply the clock of the base:
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = '<worldbody><replicate count="2"><geom name="g" size=".1"/></replicate></worldbody>'
     >>> base = '<sensor><clock/></sensor>'
-    >>> after(replicates, part, base)
+    >>> print_after(replicates, part, base)
     part: <worldbody><frame><geom name="g0" size=".1"/></frame><frame><geom name="g1" size=".1"/></frame></worldbody>
     """
     if not linking.parts:
@@ -182,7 +187,7 @@ def replicates(linking: Linking) -> None:
     holding = [unit for unit in linking.units if next(unit.root.iter("replicate"), None) is not None]
     if not holding:
         return
-    _unroll(linking, holding)
+    _write_out_foreign(linking, holding)
     for unit in holding:
         linking.notes.replicates.extend((unit, replicate) for replicate in unit.root.iter("replicate"))
 
@@ -192,7 +197,11 @@ def spare_added(linking: Linking) -> None:
     base = linking.base
     nests = list(_outermost(base))
     added = (
-        {each for each in things(base) if not isinstance(base.origins.owner(each, base.file), str)}
+        {
+            each
+            for each in multiplied_elements(base)
+            if not isinstance(base.origins.owner(each, base.file), str)
+        }
         if nests
         else ()
     )
@@ -200,14 +209,14 @@ def spare_added(linking: Linking) -> None:
         return
     index_of = cache(lambda unit: NameIndex.of(unit.root))
     places = {element: at for at, element in enumerate(base.root.iter("*"))}
-    made = names_made(base.root)
+    made = copied_names(base.root)
     linking.names.declared = index_of(base).declared
     for nest in nests:
         inside = list(inner_first(nest))
         multiplied = [
             each
             for each in added
-            if any(resolves(linking, each, replicate, places, made) for replicate in inside)
+            if any(resolves_in_copies(linking, each, replicate, places, made) for replicate in inside)
         ]
         if multiplied and _stands_alone(base, index_of, nest, inside, multiplied):
             for each in inside:
@@ -236,7 +245,7 @@ _IN_TREE = "worldbody"
 _IndexOf = Callable[[Unit], NameIndex]
 
 
-def _unroll(linking: Linking, holding: list[Unit]) -> None:
+def _write_out_foreign(linking: Linking, holding: list[Unit]) -> None:
     """Write out the replicates that would change another unit, or turn in another sequence."""
     units = linking.units
     index_of = cache(lambda unit: NameIndex.of(unit.root))
@@ -287,18 +296,18 @@ def _multiplies(
     unit: Unit, index_of: _IndexOf, replicates: list[Node], spared: Collection[Node] = ()
 ) -> bool:
     """Return whether one of the replicates may multiply any element of the unit, except for those that are spared."""
-    found = [each for each in things(unit) if each not in spared]
+    found = [each for each in multiplied_elements(unit) if each not in spared]
     if not found:
         return False
     index = index_of(unit)
     ends = {end for replicate in replicates for end in suffixes(replicate)}
-    made = names_made(unit.root)
+    made = copied_names(unit.root)
     for thing in found:
-        names = list(referred(thing))
+        names = list(references_of(thing))
         # What refers to nothing is multiplied, too, and so is what refers to something that a replicate makes. MuJoCo
         # 3.12 and 4.0 make four clocks of this one:
         #   <worldbody><replicate count="2"><geom name="g" size=".1"/></replicate></worldbody><sensor><clock/></sensor>
-        if not names or made_from(names, ends, index.find, made):
+        if not names or is_made_by(names, ends, index.find, made):
             return True
         if any(index.find(kind, name + end) is not None for kind, name in names for end in ends):
             return True
@@ -335,7 +344,7 @@ def _write_out(linking: Linking, unit: Unit, replicate: Node) -> None:
     x, y, z = [*numbers.read(str(replicate.get("offset") or "")), 0.0, 0.0, 0.0][:3]
     angles = tuple(numbers.read(str(replicate.get("euler") or "0 0 0")))
     ends = suffixes(replicate)
-    poses = row(len(ends), (x, y, z), angles, settings.eulerseq, degrees=settings.angle == "degree")
+    poses = copy_poses(len(ends), (x, y, z), angles, settings.eulerseq, degrees=settings.angle == "degree")
     declared = {each for node in replicate.iterdescendants("*") for each in _names(node)}
     at = holder.index(replicate)
     for number, (pose, end) in enumerate(zip(poses, ends, strict=True)):

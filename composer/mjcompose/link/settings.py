@@ -34,12 +34,12 @@ _INSIDE_BODIES = ("body", "flexcomp", "composite", "attach")
 def alignment(linking: Linking) -> None:
     """Settle what the model says, and make what differs from it explicit; a base alone keeps what it says.
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = (
     ...     '<compiler alignfree="true"/>'
     ...     '<worldbody><body><freejoint/><geom size=".1"/></body></worldbody>'
     ... )
-    >>> after(alignment, part)
+    >>> print_after(alignment, part)
     part: <worldbody><body><freejoint align="true"/><geom size=".1"/></body></worldbody>
     """
     if not linking.composed:
@@ -127,9 +127,9 @@ _NO_EFFECT = ("coordinate", "usethread", "conflict")
 def compiler(linking: Linking) -> None:
     """Write the base's settings once, as they now hold for every part.
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> base = '<compiler angle="radian" meshdir="m" inertiafromgeom="true"/>'
-    >>> after(compiler, base=base)
+    >>> print_after(compiler, base=base)
     model: <compiler angle="radian"/>
     """
     root = linking.base.root
@@ -195,16 +195,16 @@ INSTEAD_OF_MEMORY = ("njmax", "nstack")
 
 def merge_sizes(linking: Linking) -> None:
     """Write the larger of each size into the base, wide enough for the user data of every part."""
-    linking.notes.memory = asked(linking)
+    linking.notes.memory = memory_requests(linking)
     for part in linking.parts:
         for section in part.unit.root.iterchildren("size"):
             for name, value in section.items():
                 _enlarge(linking, str(name), str(value))
     _user_widths(linking)
-    _one_memory(linking)
+    _merge_memory(linking)
 
 
-def _one_memory(linking: Linking) -> None:
+def _merge_memory(linking: Linking) -> None:
     sizes = list(linking.base.root.iterchildren("size"))
     memory = any(size.get("memory") for size in sizes)
     for size in sizes if memory else ():
@@ -281,7 +281,7 @@ _MOVING = ("joint", "freejoint", "flexcomp", "attach", "composite")
 _SCALE = {"k": 2**10, "m": 2**20, "g": 2**30, "t": 2**40, "p": 2**50, "e": 2**60}
 
 
-def asked(linking: Linking) -> tuple[MemoryRequest, ...]:
+def memory_requests(linking: Linking) -> tuple[MemoryRequest, ...]:
     """Return the memory that the units ask for if several of them move, when MuJoCo must check whether it is enough."""
     calls = ["the base", *(part.called for part in linking.parts)]
     moving = [next(unit.root.iter(*_MOVING), None) is not None for unit in linking.units]
@@ -290,10 +290,10 @@ def asked(linking: Linking) -> tuple[MemoryRequest, ...]:
     if sum(moving) < 2 or any(f"size/{name}" in linking.request.overridden_options for name in ROOM):
         return ()
     return tuple(each for unit, called in zip(linking.units, calls, strict=True)
-                 for each in _written(linking, unit, called))  # fmt: skip
+                 for each in _written_requests(linking, unit, called))  # fmt: skip
 
 
-def _written(linking: Linking, unit: Unit, called: str) -> Iterator[MemoryRequest]:
+def _written_requests(linking: Linking, unit: Unit, called: str) -> Iterator[MemoryRequest]:
     for size in unit.root.iterchildren("size"):
         for name in ROOM:
             value = str(size.get(name) or "").strip()
@@ -302,13 +302,13 @@ def _written(linking: Linking, unit: Unit, called: str) -> Iterator[MemoryReques
                 yield MemoryRequest(name, value, called, linking.span(unit, size, name))
 
 
-def room(linking: Linking) -> None:
+def memory_size(linking: Linking) -> None:
     """Remove the memory size if MuJoCo's own for the whole model is larger than any source asks for.
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> base = '<worldbody>' + '<body><freejoint/><geom size=".1"/></body>' * 30 + '</worldbody>'
     >>> part = '<size memory="1K"/><worldbody><body><joint/><geom size=".1"/></body></worldbody>'
-    >>> after(room, part, base)  # doctest: +ELLIPSIS
+    >>> print_after(memory_size, part, base)  # doctest: +ELLIPSIS
     warning: `size.memory` of `p/` is 1K, ...
     """
     if not linking.notes.memory or linking.measure is None:

@@ -31,7 +31,7 @@ from mjcompose.model.values import Refusal, check_value
 from mjcompose.model.xml_faults import BLIND, unread
 from mjcompose.mujoco.messages import unknown_attribute, unknown_element, version_of
 
-STUMBLES = (ValueError, IndexError, KeyError, OverflowError, ZeroDivisionError)
+INVALID_SOURCE = (ValueError, IndexError, KeyError, OverflowError, ZeroDivisionError)
 """What reading a source that is not MJCF may raise. Of one that is it is a bug."""
 
 _FREE = frozenset({"string", "file", "name", "reference", "references"})
@@ -52,7 +52,7 @@ class _Malformed:
         message = f"`{name}` of `<{self.node.tag}>` {self.refusal.message}"
         sink.error(code, message, unit.origins.span(self.node, unit.file, name), help=self.refusal.advice)
 
-    def put_right(self) -> None:
+    def repair(self) -> None:
         self.node.set(self.attribute.name, _sample(self.attribute))
 
 
@@ -67,7 +67,7 @@ class _UnknownAttribute:
         span = unit.origins.span(self.node, unit.file, self.name, key=True)
         sink.add(replace(found, span=span))
 
-    def put_right(self) -> None:
+    def repair(self) -> None:
         del self.node.attrib[self.name]
 
 
@@ -84,7 +84,7 @@ class _Misnamed:
         span = unit.origins.span(self.node, unit.file, self.name)
         sink.error("bad-name", self.message, span, help=self.help)
 
-    def put_right(self) -> None:
+    def repair(self) -> None:
         if self.name != "class":
             self.node.set(self.name, "another world")
         else:
@@ -109,7 +109,7 @@ class _RepeatedKey:
             help="give one of them another name",
         )
 
-    def put_right(self) -> None:
+    def repair(self) -> None:
         _remove(self.node)
 
 
@@ -130,7 +130,7 @@ class _RepeatedClass:
             help="give one of them another name",
         )
 
-    def put_right(self) -> None:
+    def repair(self) -> None:
         _remove(self.node)
 
 
@@ -144,7 +144,7 @@ class _UnknownElement:
         span = unit.origins.span(self.node, unit.file)
         sink.add(replace(found, span=span))
 
-    def put_right(self) -> None:
+    def repair(self) -> None:
         _remove(self.node)
 
 
@@ -161,7 +161,7 @@ class _TooMany:
         span = unit.origins.span(self.node, unit.file)
         sink.error("wrong-length", message, span, help="join them, or take one out")
 
-    def put_right(self) -> None:
+    def repair(self) -> None:
         _remove(self.node)
 
 
@@ -178,7 +178,7 @@ class _Clashing:
         span = unit.origins.span(self.node, unit.file, self.names[-1], key=True)
         sink.error("wrong-length", message, span, help=f"take {last} or the other out")
 
-    def put_right(self) -> None:
+    def repair(self) -> None:
         for name in self.names[1:]:
             del self.node.attrib[name]
 
@@ -230,10 +230,10 @@ def _what(fault: _Fault) -> tuple[Node, str | None]:
     return fault.node, fault.name if isinstance(fault, _UnknownAttribute) else None
 
 
-def put_right(unit: Unit) -> None:
+def repair(unit: Unit) -> None:
     """Remove what MJCF does not have, and replace the values of malformed attributes by arbitrary valid ones."""
     for fault in list(_faults(unit.root)):
-        fault.put_right()
+        fault.repair()
 
 
 def _faults(root: Node) -> Iterator[_Fault]:

@@ -25,8 +25,8 @@ from mjcompose.base.diagnostic import Span
 from mjcompose.base.files import Refused, read_regular
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
-from mjcompose.link.agreement import default_of, merged, set_value, written
-from mjcompose.link.files import ASSETS, add_file, inside
+from mjcompose.link.agreement import default_of, merge_values, set_value, written_settings
+from mjcompose.link.files import ASSETS, add_file, path_in_assets
 from mjcompose.link.linking import FileUse, Linking
 from mjcompose.link.settings import FOLDERS
 from mjcompose.model.cost import NOTHING, Weight, expanded
@@ -81,20 +81,20 @@ _FLAG = "option/flag/"
 def submodel_options(linking: Linking) -> None:
     """Write into every such unit what it has alone. A model of one unit is left to MuJoCo.
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = (
     ...     '<compiler conflict="merge"/><asset><model name="m" file="m.xml"/></asset>'
     ...     '<worldbody><attach model="m" body="b" prefix="q/"/></worldbody>'
     ... )
     >>> model = '<mujoco><option timestep="0.004"/><worldbody><body name="b"/></worldbody></mujoco>'
-    >>> after(submodel_options, part, files={"m.xml": model})
+    >>> print_after(submodel_options, part, files={"m.xml": model})
     part: <option timestep="0.004"/>
     """
     for unit in linking.units if linking.parts else ():
-        _adopt(unit)
+        _adopt_options(unit)
 
 
-def _adopt(unit: Unit) -> None:
+def _adopt_options(unit: Unit) -> None:
     said = [each for each in unit.root.iterchildren("compiler") if each.get("conflict")]
     # Without it MuJoCo 4.0 only warns: "parent has 0.002 (default), child has 0.004, keeping parent value".
     if not said or said[-1].get("conflict") != "merge":
@@ -103,7 +103,7 @@ def _adopt(unit: Unit) -> None:
     for element in unit.root.iterfind("asset/model"):
         sub = _read(unit, str(element.get("file") or ""))
         if sub is not None:
-            _adopt(sub)
+            _adopt_options(sub)
             models[str(element.get("name") or sub.model)] = sub
     for attach in unit.root.iter("attach"):
         found = models.get(str(attach.get("model")))
@@ -121,13 +121,13 @@ def _read(unit: Unit, file: str) -> Unit | None:
 
 
 def _merge(unit: Unit, sub: Unit, compiler: Node) -> None:
-    have = written(unit)
-    for path, wanted in written(sub).items():
+    have = written_settings(unit)
+    for path, wanted in written_settings(sub).items():
         own = have.get(path)
         if path.startswith(_FLAG):
             value = None if wanted.value == default_of(path) else wanted.value
         elif path.startswith("option/") or (path in _BESIDES and own is None):
-            value = merged(path, own, wanted)
+            value = merge_values(path, own, wanted)
         else:
             value = None
         if value is not None:
@@ -150,9 +150,9 @@ def _write(unit: Unit, path: str, value: str, compiler: Node) -> None:
 def submodels(linking: Linking) -> None:
     """Bundle the sub-models of every unit below `assets/LABEL/models/`.
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = '<asset><model file="m.xml"/></asset>'
-    >>> after(submodels, part, files={"m.xml": '<mujoco model="hand"/>'})
+    >>> print_after(submodels, part, files={"m.xml": '<mujoco model="hand"/>'})
     part: <asset><model file="assets/part/models/m.xml" name="hand"/></asset>
     """
     policies = [linking.request.base_keyframes, *(part.keyframes for part in linking.parts)]
@@ -289,7 +289,7 @@ def _bundled_before(linking: Linking, unit: Unit, element: Node, file: str, mode
     files = {path: content for path, content in unit.contents.items() if path.startswith(start)}
     files = {path.removeprefix(folder): content for path, content in {file: model, **files}.items()}
     number, free = 1, folder
-    while any(not _alike(taken.get(free + path, content), content) for path, content in files.items()):
+    while any(not _same_bytes(taken.get(free + path, content), content) for path, content in files.items()):
         number += 1
         free = f"{folder}-{number}"
     element.set("file", free + file.removeprefix(folder))
@@ -301,7 +301,7 @@ def _bundled_before(linking: Linking, unit: Unit, element: Node, file: str, mode
         linking.files.append(FileUse(element, "file", free + path, source, data, shared=False))
 
 
-def _alike(one: bytes | Path, other: bytes | Path) -> bool:
+def _same_bytes(one: bytes | Path, other: bytes | Path) -> bool:
     """Return whether two files, in memory or on disk, have the same bytes."""
     if one == other:
         return True
@@ -324,7 +324,7 @@ def _free(linking: Linking, path: str, source: str) -> str:
     return free
 
 
-def _admitted(linking: Linking, sub: Unit, element: Node, attribute: str, written: str) -> Passed | None:
+def _readable_file(linking: Linking, sub: Unit, element: Node, attribute: str, written: str) -> Passed | None:
     try:
         return sub.door.admit(join(str(sub.directory), written))
     except Refused as refused:
@@ -340,12 +340,12 @@ def _own_files(linking: Linking, sub: Unit, path: str, keyed: bool, above: tuple
         written = written_path(sub.settings, element, file)
         known = sub.contents.get(written)
         if known is None:
-            source = _admitted(linking, sub, element, attribute, written)
+            source = _readable_file(linking, sub, element, attribute, written)
         else:
             source = held(known if isinstance(known, Path) else join(str(sub.directory), written))
         if source is None:
             continue
-        below = name = inside(sub.settings, written)
+        below = name = path_in_assets(sub.settings, written)
         number = 1
         while taken.setdefault(name.lower(), source) != source:
             number += 1

@@ -150,7 +150,7 @@ def side_of_world(element: Node) -> str | None:
     return "body1" if first == WORLD else "body2" if second == WORLD else None
 
 
-class Concern:
+class SideFinder:
     """Finds the side of elements from the names they refer to, directly or through others.
 
     A sensor may, for example, refer to an actuator that refers to a joint.
@@ -279,7 +279,7 @@ _ALSO_SETTLED = ("inertiafromgeom", "inertiagrouprange")
 
 
 @dataclass(frozen=True, slots=True)
-class Left:
+class DroppedElement:
     """One thing that is left behind: its kind, its name and, if it reaches into the subtree, what it lacks."""
 
     what: str
@@ -300,10 +300,10 @@ class Subtree:
     """
 
     body: str | None
-    left: tuple[Left, ...]
+    left: tuple[DroppedElement, ...]
 
     @property
-    def cut(self) -> tuple[Left, ...]:
+    def cut(self) -> tuple[DroppedElement, ...]:
         """The elements that belong to both the subtree and the rest, and would have been cut in two."""
         return tuple(each for each in self.left if each.lacks is not None)
 
@@ -337,12 +337,12 @@ def take_subtree(
         each for top in unit.root.iterchildren("worldbody") for each in top.iter("*") if each not in kept
     ]
     in_world = next(body.iterancestors("body"), None) is None
-    concern = Concern(unit, inside, outside, in_world=in_world)
+    concern = SideFinder(unit, inside, outside, in_world=in_world)
     left = [*_named(outside), *_cut_in_the_tree(concern, unit, inside)]
     _make_root(unit, body)
     left += _leave_sections(unit, concern)
     left += _leave_keys(unit, rows)
-    left += (Left(word(namespace), each) for namespace, each in drop_unneeded(unit))
+    left += (DroppedElement(word(namespace), each) for namespace, each in drop_unneeded(unit))
     unit.forget_classes()
     return Subtree(name, tuple(left))
 
@@ -386,7 +386,7 @@ def _settle_mass(linking: Linking) -> None:
 # -- the body tree ----------------------------------------------------------------------------------------------
 
 
-def _named(elements: Iterable[Node]) -> Iterator[Left]:
+def _named(elements: Iterable[Node]) -> Iterator[DroppedElement]:
     """Yield the elements of the body tree that are left out, without frames and elements that only shape others."""
     for element in elements:
         if element.tag in ("worldbody", "frame", "replicate"):
@@ -402,31 +402,34 @@ def _named(elements: Iterable[Node]) -> Iterator[Left]:
             "camera",
         ):
             tag = str(element.tag)
-            yield Left("joint" if tag == "freejoint" else tag, declared[1] if declared else "")
+            yield DroppedElement("joint" if tag == "freejoint" else tag, declared[1] if declared else "")
 
 
-def _cut_in_the_tree(concern: Concern, unit: Unit, inside: list[Node]) -> Iterator[Left]:
+def _cut_in_the_tree(concern: SideFinder, unit: Unit, inside: list[Node]) -> Iterator[DroppedElement]:
     """Yield the cameras and lights of the subtree that look at a body outside of it."""
     for element in inside:
         if element.tag not in ("camera", "light"):
             continue
         side, lacks = concern.of(element, "worldbody")
         if side is Side.OUTSIDE:
-            yield _cut(element, "worldbody", lacks, unit)
+            yield _cut_element(element, "worldbody", lacks, unit)
             concern.leave(element)
             parent = element.getparent()
             assert parent is not None
             parent.remove(element)
 
 
-def _cut(element: Node, section: str, lacks: str, unit: Unit) -> Left:
+def _cut_element(element: Node, section: str, lacks: str, unit: Unit) -> DroppedElement:
     declared = declaration(element, section)
-    return Left(
-        _what(element, section), declared[1] if declared else "", lacks, unit.origins.span(element, unit.file)
+    return DroppedElement(
+        _kind_word(element, section),
+        declared[1] if declared else "",
+        lacks,
+        unit.origins.span(element, unit.file),
     )
 
 
-def _what(element: Node, section: str) -> str:
+def _kind_word(element: Node, section: str) -> str:
     """Return the word for an element: its namespace if its tag is ambiguous (`joint` of an equality), else its tag."""
     declared = declaration(element, section)
     if section in ("contact", "worldbody"):
@@ -466,26 +469,28 @@ def _make_root(unit: Unit, body: Node) -> None:
 # -- what stands outside of it ----------------------------------------------------------------------------------
 
 
-def _leave_sections(unit: Unit, concern: Concern) -> Iterator[Left]:
+def _leave_sections(unit: Unit, concern: SideFinder) -> Iterator[DroppedElement]:
     """Remove and yield every element of the other sections that does not belong to the subtree alone."""
-    going: list[tuple[Node, Left]] = []
+    going: list[tuple[Node, DroppedElement]] = []
     staying: list[tuple[Node, str]] = []
     for section in list(unit.root.iterchildren("*")):
         tag = str(section.tag)
         if tag in _OF_THE_WHOLE:
-            yield from _strip(section, looks=next(unit.root.iter("camera"), None) is not None)
+            yield from _strip_section(section, looks=next(unit.root.iter("camera"), None) is not None)
             continue
         for element in section.iterchildren("*") if tag in _SECTIONS else ():
             if tag == "asset" and element.tag != "skin":
                 continue
             side, lacks = concern.of(element, tag)
             if side is Side.BOTH:
-                going.append((element, _cut(element, tag, lacks, unit)))
+                going.append((element, _cut_element(element, tag, lacks, unit)))
             elif side is Side.INSIDE:
                 staying.append((element, tag))
             else:
                 declared = declaration(element, tag)
-                going.append((element, Left(_what(element, tag), declared[1] if declared else "")))
+                going.append(
+                    (element, DroppedElement(_kind_word(element, tag), declared[1] if declared else ""))
+                )
     needed = concern.needed_by(staying)
     for element, left in going:  # only now: what an element concerns is found by way of others
         if element in needed:
@@ -499,13 +504,13 @@ def _leave_sections(unit: Unit, concern: Concern) -> Iterator[Left]:
             unit.root.remove(section)
 
 
-def _strip(section: Node, looks: bool) -> Iterator[Left]:
+def _strip_section(section: Node, looks: bool) -> Iterator[DroppedElement]:
     """Remove from a section of the whole model what no body needs. A camera needs `znear` for its intrinsics."""
     root, tag = section.getparent(), str(section.tag)
     assert root is not None
     if section.attrib:
         section.attrib.clear()
-        yield Left("setting", tag)
+        yield DroppedElement("setting", tag)
     for child in list(section):
         near = child.get("znear") if looks and child.tag == "map" else None
         if near is not None:  # the element itself, which knows its line
@@ -514,7 +519,7 @@ def _strip(section: Node, looks: bool) -> Iterator[Left]:
             continue
         section.remove(child)
         if isinstance(child.tag, str):
-            yield Left("setting", f"{tag}/{child.tag}")
+            yield DroppedElement("setting", f"{tag}/{child.tag}")
     if not len(section):
         root.remove(section)
 
@@ -545,7 +550,7 @@ def _rows(linking: Linking, policy: KeyPolicy) -> _Rows:
     }
 
 
-def _leave_keys(unit: Unit, rows: _Rows) -> Iterator[Left]:
+def _leave_keys(unit: Unit, rows: _Rows) -> Iterator[DroppedElement]:
     """Keep the numbers of each key that belong to the subtree. Remove and yield the keys without such numbers."""
     staying = set(unit.root.iter("*"))
     for key, vectors in rows.items():
@@ -569,7 +574,7 @@ def _leave_keys(unit: Unit, rows: _Rows) -> Iterator[Left]:
             section = key.getparent()
             assert section is not None
             section.remove(key)
-            yield Left("key", str(key.get("name") or ""))
+            yield DroppedElement("key", str(key.get("name") or ""))
     for section in list(unit.root.iterchildren("keyframe")):
         if next(section.iterchildren("*"), None) is None:
             unit.root.remove(section)

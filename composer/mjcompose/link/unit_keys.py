@@ -2,7 +2,7 @@
 
 The meaning of keys, noted where they are read and written, without any layout.
 
-`Bare` is a model with little more than its joints, actuators and mocap bodies. MuJoCo compiles it in a moment, with
+`BareModel` is a model with little more than its joints, actuators and mocap bodies. MuJoCo compiles it in a moment, with
 the same names and addresses as the whole model, so that it says what each number of a key is of. `KeyNotes` has the
 bare source of every key, and what the recipes write and edit: `verify/kept_keys.py` compares the finished keys with it.
 
@@ -26,8 +26,8 @@ from mjcompose.base.rotation import Pose
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import BLOCK, Copy, Layout, Slot, Unknown, element_of, ends_of_copies, lay_out
 from mjcompose.link.key_layout import Holder as LayoutHolder
-from mjcompose.link.linking import Linking, Written
-from mjcompose.link.measure import attached, is_measured, widths
+from mjcompose.link.linking import Linking, WrittenKey
+from mjcompose.link.measure import attached_slots, flexible_widths, is_measured
 from mjcompose.model.files import read_settings
 from mjcompose.model.unit import KeyRecord, KeySource, Number, Unit, numbers_of, texts
 
@@ -55,7 +55,7 @@ _INERTIA = {"pos": "0 0 0", "mass": "1", "diaginertia": "1 1 1"}
 
 
 @dataclass(eq=False, slots=True)
-class Bare:
+class BareModel:
     """A model as text, with the element of each name in it. `rows` has the length of each row of each key.
 
     `moves` are the poses of the parts that it has become part of, innermost first; `file` is its name in messages.
@@ -93,17 +93,17 @@ class KeyNotes:
     becomes, each with its origin.
     """
 
-    sources: dict[Node, list[Bare]] = field(default_factory=dict)
-    written: dict[Node, Written] = field(default_factory=dict)
+    sources: dict[Node, list[BareModel]] = field(default_factory=dict)
+    written: dict[Node, WrittenKey] = field(default_factory=dict)
     edited: set[Node] = field(default_factory=set)
     copied: dict[Node, tuple[Node, tuple[Node, int]]] = field(default_factory=dict)
 
-    def read(self, unit: Unit) -> None:
+    def note_source(self, unit: Unit) -> None:
         """Note what the keys of a source mean, as it is in its file."""
-        if keys_of(unit) and (found := bare(unit)) is not None:
+        if keys_of(unit) and (found := bare_model(unit)) is not None:
             self.sources[unit.root] = [found]
 
-    def join(self, linking: Linking) -> None:
+    def note_joined(self, linking: Linking) -> None:
         """Note that the parts have become part of the base, where their places move what is in the world."""
         joined = self.sources.setdefault(linking.base.root, [])
         for part in linking.parts:
@@ -114,7 +114,7 @@ class KeyNotes:
             joined += found
         self.copied |= linking.notes.copied
 
-    def add(self, linking: Linking) -> None:
+    def note_written(self, linking: Linking) -> None:
         """Note what a recipe has written into keys, and has edited in them."""
         self.written |= linking.keys.noted
         self.edited |= linking.keys.edited_keys
@@ -128,7 +128,7 @@ class KeyNotes:
         return node, within
 
 
-def bare(unit: Unit) -> Bare | None:
+def bare_model(unit: Unit) -> BareModel | None:
     """Return the bare model of a unit, or None if MuJoCo needs more than the tree."""
     root = unit.root
     if next(root.iter(*_BEYOND), None) is not None:
@@ -136,7 +136,7 @@ def bare(unit: Unit) -> Bare | None:
     flexes = list(root.iter("flexcomp"))
     if any(flex.get("file") or flex.get("mesh") for flex in flexes):
         return None
-    found = Bare(
+    found = BareModel(
         unit.file, "", {}, {str(flex.get("name") or ""): (flex, _copies(flex)) for flex in flexes}, {}
     )
     made = root.makeelement("mujoco")
@@ -157,23 +157,23 @@ def bare(unit: Unit) -> Bare | None:
     return found
 
 
-def _extension(section: Node, made: Node, found: Bare) -> None:
+def _extension(section: Node, made: Node, found: BareModel) -> None:
     made.append(copy.copy(section))
 
 
-def _default(section: Node, made: Node, found: Bare) -> None:
-    own = _only(section, made, ("class",))
+def _default(section: Node, made: Node, found: BareModel) -> None:
+    own = _with_attributes(section, made, ("class",))
     for child in section.iterchildren("*"):
         if child.tag == "default":
             _default(child, own, found)
         elif child.tag == "joint":
-            own.append(_only(child, own, _KEPT["joint"]))
+            own.append(_with_attributes(child, own, _KEPT["joint"]))
         elif child.tag in _ACTUATORS:
             own.append(_actuator(child, own))
     made.append(own)
 
 
-def _worldbody(section: Node, made: Node, found: Bare) -> None:
+def _worldbody(section: Node, made: Node, found: BareModel) -> None:
     # Spatial tendons wrap around them.
     tree = section.getroottree().getroot()
     wrapped = {str(each.get("geom")) for each in tree.iterfind("tendon/spatial/geom")}
@@ -182,14 +182,14 @@ def _worldbody(section: Node, made: Node, found: Bare) -> None:
     made.append(own)
 
 
-def _tree(source: Node, made: Node, found: Bare, wrapped: set[str], around: tuple[Node, ...]) -> None:
+def _tree(source: Node, made: Node, found: BareModel, wrapped: set[str], around: tuple[Node, ...]) -> None:
     """Copy what is in a body. `around` are the replicates around it, innermost first."""
     if made.tag == "body":
         made.append(made.makeelement("inertial", _INERTIA))
     for child in source.iterchildren("*"):
         tag = str(child.tag)
         if tag in _KEPT:
-            own = _only(child, made, _KEPT[tag])
+            own = _with_attributes(child, made, _KEPT[tag])
             if tag in ("body", "joint", "freejoint"):
                 _name(child, own, "joint" if tag == "freejoint" else tag, found, around)
             made.append(own)
@@ -211,16 +211,16 @@ def _tree(source: Node, made: Node, found: Bare, wrapped: set[str], around: tupl
             )
 
 
-def _tendon(section: Node, made: Node, found: Bare) -> None:
+def _tendon(section: Node, made: Node, found: BareModel) -> None:
     own = made.makeelement("tendon")
     for tendon in section.iterchildren("*"):
-        each = _only(tendon, own, ("name",))
+        each = _with_attributes(tendon, own, ("name",))
         each.extend(copy.copy(child) for child in tendon.iterchildren("*"))
         own.append(each)
     made.append(own)
 
 
-def _actuators(section: Node, made: Node, found: Bare) -> None:
+def _actuators(section: Node, made: Node, found: BareModel) -> None:
     # Those that act on something in a replicate are multiplied with it, also by a tendon.
     tree = section.getroottree().getroot()
     multiplied: dict[str, list[Node]] = {}
@@ -263,7 +263,7 @@ _ACTUATORS = frozenset(
 )
 
 
-def _only(source: Node, made: Node, names: tuple[str, ...] | None) -> Node:
+def _with_attributes(source: Node, made: Node, names: tuple[str, ...] | None) -> Node:
     """Return an element with only these attributes of another one, or with all of them."""
     attributes = {
         str(name): str(value) for name, value in source.attrib.items() if names is None or str(name) in names
@@ -271,7 +271,7 @@ def _only(source: Node, made: Node, names: tuple[str, ...] | None) -> Node:
     return made.makeelement(str(source.tag), attributes)
 
 
-def _name(source: Node, made: Node, kind: str, found: Bare, around: tuple[Node, ...]) -> None:
+def _name(source: Node, made: Node, kind: str, found: BareModel, around: tuple[Node, ...]) -> None:
     """Note the names that MuJoCo gives to the copies of an element, after giving it one if it has none."""
     name = str(source.get("name") or f"{MARK}{len(found.named)}{MARK}")
     made.set("name", name)
@@ -279,7 +279,7 @@ def _name(source: Node, made: Node, kind: str, found: Bare, around: tuple[Node, 
     _note_copies(source, name, kind, found, around)
 
 
-def _note_copies(source: Node, name: str, kind: str, found: Bare, around: tuple[Node, ...]) -> None:
+def _note_copies(source: Node, name: str, kind: str, found: BareModel, around: tuple[Node, ...]) -> None:
     for end, within in ends_of_copies(around).items():
         found.named.setdefault((kind, name + end), (source, frozenset(within)))
 
@@ -297,9 +297,9 @@ def layouts(linking: Linking) -> None:
 
     Keys that `nkey` asks for stay with their part when they are written:
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = '<size nkey="1"/>'
-    >>> after(layouts, part)
+    >>> print_after(layouts, part)
     part: <size/>
     part: <keyframe><key/></keyframe>
     """
@@ -309,7 +309,7 @@ def layouts(linking: Linking) -> None:
         if part.keyframes != "none":
             linking.keys.attached += [
                 (part, each)
-                for each, slot in attached(linking, part.unit).items()
+                for each, slot in attached_slots(linking, part.unit).items()
                 if slot.keys and (slot.free or slot.mocaps)
             ]
     keeping = [part for part in linking.parts if part.keyframes != "none" and keys_of(part.unit)]
@@ -427,13 +427,13 @@ def _layout_of(linking: Linking, unit: Unit) -> Layout | None:
 def _measured_layout(linking: Linking, unit: Unit) -> Layout | None:
     """Return a layout with the widths and references that only MuJoCo knows, or None after a reported error."""
     try:
-        known = widths(linking, unit)
+        known = flexible_widths(linking, unit)
         if known is None:
             return None
         linking.keys.measured.update(known)
         return lay_out(unit, known)
     except Unknown as unknown:
-        not_laid_out(linking, unit, unknown)
+        report_not_laid_out(linking, unit, unknown)
         return None
 
 
@@ -446,10 +446,10 @@ def final_layout(linking: Linking) -> Layout | None:
     try:
         return lay_out(linking.base, known)
     except Unknown as unknown:
-        return _measured_anew(linking, known, unknown)
+        return _measure_again(linking, known, unknown)
 
 
-def refer_anew(linking: Linking, layout: Layout) -> None:
+def measure_references_again(linking: Linking, layout: Layout) -> None:
     """Measure the references that only MuJoCo knows again if the recipe added some or may have changed them."""
     joints = (
         linking.keys.edited or joint not in linking.keys.references
@@ -462,10 +462,10 @@ def refer_anew(linking: Linking, layout: Layout) -> None:
         if isinstance(holder, Copy) or holder.tag != "body"
     )
     if any(joints) or any(mocaps):
-        _measured_anew(linking, {}, None)
+        _measure_again(linking, {}, None)
 
 
-def _measured_anew(linking: Linking, known: Mapping[Node, Slot], unknown: Unknown | None) -> Layout | None:
+def _measure_again(linking: Linking, known: Mapping[Node, Slot], unknown: Unknown | None) -> Layout | None:
     """Measure what the recipe has added or changed, on the finished model without its keys."""
     unit = linking.flat()
     # MuJoCo refuses keys whose rows do not fit the model any more.
@@ -473,10 +473,10 @@ def _measured_anew(linking: Linking, known: Mapping[Node, Slot], unknown: Unknow
     for section in sections:
         unit.root.remove(section)
     try:
-        found = widths(linking, unit)
+        found = flexible_widths(linking, unit)
         return None if found is None else lay_out(linking.base, {**found, **known})
     except Unknown as still:
-        not_laid_out(linking, linking.base, unknown or still)
+        report_not_laid_out(linking, linking.base, unknown or still)
         return None
     finally:
         for section in sections:
@@ -498,7 +498,7 @@ def _slots(linking: Linking) -> dict[Node, Slot]:
     return known
 
 
-def not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
+def report_not_laid_out(linking: Linking, unit: Unit, unknown: Unknown) -> None:
     """Report that the keys of a unit cannot be laid out."""
     tag = unknown.element.tag
     leave_out = "leave the keys out: `drop: [key]`"

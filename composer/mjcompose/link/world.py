@@ -29,10 +29,10 @@ def roots(linking: Linking) -> None:
 
     `weld` takes away the free joint of a part:
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = '<worldbody><body><freejoint/><geom size=".1"/></body></worldbody>'
     >>> base = '<worldbody><body><site name="tool"/></body></worldbody>'
-    >>> after(roots, part, base, on="tool", weld=True)
+    >>> print_after(roots, part, base, on="tool", weld=True)
     part: <worldbody><body><geom size=".1"/></body></worldbody>
     """
     for part in linking.parts:
@@ -60,10 +60,10 @@ def roots(linking: Linking) -> None:
 def check_roots(linking: Linking) -> None:
     """Refuse free joints, mocap bodies and planes below a body. Frames of the world are not bodies.
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = '<worldbody><body><freejoint/><geom size=".1"/></body></worldbody>'
     >>> base = '<worldbody><body><site name="tool"/></body></worldbody>'
-    >>> after(check_roots, part, base, on="tool")  # doctest: +ELLIPSIS
+    >>> print_after(check_roots, part, base, on="tool")  # doctest: +ELLIPSIS
     error: `p/` has a free joint at its root...
     """
     # MuJoCo 4.0: "free joint can only be used on top level". A frame of the world is no body:
@@ -78,7 +78,7 @@ def check_roots(linking: Linking) -> None:
         if _moves(geom):
             linking.sink.error(
                 "plane-on-body",
-                f"`{part.called}` brings a plane and is attached {_where(part)}, which moves: "
+                f"`{part.called}` brings a plane and is attached {_place_words(part)}, which moves: "
                 "MuJoCo allows planes only on what is static",
                 part.place.span or part.span or linking.span(part.unit, geom),
                 notes=(Note("the plane", linking.span(linking.base, geom)),),
@@ -109,7 +109,7 @@ def _own_joints(body: Node) -> Iterator[Node]:
     yield from (child for child in through_frames(body) if child.tag in ("freejoint", "joint"))
 
 
-def _where(part: Part) -> str:
+def _place_words(part: Part) -> str:
     if part.place.kind == "world":
         return f"to the body that `{_added_by(part)}` gives it"
     return f"to the {part.place.kind} `{part.place.name}`"
@@ -138,7 +138,7 @@ def _free_joint(linking: Linking, part: Part, joint: Node, called: str, alone: b
         help = f"write `{drop}` so that it moves by the `joint` that is added alone, or {help.removeprefix('write ')}"
     linking.sink.error(
         "freejoint-on-body",
-        f"`{part.called}` has a free joint at its root and cannot be attached {_where(part)}: "
+        f"`{part.called}` has a free joint at its root and cannot be attached {_place_words(part)}: "
         "MuJoCo allows free joints only in the world",
         part.place.span or part.span or linking.span(part.unit, joint),
         notes=(Note(f"the free joint of {called}", linking.span(part.unit, joint)),),
@@ -150,7 +150,7 @@ def _free_joint(linking: Linking, part: Part, joint: Node, called: str, alone: b
 def _mocap(linking: Linking, part: Part, body: Node, called: str, alone: bool) -> None:
     linking.sink.error(
         "mocap-on-body",
-        f"`{part.called}` has a mocap body at its root and cannot be attached {_where(part)}: "
+        f"`{part.called}` has a mocap body at its root and cannot be attached {_place_words(part)}: "
         "MuJoCo allows mocap bodies only in the world",
         part.place.span or part.span or linking.span(part.unit, body),
         notes=(Note(f"the mocap {called}", linking.span(part.unit, body)),),
@@ -203,12 +203,12 @@ def worlds(linking: Linking) -> None:
     MuJoCo's own attach leaves all of this as it is: in 4.0 a `<weld body1="b"/>` pulls an attached part back to where
     it is in its file, and on a moving body it nails the part to the world.
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = (
     ...     '<worldbody><body name="b"><freejoint/><geom size=".1"/></body></worldbody>'
     ...     '<equality><connect body1="world" body2="b" anchor="0 0 1"/></equality>'
     ... )
-    >>> after(worlds, part, '<worldbody><site name="s" pos="3 0 0"/></worldbody>', on="s")
+    >>> print_after(worlds, part, '<worldbody><site name="s" pos="3 0 0"/></worldbody>', on="s")
     part: <equality><connect body1="world" body2="p/b" anchor="3 0 1"/></equality>
     """
     degrees, sequence = model_angle(linking) == "degree", linking.base.settings.eulerseq
@@ -217,7 +217,7 @@ def worlds(linking: Linking) -> None:
             pose, holder, copied = pose_below(part.content, degrees, sequence)
             named = holder.get("name") if holder not in linking.notes.nameless else ""
             name = WORLD if holder.tag == "worldbody" else str(named or "")
-            hung = _Hung(part, pose, holder, name, copied)
+            hung = _MovedWorld(part, pose, holder, name, copied)
             if copied is not None or holder.tag == "body" or not pose.is_identity:
                 _rename_world(linking, hung)
                 _check_targets(linking, hung)
@@ -226,7 +226,7 @@ def worlds(linking: Linking) -> None:
             _check_flexes(linking, hung)
 
 
-class _Hung(NamedTuple):
+class _MovedWorld(NamedTuple):
     """A part, the pose of its world in the body or the world that holds it, and a `<replicate>` between the two.
 
     `name` is that of the body, "" if it has none.
@@ -239,7 +239,7 @@ class _Hung(NamedTuple):
     copied: Node | None
 
 
-def _rename_world(linking: Linking, hung: _Hung) -> None:
+def _rename_world(linking: Linking, hung: _MovedWorld) -> None:
     """Change every reference to the world outside the body tree, and what equalities measure in it."""
     refused: list[Node] = []
     for section in hung.part.unit.root.iterchildren(*_APPENDED):
@@ -254,14 +254,14 @@ def _rename_world(linking: Linking, hung: _Hung) -> None:
                 refused.append(element)
                 continue
             if side is not None:
-                _carry(element, side, hung)
+                _carry_constraint(element, side, hung)
             for node, attribute in named if hung.name != WORLD else ():
                 node.set(attribute, hung.name)
     if refused:
         _refuse(linking, hung, refused)
 
 
-def _refuse(linking: Linking, hung: _Hung, found: list[Node]) -> None:
+def _refuse(linking: Linking, hung: _MovedWorld, found: list[Node]) -> None:
     part, first = hung.part, found[0]
     named = f" `{first.get('name')}`" if first.get("name") else ""
     more = f" ({len(found) - 1} more such elements)" if len(found) > 1 else ""
@@ -284,13 +284,13 @@ def _refuse(linking: Linking, hung: _Hung, found: list[Node]) -> None:
     )
 
 
-def _carry(element: Node, side: str, hung: _Hung) -> None:
+def _carry_constraint(element: Node, side: str, hung: _MovedWorld) -> None:
     """Move what a `connect` or a `weld` measures in the part's world into the frame of the body that holds the part."""
     pose = hung.pose
     element.set(side, hung.name)
     if element.tag == "connect":
         if side == "body1":  # the anchor is in the frame of the first body
-            element.set("anchor", _moved(element, pose))
+            element.set("anchor", _moved_pose(element, pose))
         return
     relative = numbers.read(str(element.get("relpose") or "")) or [0.0] * 7
     point, turn = (relative[0], relative[1], relative[2]), relative[3:]
@@ -305,15 +305,15 @@ def _carry(element: Node, side: str, hung: _Hung) -> None:
         )
         element.set("relpose", numbers.text([*point, *quat]))
     if side == "body2":
-        element.set("anchor", _moved(element, pose))
+        element.set("anchor", _moved_pose(element, pose))
 
 
-def _moved(element: Node, pose: Pose) -> str:
+def _moved_pose(element: Node, pose: Pose) -> str:
     x, y, z = numbers.read(str(element.get("anchor") or "")) or (0.0, 0.0, 0.0)
     return numbers.text((pose @ Pose((x, y, z))).pos)
 
 
-def _check_attached(linking: Linking, hung: _Hung) -> None:
+def _check_attached(linking: Linking, hung: _MovedWorld) -> None:
     """Report equalities with the world in a model that the part attaches itself: MuJoCo leaves them where they are."""
     models = {str(each.get("name")): each for each in hung.part.unit.root.iterfind("asset/model")}
     assert hung.part.content is not None
@@ -339,7 +339,7 @@ def _check_attached(linking: Linking, hung: _Hung) -> None:
             break
 
 
-def _check_targets(linking: Linking, hung: _Hung) -> None:
+def _check_targets(linking: Linking, hung: _MovedWorld) -> None:
     """Warn of cameras and lights that look at the world's origin, which no longer is that of the part."""
     assert hung.part.content is not None
     for element in hung.part.content.iter("camera", "light"):
@@ -353,7 +353,7 @@ def _check_targets(linking: Linking, hung: _Hung) -> None:
                   "add a body there in the part, and let it look at that")  # fmt: skip
 
 
-def _check_free_motors(linking: Linking, hung: _Hung, degrees: bool, sequence: str) -> None:
+def _check_free_motors(linking: Linking, hung: _MovedWorld, degrees: bool, sequence: str) -> None:
     """Warn of actuators that push a free body of a turned part along the axes of the world."""
     assert hung.part.content is not None
     found = hung.part.unit.root.findall("actuator/*")
@@ -378,7 +378,7 @@ def _check_free_motors(linking: Linking, hung: _Hung, degrees: bool, sequence: s
                   "let it act on a site of the body: its `gear` is in the axes of the site")  # fmt: skip
 
 
-def _check_flexes(linking: Linking, hung: _Hung) -> None:
+def _check_flexes(linking: Linking, hung: _MovedWorld) -> None:
     """Warn of flexes in the world of a moved part that MuJoCo lays out by axes or the origin of what holds the part.
 
     MuJoCo 4.0 moves the vertices with the frame around the flex, and makes slides and nodes of them afterwards. Three
@@ -415,10 +415,10 @@ def _warn(linking: Linking, part: Part, element: Node, what: str, help: str) -> 
 def sections(linking: Linking) -> None:
     """Move the remaining sections of every part into the base's.
 
-    >>> from mjcompose.link.link import after
+    >>> from mjcompose.link.link import print_after
     >>> part = '<worldbody><site name="s"/></worldbody><sensor><gyro site="s"/></sensor>'
     >>> base = '<sensor><clock/></sensor>'
-    >>> after(sections, part, base)
+    >>> print_after(sections, part, base)
     model: <sensor><clock/><gyro site="p/s"/></sensor>
     """
     for part in linking.parts:

@@ -13,7 +13,7 @@ from mjcompose.base.diagnostic import Note
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note, unknown_attribute
 from mjcompose.link.angles import model_angle
-from mjcompose.link.linking import Joint, Linking, Part, Place
+from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part
 from mjcompose.link.numbers import joint_radians, read, read_pose
 from mjcompose.link.numbers import text as number_text
 from mjcompose.link.settings import INSTEAD_OF_MEMORY
@@ -315,11 +315,11 @@ class Mounting:
 
     def _place(
         self, attachment: Attachment, host: Node, unit: Unit, prefix: str, own: _Mounted | None
-    ) -> Place:
+    ) -> AttachmentPlace:
         offset = _offset(attachment.frame, unit)
         if host.tag == WORLD_SECTION:
             if own is None:
-                return Place("world", None, offset)
+                return AttachmentPlace("world", None, offset)
             outer = own.part.place
             if outer.kind == "world" and not own.attachment.is_body:
                 return replace(outer, offset=_combined(outer.offset, offset))
@@ -331,7 +331,7 @@ class Mounting:
         if not host.get("name"):
             host.set("name", _free_name(attachment.parent.names, kind, len(self.named)))
             self.named.append(host)
-        return Place(kind, prefix + str(host.get("name")), offset)  # type: ignore[arg-type]
+        return AttachmentPlace(kind, prefix + str(host.get("name")), offset)  # type: ignore[arg-type]
 
     def add_joints(self, linking: Linking) -> None:
         """Set the joints of each part from its attachment frame. The linker must have named the top classes before."""

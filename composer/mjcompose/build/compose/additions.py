@@ -91,7 +91,7 @@ def _check_mass(step: AddElement, node: Node, linking: Linking, making: ElementB
 
 def _report_no_target(step: AddElement, linking: Linking, making: ElementBuilder) -> None:
     written = "to: {frame: {}}" if step.to_kind == "frame" else "to: {}"
-    later = linking.later_places.stands_on(step.to_kind, step.to) if linking.later_places else None
+    later = linking.later_places.target_of(step.to_kind, step.to) if linking.later_places else None
     if later is not None:
         making.sink.error(
             "unknown-name",
@@ -149,7 +149,7 @@ class EarlyAdditions:
     def make(self, kind: str, name: str) -> list[Place]:
         """Make a place and what it is added to. Return all that this makes, nothing if it cannot be made yet."""
         steps = steps_adding(self.places, kind, name, done=self.done)
-        if not steps or not self._stands(steps[0]):
+        if not steps or not self._is_ready(steps[0]):
             return []
         for step in steps:
             # What the pass has done so far is its own, for those who watch.
@@ -172,12 +172,12 @@ class EarlyAdditions:
         steps = steps_adding(self.places, kind, name, done=self.done)
         return (steps[0].to_kind, steps[0].to) if steps else None
 
-    def stands_on(self, kind: str, name: str) -> tuple[str, Span] | None:
+    def target_of(self, kind: str, name: str) -> tuple[str, Span] | None:
         """Return what a place is added to and where its name is written, or None if no entry adds it."""
         steps = steps_adding(self.places, kind, name)
         return (steps[0].to, self.places[kind, name].span) if steps else None
 
-    def _stands(self, step: AddElement) -> bool:
+    def _is_ready(self, step: AddElement) -> bool:
         if step.to_kind == "world":
             return True
         holder = self.linking.names.find(step.to_kind, step.to)

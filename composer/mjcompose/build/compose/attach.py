@@ -33,9 +33,9 @@ from mjcompose.language.used_model import Edit
 from mjcompose.language.verbs.table import VERBS
 from mjcompose.link import numbers
 from mjcompose.link.bodies import effective_pose
-from mjcompose.link.linking import Joint, Linking, Part, Place, Sense
+from mjcompose.link.linking import AttachmentPlace, Joint, Linking, Part, Sense
 from mjcompose.link.numbers import pose_in_world, read_pose
-from mjcompose.link.replicates import row
+from mjcompose.link.replicates import copy_poses
 from mjcompose.link.world import floats_by_itself
 from mjcompose.model.classes import MAIN
 from mjcompose.model.cost import scaled_above
@@ -54,7 +54,7 @@ def copy_pose(step: AttachPart, making: ElementBuilder) -> Pose:
     for number, axis in zip(step.copy, step.attachment.replicate, strict=True):
         x, y, z = (pose_number(value) for value in axis.offset)
         angles = tuple(in_radians(angle, settings) for angle in axis.euler)
-        pose = pose @ row(axis.count, (x, y, z), angles, sequence=settings.eulerseq)[number]
+        pose = pose @ copy_poses(axis.count, (x, y, z), angles, sequence=settings.eulerseq)[number]
     return pose
 
 
@@ -328,7 +328,7 @@ def check_joints(step: AttachPart, linking: Linking, making: ElementBuilder) -> 
             check_class(linking, making.sink, str(name), span=making.span(element, "class"))
 
 
-def _place_of(step: AttachPart, making: ElementBuilder) -> Place:
+def _place_of(step: AttachPart, making: ElementBuilder) -> AttachmentPlace:
     attachment = step.attachment
     offset: dict[str, str] = {}
     written: dict[str, Span] = {}
@@ -363,11 +363,13 @@ def _place_of(step: AttachPart, making: ElementBuilder) -> Place:
         if name == "world" and kind == "body":
             break
         if name is not None:
-            return Place(kind, name, offset, span=locate(making.document, (*step.at, kind)), written=written)
-    return Place("world", None, offset, written=written)
+            return AttachmentPlace(
+                kind, name, offset, span=locate(making.document, (*step.at, kind)), written=written
+            )
+    return AttachmentPlace("world", None, offset, written=written)
 
 
-def _mate(place: Place, step: AttachPart, unit: Unit, making: ElementBuilder) -> Place:
+def _mate(place: AttachmentPlace, step: AttachPart, unit: Unit, making: ElementBuilder) -> AttachmentPlace:
     """Return the place moved so that the part's site, body or frame `mate` lies on it instead of the part's origin."""
     name = step.attachment.mate
     named = [
@@ -399,8 +401,12 @@ def _mate(place: Place, step: AttachPart, unit: Unit, making: ElementBuilder) ->
 
 
 def _at_key(
-    place: Place, pose: Pose, key: Literal["mate", "replicate"], step: AttachPart, making: ElementBuilder
-) -> Place:
+    place: AttachmentPlace,
+    pose: Pose,
+    key: Literal["mate", "replicate"],
+    step: AttachPart,
+    making: ElementBuilder,
+) -> AttachmentPlace:
     """Return the place with the offset of a key of the part."""
     offset = _written(pose)
     span = locate(making.document, (*step.at, key), key=True)

@@ -70,7 +70,7 @@ from mjcompose.build.plan.steps import (
     WriteKeyframe,
 )
 from mjcompose.language.form import check_rows
-from mjcompose.link.agreement import SINGLETONS, common_settings, of_base, opinions, set_value
+from mjcompose.link.agreement import SINGLETONS, common_settings, of_base, requested_settings, set_value
 from mjcompose.link.angles import model_angle
 from mjcompose.link.files import add_file
 from mjcompose.link.key_layout import joint_type
@@ -78,7 +78,7 @@ from mjcompose.link.link import finish, link
 from mjcompose.link.linking import FileUse, Linking, Measure, Request
 from mjcompose.link.measure import measure_with
 from mjcompose.link.replicates import spare_added
-from mjcompose.link.source_check import STUMBLES, check_source, put_right
+from mjcompose.link.source_check import INVALID_SOURCE, check_source, repair
 from mjcompose.link.submodels import add_named_file, attached_size
 from mjcompose.link.unit_keys import KeyNotes, remove_keys
 from mjcompose.model.classes import MAIN
@@ -213,7 +213,7 @@ class Composer:
         """Return the result of the work, or None if it fails because of a source that is not valid MJCF."""
         try:
             return work(self)
-        except STUMBLES:
+        except INVALID_SOURCE:
             library = dict(self._reread_sources(plan, is_fixed))
             faulty = [unit for unit in library.values() if not check_source(unit, self.context.sink)]
             if not faulty:
@@ -231,7 +231,7 @@ class Composer:
     ) -> None:
         """Repeat the work with the faults of the sources corrected. An exception that still occurs is a bug."""
         for unit in library.values():
-            put_right(unit)
+            repair(unit)
         again = Composer(
             replace(self.context, sink=Sink()), self.measure, self.loader.session, library=library
         )
@@ -296,7 +296,7 @@ class Composer:
         linking.later_places = early
         if not link(linking):
             return None
-        self.keys.join(linking)
+        self.keys.note_joined(linking)
         _carry_out(plan, linking, making, early=early)
         changes = self._model_edits(plan, linking, making)
         self._edit(plan, changes, linking, making=making)
@@ -313,7 +313,7 @@ class Composer:
         check_names_of_keys(linking, making)
         if changes:
             changes.of_keys()
-        self.keys.add(linking)
+        self.keys.note_written(linking)
         roots = [base.root, *(unit.root for unit in units)]
         self.unplaced[base.root] = unplaced_records(
             plan,
@@ -412,7 +412,7 @@ class Composer:
         if unit is None:
             return None
         if isinstance(wanted.model, Source):
-            self.keys.read(unit)
+            self.keys.note_source(unit)
         if not wanted.check_dropped_keys(unit, plan.document, self.context.sink):
             return None
         if wanted.body is not None:
@@ -537,8 +537,11 @@ def _settings(plan: Plan, composer: Composer, is_fixed: bool) -> Unit:
     """Return a unit with only the settings of a plan's model."""
     base, *parts = [_of(each, plan, composer) for each in part_requests(plan, is_fixed)]
     found, _ = common_settings(
-        asked := opinions(base),
-        [(step.prefix or part.label, opinions(part)) for step, part in zip(plan.parts, parts, strict=True)],
+        asked := requested_settings(base),
+        [
+            (step.prefix or part.label, requested_settings(part))
+            for step, part in zip(plan.parts, parts, strict=True)
+        ],
         plan.settled,
     )
     adopted = (*of_base(base.adopted, asked, plan.settled), *found.values())

@@ -29,7 +29,7 @@ from mjcompose.language.used_model import Drop
 from mjcompose.link.key_layout import element_of
 from mjcompose.link.keyframes import keyframes, lay_out_replaced
 from mjcompose.link.linking import Linking, Measure, Request
-from mjcompose.link.subtree import Left
+from mjcompose.link.subtree import DroppedElement
 from mjcompose.link.unit_keys import KeyNotes, keys_of, layouts, remove_keys
 from mjcompose.model.select import section_of
 from mjcompose.model.selector import paths_of
@@ -44,9 +44,9 @@ if TYPE_CHECKING:
 _SETTINGS = ("option", "size", "visual", "statistic")
 
 
-def drop_elements(entries: Iterable[Drop], editing: Editing, at: Path) -> list[Left]:
+def drop_elements(entries: Iterable[Drop], editing: Editing, at: Path) -> list[DroppedElement]:
     """Remove the elements that the entries select. Return all removed elements in the order of the entries."""
-    gone: list[Left] = []
+    gone: list[DroppedElement] = []
     for entry in entries:
         path = (*at, entry.index)
         if entry.select is not None:
@@ -128,7 +128,7 @@ class PartEdits:
     workshop: MeshWorkshop
     keys: KeyNotes
 
-    def carry_out(self) -> tuple[Left, ...] | None:
+    def carry_out(self) -> tuple[DroppedElement, ...] | None:
         """Carry out the drops and edits. Return what was dropped, or None after a reported error."""
         before = self.context.sink.error_count
         if self.wanted.keyframes == "none":
@@ -148,7 +148,7 @@ class PartEdits:
             self.watch([self.unit], keyframes)
             self.unit.part_keys = inner
             self._edited([step for step in steps if is_of_keys(step)], self._editing(linking))
-        self.keys.add(linking)
+        self.keys.note_written(linking)
         self.unit.forget_classes()
         return tuple(gone) if self.context.sink.error_count == before else None
 
@@ -164,7 +164,7 @@ class PartEdits:
             motors=plan.motors,
         )
 
-    def _dropped(self, editing: Editing) -> list[Left]:
+    def _dropped(self, editing: Editing) -> list[DroppedElement]:
         at = (*self.wanted.at, "drop")
         entries = tuple(each for each in self.wanted.drop if not each.leaves_keys)
         gone = drop(entries, editing, at)

@@ -22,8 +22,8 @@ from mjcompose.language.keyframe import FROM, JOINT, TIME, VECTORS, Entry
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import BLOCK, Copy, Layout, Slot, element_of
 from mjcompose.link.keyframes import part_keys
-from mjcompose.link.linking import Linking, Written
-from mjcompose.link.measure import emptied
+from mjcompose.link.linking import Linking, WrittenKey
+from mjcompose.link.measure import without_void
 from mjcompose.link.unit_keys import final_layout
 from mjcompose.model.classes import through_frames
 from mjcompose.model.names import may_be_generated, word
@@ -108,7 +108,7 @@ def _passed_on(key: Key, span: Span, void: Collection[Node]) -> Key:
         vector: {holder: taken(row, span) for holder, row in columns.items()}
         for vector, columns in key.values.items()
     }
-    emptied(values, void)
+    without_void(values, void)
     time = None if key.time is None else taken([key.time], span)[0]
     return replace(key, values=values, time=time)
 
@@ -130,7 +130,7 @@ class _KeyWriter:
     unnamed: Sequence[Node]
     actuators: Mapping[Any, Slot]
     values: dict[str, dict[Node, list[Number]]] = field(default_factory=dict)
-    noted: Written = field(init=False)
+    noted: WrittenKey = field(init=False)
 
     def key(self) -> Key:
         asked, making, linking = self.step.key, self.making, self.linking
@@ -141,7 +141,7 @@ class _KeyWriter:
             time = Number(numbers.text([asked.time]), KeySource("entry", TIME, span=self._at(TIME)))
         key = Key(asked.name, time, element, file=making.file, origins=making.origins, values=self.values)
         sources = self._sources()
-        self.noted = linking.keys.noted[element] = Written(
+        self.noted = linking.keys.noted[element] = WrittenKey(
             tuple(source.element for source in sources),
             frozenset(linking.keys.void_keys),
             asked.controls.hold == "forces",

@@ -19,7 +19,7 @@ from mjcompose.link import numbers
 from mjcompose.link.inertia import MEASURED, has_mass, write_inertias
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.linking import Linking
-from mjcompose.link.measure import Survey, Unmeasurable, measured
+from mjcompose.link.measure import Survey, Unmeasurable, compile_unaligned
 from mjcompose.model.classes import childclass_of, own
 from mjcompose.model.files import Settings
 from mjcompose.model.grammar import Attribute
@@ -282,7 +282,7 @@ class Masses:
         aside = Sink()
         linking = Linking(unit, [], aside, measure=editing.linking.measure)
         with without_keys(unit.root):
-            found = measured(linking, unit, ("body_mass",))
+            found = compile_unaligned(linking, unit, ("body_mass",))
         if isinstance(found, Unmeasurable):
             return None, f": {found.why}"
         for each in aside.diagnostics:

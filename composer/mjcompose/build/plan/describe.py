@@ -20,7 +20,7 @@ from mjcompose.text.node import Mapping, Node, Scalar, Sequence, find, locate, s
 
 if TYPE_CHECKING:
     from mjcompose.build.plan.plan import MadeShapes
-    from mjcompose.link.subtree import Left, Subtree
+    from mjcompose.link.subtree import DroppedElement, Subtree
 
 Shown = Callable[[File], str]
 _BEYOND = ("license-missing", "usd-loss", "target-loss", "store-unusable", "lock-stale")
@@ -250,7 +250,7 @@ def _dropped_lines(subtree: Subtree | None, indent: str) -> Iterator[str]:
         yield f"{indent}leaves the {each.called}, which needs {each.lacks}"
 
 
-def _by_kind(gone: Iterable[Left]) -> dict[str, list[str]]:
+def _by_kind(gone: Iterable[DroppedElement]) -> dict[str, list[str]]:
     kinds: dict[str, list[str]] = {}
     for each in gone:
         kinds.setdefault(each.what, []).append(each.name)

@@ -37,7 +37,7 @@ from mjcompose.text.expression_values import Value
 from mjcompose.text.node import Mapping as Located
 
 if TYPE_CHECKING:
-    from mjcompose.link.subtree import Left, Subtree
+    from mjcompose.link.subtree import DroppedElement, Subtree
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,7 +153,7 @@ class EditOutcome:
     """
 
     selected: Mapping[str, int]
-    removed: tuple[Left, ...] = ()
+    removed: tuple[DroppedElement, ...] = ()
     shapes: tuple[MadeShapes, ...] = ()
 
 

@@ -16,7 +16,7 @@ from mjcompose.language.verbs.inertia import Inertia
 from mjcompose.link import numbers
 from mjcompose.link.inertia import MEASURED
 from mjcompose.link.linking import Linking
-from mjcompose.link.measure import BODIES, Survey, Unmeasurable, measured
+from mjcompose.link.measure import BODIES, Survey, Unmeasurable, compile_unaligned
 from mjcompose.model.classes import own, walk_bodies
 from mjcompose.model.edit import replace
 
@@ -110,7 +110,7 @@ def _measured(
     for body, geoms in wanted.items():
         _made_of(copies[body], [copies[each] for each in geoms], density)
     copy.forget_settings(*_RULES)
-    found = measured(Linking(copy, [], aside, measure=editing.linking.measure), copy, BODIES)
+    found = compile_unaligned(Linking(copy, [], aside, measure=editing.linking.measure), copy, BODIES)
     for each in aside.diagnostics:
         editing.sink.add(each)
     if isinstance(found, Unmeasurable) or found is None:

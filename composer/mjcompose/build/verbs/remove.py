@@ -8,7 +8,7 @@ from mjcompose.base.diagnostic import Note, Path
 from mjcompose.build.compose.editing import Editing
 from mjcompose.build.verbs.values import Entry
 from mjcompose.language.verbs.remove import CASCADE
-from mjcompose.link.subtree import Left
+from mjcompose.link.subtree import DroppedElement
 from mjcompose.model.edit import Removal, is_section, whole
 from mjcompose.model.names import declaration, is_list, word
 from mjcompose.model.select import kind_of, naming_attribute, section_of
@@ -21,7 +21,7 @@ def carry_out(entry: Entry, value: bool | str, at: Path) -> None:
     entry.gone += remove(entry.editing, entry.found, cascade=value == CASCADE, at=at)
 
 
-def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> list[Left]:
+def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> list[DroppedElement]:
     """Remove nodes, and return all that was removed. Without `cascade`, a reference is an error, and all stay."""
     removal = Removal.of((editing, node) for node in nodes)
     if not cascade and removal.references:
@@ -29,7 +29,7 @@ def remove(editing: Editing, nodes: list[Node], *, cascade: bool, at: Path) -> l
         return []
     removal = removal.with_referrers()
     removal.drop_references()
-    gone: list[Left] = []
+    gone: list[DroppedElement] = []
     for _, node in removal.going:
         gone += _named(node)
         _take_out(editing, node)
@@ -58,7 +58,7 @@ def _take_out(editing: Editing, node: Node) -> None:
     editing.linking.base.forget_classes()
 
 
-def _named(node: Node) -> list[Left]:
+def _named(node: Node) -> list[DroppedElement]:
     """Return what is removed, for lists: each element in the body tree, elsewhere the element as a whole."""
     section = section_of(node)
     inside = node.iter("*") if section in ("worldbody", "default") else [node]
@@ -70,7 +70,7 @@ def _named(node: Node) -> list[Left]:
         naming = naming_attribute(kind_of(each))
         if declared is None and naming is None and each is not node:
             continue
-        found.append(Left(listed_kind(each, section), declared[1] if declared else ""))
+        found.append(DroppedElement(listed_kind(each, section), declared[1] if declared else ""))
     return found
 
 

@@ -21,7 +21,7 @@ from mjcompose.language.value import attribute_and_index, bare_angle, read_value
 from mjcompose.language.verbs.values import MASS
 from mjcompose.link import numbers
 from mjcompose.link.key_layout import joint_type
-from mjcompose.link.subtree import Left
+from mjcompose.link.subtree import DroppedElement
 from mjcompose.model.classes import MAIN, ORIENTATIONS, levels
 from mjcompose.model.edit import changing, replace, resolves, unresolved
 from mjcompose.model.grammar import Attribute, to_text
@@ -47,7 +47,7 @@ class Entry:
     masses: Masses
     workshop: MeshWorkshop
     checks: list[Callable[[], None]] = field(default_factory=list)
-    gone: list[Left] = field(default_factory=list)
+    gone: list[DroppedElement] = field(default_factory=list)
     records: list[MeshResult] = field(default_factory=list)
 
     def check(self) -> None:

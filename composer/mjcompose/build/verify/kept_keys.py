@@ -16,8 +16,8 @@ from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.rotation import Pose, normalise, rotate
 from mjcompose.base.sink import Sink
 from mjcompose.build.verify.compile import WHOLE
-from mjcompose.link.linking import Written
-from mjcompose.link.unit_keys import MARK, VECTORS, Bare, KeyNotes, Within, bare, keys_of
+from mjcompose.link.linking import WrittenKey
+from mjcompose.link.unit_keys import MARK, VECTORS, BareModel, KeyNotes, Within, bare_model, keys_of
 from mjcompose.model.unit import Unit
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.keyframes import key_rows
@@ -56,7 +56,7 @@ def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink:
     keys = keys_of(model)
     if not keys or not (notes.written or notes.sources):
         return
-    final = bare(model)
+    final = bare_model(model)
     if final is None:  # MuJoCo attaches a model, or reads a shape from a file
         return
     sources = [each for found in notes.sources.values() for each in found]
@@ -99,7 +99,7 @@ def check_kept_keys(model: Unit, notes: KeyNotes, session: engine.Session, sink:
             _report(key, list(wrong), model, sink=sink)
 
 
-def _held_key(key: Node, model: Unit, notes: KeyNotes) -> Written | None:
+def _held_key(key: Node, model: Unit, notes: KeyNotes) -> WrittenKey | None:
     """Return what the recipe writes into a key if it holds a pose."""
     record = model.origins.keys.get(key)
     written = notes.written.get(record.keys[0]) if record is not None and record.keys else None
@@ -119,7 +119,7 @@ class _KeyMeanings:
 
     model: Unit
     notes: KeyNotes
-    sources: Mapping[Node, tuple[Bare, Mapping[str, Any] | None]]
+    sources: Mapping[Node, tuple[BareModel, Mapping[str, Any] | None]]
 
     def of(self, key: Node) -> Meant | None:
         """Return what a key means; None if that is not known, or edits have changed its numbers."""
@@ -145,7 +145,7 @@ class _KeyMeanings:
                 )
         return found
 
-    def _written(self, written: Written) -> Meant | None:
+    def _written(self, written: WrittenKey) -> Meant | None:
         found = self._joined(written.taken, written.void)
         if found is not None:
             for (
@@ -160,7 +160,7 @@ class _KeyMeanings:
                     values[node, "", 0] = [Value(numbers, frozenset(), span)]
         return found
 
-    def _read(self, source: Bare, described: Mapping[str, Any], key: Node) -> Meant:
+    def _read(self, source: BareModel, described: Mapping[str, Any], key: Node) -> Meant:
         """Return what the key of a source means alone, moved with its part."""
         found: Meant = {}
         at = list(source.rows).index(key)
@@ -189,7 +189,7 @@ class _Difference(NamedTuple):
 
 
 def _differences(
-    final: Bare, answer: Mapping[str, Any], meant: Meant, row: Mapping[str, list[float]],
+    final: BareModel, answer: Mapping[str, Any], meant: Meant, row: Mapping[str, list[float]],
     settled: Mapping[Any, Span], controls: Sequence[float | None] | None, notes: KeyNotes,
 ) -> Iterator[_Difference]:  # fmt: skip
     for vector in VECTORS:

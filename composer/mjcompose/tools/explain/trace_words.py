@@ -27,7 +27,7 @@ from mjcompose.link.bodies import bodies
 from mjcompose.link.body_reduction import body_reduction
 from mjcompose.link.defaults import defaults
 from mjcompose.link.files import add_file, files
-from mjcompose.link.inertia import MEASURED, fitting, has_mass, inertia, lengthranges
+from mjcompose.link.inertia import MEASURED, fitted_sizes, has_mass, inertia, lengthranges
 from mjcompose.link.keyframes import keyframes
 from mjcompose.link.link import row_of
 from mjcompose.link.linking import Part
@@ -427,7 +427,7 @@ CHANGES: dict[Function | None, Callable[[PassWords, Change, Life], Reason | None
     body_reduction: PassWords._reductions,
     angles: PassWords._angles,
     inertia: PassWords._inertia,
-    fitting: PassWords._fitting,
+    fitted_sizes: PassWords._fitting,
     lengthranges: PassWords._lengthranges,
     submodel_options: PassWords._adopted,
     agreement: PassWords._agreement,
