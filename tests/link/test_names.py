@@ -406,11 +406,11 @@ def test_the_walk_by_itself_renames_in_place(workshop: Workshop) -> None:
         '<mujoco><default><default class="c"><geom material="m"/></default></default>'
         '<asset><material name="m"/></asset><worldbody><body name="b" childclass="main"/></worldbody></mujoco>'
     )
-    found = rename(unit, "p/", "p/")
+    found = rename(unit, "p/", top_class="p/")
     assert unit.root.find("worldbody/body").attrib == {"name": "p/b", "childclass": "p/"}
     assert unit.root.find("default/default/geom").get("material") == "p/m"
-    assert list(found.declared("material")) == ["p/m"]
-    assert MAIN not in found.declared("default")
+    assert list(found.declared["material"]) == ["p/m"]
+    assert MAIN not in found.declared["default"]
     assert [*found.dangling()] == []
 
 

@@ -2,7 +2,7 @@
 
 The meaning of keys, noted where they are read and written, without any layout.
 
-`BareModel` is a model with little more than its joints, actuators and mocap bodies. MuJoCo compiles it in a moment, with
+`BareModel` has little more than a model's joints, actuators and mocap bodies. MuJoCo compiles it in a moment, with
 the same names and addresses as the whole model, so that it says what each number of a key is of. `KeyNotes` has the
 bare source of every key, and what the recipes write and edit: `verify/kept_keys.py` compares the finished keys with it.
 
