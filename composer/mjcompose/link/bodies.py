@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from heapq import heappop, heappush
-from types import MappingProxyType
 
 from lxml.etree import _Element as Node
 
@@ -49,7 +48,8 @@ def bodies(linking: Linking) -> None:
     tops: dict[Part, Node] = {}
     while ready := order.next():
         for part in ready:
-            _attach_part(linking, part, tops)
+            if (top := _PartAttachment(linking, part).run()) is not None:
+                tops[part] = top
             order.attached(part)
     if not order.waiting:
         _in_order(linking, tops)
@@ -235,83 +235,190 @@ def _find_mount(linking: Linking, part: Part) -> bool:
     return part.mount is not None and part.mount.getroottree().getroot() is linking.base.root
 
 
-def _attach_part(linking: Linking, part: Part, tops: dict[Part, Node]) -> None:
-    """Attach a part, and put the outermost element created for it into `tops`."""
-    mount = part.mount
-    assert mount is not None
-    parent = mount
-    pose: dict[str, str] = {}
-    if part.place.kind == "site":
-        holder = mount.getparent()
-        assert holder is not None
-        # A site holds nothing: the part hangs beside it, with its pose.
-        parent, pose = holder, effective_pose(mount, linking.base.classes)
-    if (scaled := scaled_above(parent)) is not None:
-        _report_scaled(linking, part, scaled)
-    if (
-        part.place.kind != "world"
-        and not part.floats
-        and (aligned := _aligned_by(linking, parent)) is not None
-    ):
-        _report_aligned(linking, part, aligned)
-    offset = dict(part.place.offset)
-    if part.sense is not None and part.floats:
-        _report_uncarried(linking, part)
-    if part.floats and part.place.kind != "world":
-        pose = _in_world(linking, parent, pose, offset)
-        parent, offset = linking.base.section("worldbody"), {}
-    outer, last = parent, next(parent.iterchildren(reversed=True), None)
-    if part.sense is not None:
-        parent, pose = _add_sensing_body(linking, part, part.sense, parent, pose), {}
-    # A frame has one pose, so that the site's and the recipe's offset from it take two.
-    if pose and offset:
-        parent = _add_child(linking, part, parent, "frame", pose)
-        pose = {}
-    written = part.place.written if offset and not pose else {}
-    pose = pose or offset
-    if part.joints or part.mocap:
-        parent, pose, written = _add_moving_body(linking, part, parent, pose, written), {}, {}
-    # In MuJoCo 4.0 the `childclass` of a `<frame>` counts for what stands in it, and a frame without a pose changes no
-    # bit of the bodies inside.
-    frame = parent.makeelement("frame", {**pose, "childclass": part.top_class})
-    _move_world(linking, part, frame)
-    if next(frame.iterchildren("*"), None) is not None:
-        parent.append(frame)
-        part.content = frame
-    else:
-        parent.extend(list(frame))  # comments of a part without bodies
-        part.content = parent
-    if part.joints or part.mocap:
-        _bound_mass(linking, parent)
-    top = next(outer.iterchildren(reversed=True), None)
-    if top is not None and top is not last:
-        tops[part] = top
-    placed = any(keyed is part for keyed, _ in linking.keys.attached)
-    if placed or (part.layout is not None and part.layout.in_world_coordinates):
-        part.pose_in_world = pose_in_world(frame, *_angle_units(linking))
-    linking.base.origins.adopt(part.unit.origins)
-    linking.base.origins.own(frame, part.unit.file)
-    if written:
-        linking.base.origins.settings[frame] = dict(written)
+class _PartAttachment:
+    """Attaches one part. The next element goes into `parent`, with `pose`, which the recipe has at `written`."""
 
+    def __init__(self, linking: Linking, part: Part) -> None:
+        assert part.mount is not None
+        self.linking, self.part = linking, part
+        self.parent = part.mount
+        self.pose: dict[str, str] = {}
+        self.offset = dict(part.place.offset)
+        self.written: Mapping[str, Span] = {}
 
-def _add_moving_body(
-    linking: Linking, part: Part, parent: Node, pose: dict[str, str], written: Mapping[str, Span]
-) -> Node:
-    """Create the body for a part that moves. It has the joints of the attachment."""
-    named = {"name": part.prefix} if part.prefix else {}
-    body = _add_child(linking, part, parent, "body", {**named, **pose}, written)
-    if part.mocap:
-        body.set("mocap", "true")
-    if any(flex.part is part for flex in linking.notes.flexes):
-        body.set("childclass", part.top_class)
-    for joint in part.joints:
-        undone = undo_settings(linking.notes.main_joint) if joint.tag == "joint" else {}
-        added = _add_child(linking, part, body, joint.tag, {**undone, **joint.attributes}, joint.written)
-        _declare_joint(linking, part, added)
-    if part.prefix:
-        linking.names.declared.setdefault("body", {})[part.prefix] = body
-    return body
+    def run(self) -> Node | None:
+        """Attach the part, and return the outermost element created for it, if there is one."""
+        part, base = self.part, self.linking.base
+        self._find_pose()
+        outer, last = self.parent, next(self.parent.iterchildren(reversed=True), None)
+        if part.sense is not None:
+            self._add_sensing_body(part.sense)
+        if self.offset:
+            if self.pose:  # a frame has one pose, so the site's and the recipe's offset from it take two
+                self._enter("frame", {})
+            self.pose, self.written = self.offset, part.place.written
+        moves = bool(part.joints or part.mocap)
+        if moves:
+            self._add_moving_body()
+        # In MuJoCo 4.0 the `childclass` of a `<frame>` counts for what stands in it, and a frame without a pose changes
+        # no bit of the bodies inside.
+        frame = self.parent.makeelement("frame", {**self.pose, "childclass": part.top_class})
+        self._move_world(frame)
+        if next(frame.iterchildren("*"), None) is not None:
+            self.parent.append(frame)
+            part.content = frame
+        else:
+            self.parent.extend(list(frame))  # comments of a part without bodies
+            part.content = self.parent
+        if moves:
+            _bound_mass(self.linking, self.parent)
+        placed = any(keyed is part for keyed, _ in self.linking.keys.attached)
+        if placed or (part.layout is not None and part.layout.in_world_coordinates):
+            part.pose_in_world = pose_in_world(frame, *_angle_units(self.linking))
+        base.origins.adopt(part.unit.origins)
+        base.origins.own(frame, part.unit.file)
+        if self.written:
+            base.origins.settings[frame] = dict(self.written)
+        top = next(outer.iterchildren(reversed=True), None)
+        return None if top is last else top
+
+    def _find_pose(self) -> None:
+        """Set the parent and the pose of the place. What cannot be attached there is reported."""
+        part, linking = self.part, self.linking
+        if part.place.kind == "site":
+            holder = self.parent.getparent()
+            assert holder is not None
+            # A site holds nothing: the part hangs beside it, with its pose.
+            self.parent, self.pose = holder, effective_pose(self.parent, linking.base.classes)
+        if (scaled := scaled_above(self.parent)) is not None:
+            self._report_place(
+                "it is inside a frame that scales, and the part would be scaled with it",
+                Note("the frame", linking.span(linking.base, scaled, "scale")),
+                "attach the part outside the frame, or apply the scale to the source",
+            )
+        if part.place.kind != "world" and not part.floats:
+            aligned = _aligned_by(linking, self.parent)
+            if aligned is not None:
+                self._report_place(
+                    "MuJoCo aligns its body with the inertia, and would no longer with something on it",
+                    Note("the free joint that is aligned", linking.span(linking.base, aligned)),
+                    'write `align="false"` on the free joint in the source, or in a copy of it',
+                )
+        if part.floats and part.sense is not None:
+            linking.sink.error(
+                "attach-place",
+                f"`{part.called}` floats freely, so that nothing carries it and `sense` has nothing to measure",
+                part.sense.span,
+                help="leave `sense` out, or let the part hang on its place",
+                subjects=(part.called,),
+            )
+        if part.floats and part.place.kind != "world":  # a floating part cannot be below a body
+            units = _angle_units(linking)
+            there = pose_in_world(self.parent, *units) @ read_pose(self.pose, *units)
+            there @= read_pose(self.offset, *units)
+            self.pose = {"pos": numbers.text(there.pos), "quat": numbers.text(there.quat)}
+            self.parent, self.offset = linking.base.section("worldbody"), {}
+
+    def _report_place(self, why: str, note: Note, help: str) -> None:
+        part = self.part
+        self.linking.sink.error(
+            "attach-place",
+            f"`{part.called}` cannot be attached to the {part.place.kind} `{part.place.name}`: {why}",
+            part.place.span or part.span,
+            notes=(note,),
+            help=help,
+            subjects=(part.called, part.place.name),
+        )
+
+    def _enter(self, tag: str, attributes: Mapping[str, str]) -> Node:
+        """Create an element at the pose, into which the next one goes."""
+        self.parent = self._add(tag, {**attributes, **self.pose}, self.written)
+        self.pose, self.written = {}, {}
+        return self.parent
+
+    def _add(
+        self, tag: str, attributes: Mapping[str, str], written: Mapping[str, Span] | None = None
+    ) -> Node:
+        """Create an element. `written` has the places of its attributes in the recipe."""
+        origins = self.linking.base.origins
+        child = self.parent.makeelement(tag, dict(attributes))
+        self.parent.append(child)
+        if self.part.span is not None:
+            origins.own(child, self.part.span)
+        if written:
+            origins.settings[child] = dict(written)
+        return child
+
+    def _add_moving_body(self) -> None:
+        """Create the body for a part that moves. It has the joints of the attachment."""
+        linking, part = self.linking, self.part
+        body = self._enter("body", {"name": part.prefix} if part.prefix else {})
+        if part.mocap:
+            body.set("mocap", "true")
+        if any(flex.part is part for flex in linking.notes.flexes):
+            body.set("childclass", part.top_class)
+        for joint in part.joints:
+            undone = undo_settings(linking.notes.main_joint) if joint.tag == "joint" else {}
+            added = self._add(joint.tag, {**undone, **joint.attributes}, joint.written)
+            name = str(added.get("name") or "")
+            if name:
+                message = (
+                    f"the joint `{name}` that `joint` gives `{part.called}` has the name of another joint"
+                )
+                self._declare("joint", name, added, message=message, help="choose another name", at=part.span)
+        if part.prefix:
+            linking.names.declared.setdefault("body", {})[part.prefix] = body
+
+    def _add_sensing_body(self, sense: Sense) -> None:
+        """Create the body that carries the part, with its site and its sensors."""
+        unit, origins = self.part.unit, self.linking.base.origins
+        body = self._enter("body", {"name": sense.name})
+        site = self._add("site", {"name": sense.name})
+        # What a class of the place says is meant for other sites.
+        if self.linking.base.classes.give("site", *_GIVEN):
+            site.attrib.update({"class": MAIN, "pos": "0 0 0", "quat": "1 0 0 0"})
+        made = [("body", sense.name, body), ("site", sense.name, site)]
+        section = unit.section("sensor")
+        for tag, name in reversed(sense.sensors):
+            sensor = section.makeelement(tag, {"name": name, "site": sense.name})
+            if sense.cutoff:
+                sensor.set("cutoff", sense.cutoff)
+            section.insert(0, sensor)
+            unit.origins.own(sensor, sense.span)
+            made.append(("sensor", name, sensor))
+        for kind, name, node in made:
+            origins.own(node, sense.span)
+            message = f"`sense` of `{self.part.called}` makes the {kind} `{name}`, and the model has one of that name"
+            help = "give it another name: `sense: {name: wrist, force: true}`"
+            self._declare(kind, name, node, message=message, help=help, at=sense.span)
+
+    def _declare(
+        self, namespace: str, name: str, node: Node, *, message: str, help: str, at: Span | None
+    ) -> None:
+        """Note the name of an element that the attachment creates. A name that exists is an error."""
+        linking = self.linking
+        earlier = linking.names.declared.setdefault(namespace, {}).setdefault(name, node)
+        if earlier is not node:
+            note = Note("it is declared here", linking.span(self.part.unit, earlier, "name"))
+            subjects = (name, self.part.called)
+            linking.sink.error("name-clash", message, at, notes=(note,), help=help, subjects=subjects)
+
+    def _move_world(self, frame: Node) -> None:
+        """Move the elements in the worldbody of the part into its frame, with the comments above them."""
+        unit = self.part.unit
+        # MuJoCo reads several `<worldbody>` as one, in their order.
+        for worldbody in list(unit.root.iterchildren("worldbody")):
+            owner = unit.origins.owners.get(worldbody)
+            if owner is not None:  # it was included from another file
+                for child in worldbody:
+                    unit.origins.owners.setdefault(child, owner)
+            frame.extend([*above(worldbody, unit.header), *worldbody])
+            unit.root.remove(worldbody)
+        # The comments at the top of a file stand once, above the first part that is made of it.
+        first = next(each for each in self.linking.parts if each.unit.file == unit.file)
+        if unit.header and first is self.part:
+            for comment in reversed(unit.header):
+                frame.insert(0, comment)
 
 
 def _bound_mass(linking: Linking, body: Node) -> None:
@@ -323,76 +430,6 @@ def _bound_mass(linking: Linking, body: Node) -> None:
     ):
         inertial = {"pos": "0 0 0", "mass": least, "diaginertia": f"{moment} {moment} {moment}"}
         body.insert(0, body.makeelement("inertial", inertial))
-
-
-def _add_sensing_body(linking: Linking, part: Part, sense: Sense, parent: Node, pose: dict[str, str]) -> Node:
-    """Create the body that carries the part, with its site and its sensors."""
-    body = _add_child(linking, part, parent, "body", {"name": sense.name, **pose})
-    site = _add_child(linking, part, body, "site", {"name": sense.name})
-    if linking.base.classes.give("site", *_GIVEN):  # what a class of the place says is meant for other sites
-        site.attrib.update({"class": MAIN, "pos": "0 0 0", "quat": "1 0 0 0"})
-    made = [("body", sense.name, body), ("site", sense.name, site)]
-    section = part.unit.section("sensor")
-    for tag, name in reversed(sense.sensors):
-        sensor = section.makeelement(tag, {"name": name, "site": sense.name})
-        if sense.cutoff:
-            sensor.set("cutoff", sense.cutoff)
-        section.insert(0, sensor)
-        part.unit.origins.own(sensor, sense.span)
-        made.append(("sensor", name, sensor))
-    for kind, name, node in made:
-        linking.base.origins.own(node, sense.span)
-        earlier = linking.names.declared.setdefault(kind, {}).setdefault(name, node)
-        if earlier is not node:
-            linking.sink.error(
-                "name-clash",
-                f"`sense` of `{part.called}` makes the {kind} `{name}`, and the model has one of that name",
-                sense.span,
-                notes=(Note("it is declared here", linking.span(part.unit, earlier, "name")),),
-                help="give it another name: `sense: {name: wrist, force: true}`",
-                subjects=(name, part.called),
-            )
-    return body
-
-
-def _report_uncarried(linking: Linking, part: Part) -> None:
-    assert part.sense is not None
-    linking.sink.error(
-        "attach-place",
-        f"`{part.called}` floats freely, so that nothing carries it and `sense` has nothing to measure",
-        part.sense.span,
-        help="leave `sense` out, or let the part hang on its place",
-        subjects=(part.called,),
-    )
-
-
-def _move_world(linking: Linking, part: Part, frame: Node) -> None:
-    """Move the elements in the worldbody of a part into its frame, with the comments above them."""
-    unit = part.unit
-    # MuJoCo reads several `<worldbody>` as one, in their order.
-    for worldbody in list(unit.root.iterchildren("worldbody")):
-        owner = unit.origins.owners.get(worldbody)
-        if owner is not None:  # it was included from another file
-            for child in worldbody:
-                unit.origins.owners.setdefault(child, owner)
-        frame.extend([*above(worldbody, unit.header), *worldbody])
-        unit.root.remove(worldbody)
-    # The comments at the top of a file stand once, above the first part that is made of it.
-    if unit.header and next(each for each in linking.parts if each.unit.file == unit.file) is part:
-        for comment in reversed(unit.header):
-            frame.insert(0, comment)
-
-
-def _report_scaled(linking: Linking, part: Part, frame: Node) -> None:
-    linking.sink.error(
-        "attach-place",
-        f"`{part.called}` cannot be attached to the {part.place.kind} `{part.place.name}`: "
-        "it is inside a frame that scales, and the part would be scaled with it",
-        part.place.span or part.span,
-        notes=(Note("the frame", linking.span(linking.base, frame, "scale")),),
-        help="attach the part outside the frame, or apply the scale to the source",
-        subjects=(part.called, part.place.name),
-    )
 
 
 def _aligned_by(linking: Linking, mount: Node) -> Node | None:
@@ -410,61 +447,8 @@ def _aligned_by(linking: Linking, mount: Node) -> Node | None:
     return None
 
 
-def _report_aligned(linking: Linking, part: Part, joint: Node) -> None:
-    linking.sink.error(
-        "attach-place",
-        f"`{part.called}` cannot be attached to the {part.place.kind} `{part.place.name}`: MuJoCo aligns its body with "
-        "the inertia, and would no longer with something on it",
-        part.place.span or part.span,
-        notes=(Note("the free joint that is aligned", linking.span(linking.base, joint)),),
-        help='write `align="false"` on the free joint in the source, or in a copy of it',
-        subjects=(part.called, part.place.name),
-    )
-
-
-def _declare_joint(linking: Linking, part: Part, joint: Node) -> None:
-    name = str(joint.get("name") or "")
-    if not name:
-        return
-    earlier = linking.names.declared.setdefault("joint", {}).setdefault(name, joint)
-    if earlier is not joint:
-        linking.sink.error(
-            "name-clash",
-            f"the joint `{name}` that `joint` gives `{part.called}` has the name of another joint",
-            part.span,
-            notes=(Note("it is declared here", linking.span(part.unit, earlier, "name")),),
-            help="choose another name",
-            subjects=(name, part.called),
-        )
-
-
 def _angle_units(linking: Linking) -> tuple[bool, str]:
     return model_angle(linking) == "degree", linking.base.settings.eulerseq
-
-
-def _in_world(linking: Linking, parent: Node, pose: dict[str, str], offset: dict[str, str]) -> dict[str, str]:
-    """Return the pose of the place in the world, because a floating part cannot be below a body."""
-    reading = _angle_units(linking)
-    there = pose_in_world(parent, *reading) @ read_pose(pose, *reading) @ read_pose(offset, *reading)
-    return {"pos": numbers.text(there.pos), "quat": numbers.text(there.quat)}
-
-
-def _add_child(
-    linking: Linking,
-    part: Part,
-    parent: Node,
-    tag: str,
-    attributes: dict[str, str],
-    written: Mapping[str, Span] = MappingProxyType({}),
-) -> Node:
-    """Create an element for a part. `written` has the places of its attributes in the recipe."""
-    child = parent.makeelement(tag, attributes)
-    parent.append(child)
-    if part.span is not None:
-        linking.base.origins.own(child, part.span)
-    if written:
-        linking.base.origins.settings[child] = dict(written)
-    return child
 
 
 def effective_pose(site: Node, classes: Classes) -> dict[str, str]:
