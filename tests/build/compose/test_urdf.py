@@ -191,7 +191,7 @@ def test_a_part_is_parsed_once_for_each_way_to_stand(tmp_path: Path, monkeypatch
     convert = read.convert_urdf
 
     def counted(*given: object, **named: object) -> Converted:
-        calls.append(named["stands"])
+        calls.append(named["is_fixed"])
         return convert(*given, **named)  # type: ignore[arg-type]
 
     monkeypatch.setattr(read, "convert_urdf", counted)

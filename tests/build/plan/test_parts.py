@@ -40,7 +40,7 @@ def test_places_of_a_walk(tmp_path: Path) -> None:
     plan = make_plan(Path("cell.yaml"), Context(environment={}, folder=tmp_path))
     assert plan is not None
     places = {place.part: place for place in plan.walk()}
-    assert {part: (each.prefix, each.keys, each.stands) for part, each in places.items()} == {
+    assert {part: (each.prefix, each.keys, each.is_fixed_in_world) for part, each in places.items()} == {
         "": ("", "", True),
         "base": ("", "", True),
         "base/base": ("", "", True),

@@ -365,4 +365,4 @@ def test_urdf_is_compared_with_what_mujoco_makes_of_it_in_that_place(tmp_path: P
     built, told = run(f"recipe: 1\nbase: ./arm.urdf\nattach:\n{parts}check: {{a: {{unchanged: {{}}}}}}\n")
     assert told == []
     assert built is not None
-    assert [member.stands for member in built.composed.members] == [True, False, False]
+    assert [member.is_fixed_in_world for member in built.composed.members] == [True, False, False]
