@@ -60,7 +60,7 @@ def made_lock(
     from mjcompose.base.files import read_regular
     from mjcompose.build.bundle.bundle import OutputError
     from mjcompose.build.bundle.staging import staged_file
-    from mjcompose.build.plan.locked import changed, lock_of, planned_whole, use_lock
+    from mjcompose.build.plan.locked import lock_changes, lock_of, plan_with_intact_store, use_lock
     from mjcompose.build.plan.matrix import filled_from_first_cell
     from mjcompose.build.plan.planner import make_plan
     from mjcompose.sources.blobs import digest
@@ -82,7 +82,7 @@ def made_lock(
         return None
     given = given or {}
     whole = filled_from_first_cell(recipe, context, given).given
-    plan = planned_whole(lambda: make_plan(recipe, context, whole), context)
+    plan = plan_with_intact_store(lambda: make_plan(recipe, context, whole), context)
     if plan is None:
         return None
     plans = [plan, *_plans_of_cells(recipe, context, given), *_plans_of_variants(recipe, context, whole)]
@@ -93,7 +93,7 @@ def made_lock(
         _report_changes(before, after, how.fresh, recipe=recipe, context=context)
     if context.sink.has_errors:
         return None
-    changes = list(changed(before, after))
+    changes = list(lock_changes(before, after))
     text = to_text(after).encode()
     if not _wrote_shapes(how.lock_file, shapes, before, context=context):
         return None
@@ -114,9 +114,9 @@ def _shapes(plans: list[Plan], context: Context) -> dict[str, bytes]:
     """What the models make of meshes, by key."""
     if not any(plan.works_on_meshes for plan in plans):
         return {}
-    from mjcompose.build.compose.preview import made_for  # few recipes need it
+    from mjcompose.build.compose.preview import shapes_for_plans  # few recipes need it
 
-    return made_for(plans, context)
+    return shapes_for_plans(plans, context)
 
 
 def _wrote_shapes(lock_file: Path, shapes: dict[str, bytes], before: Lock | None, context: Context) -> bool:

@@ -43,7 +43,7 @@ class Converted:
 
 
 def convert_urdf(
-    path: Path, packages: Mapping[str, Path], *, door: Door, stands: bool = True, text: str | None = None,
+    path: Path, packages: Mapping[str, Path], *, door: Door, is_fixed: bool = True, text: str | None = None,
     made: Mapping[str, Path] | None = None, massless: Sequence[str] = (), shells: Collection[str] = (),
     limits: Limits | None = None, session: Session | None = None,
 ) -> Converted:  # fmt: skip
@@ -63,7 +63,7 @@ def convert_urdf(
     if session is None:
         with Session(limits) as own:
             return convert_urdf(
-                path, packages, door=door, stands=is_fixed, text=text, made=made, massless=massless,
+                path, packages, door=door, is_fixed=is_fixed, text=text, made=made, massless=massless,
                 shells=shells, session=own,
             )  # fmt: skip
     argument = {

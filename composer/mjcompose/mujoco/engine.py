@@ -437,7 +437,7 @@ def _forward_lines(pipe: IO[str], lines: queue.Queue[str | None]) -> None:
 
 def compile(
     folder: Path, model: str = "model.xml", *, wants: tuple[str, ...] = (), mjb: Path | None = None,
-    text: str | None = None, keep: str | None = None, stands: bool = False, limits: Limits | None = None,
+    text: str | None = None, keep: str | None = None, folder_is_reused: bool = False, limits: Limits | None = None,
     session: Session | None = None,
 ) -> Compiled:  # fmt: skip
     """Compile `folder/model`, run one mj_forward, and write an MJB to `mjb` if that is given.

@@ -167,7 +167,7 @@ class PartEdits:
     def _dropped(self, editing: Editing) -> list[DroppedElement]:
         at = (*self.wanted.at, "drop")
         entries = tuple(each for each in self.wanted.drop if not each.leaves_keys)
-        gone = drop(entries, editing, at)
+        gone = drop_elements(entries, editing, at)
         self.watch([self.unit], DropElements(entries, locate(self.plan.document, at)))
         return gone
 
