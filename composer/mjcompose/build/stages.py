@@ -25,6 +25,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import dataclass
+from mjcompose.base.log import log
 from mjcompose.build.bundle.assemble import ManifestInput, add_manifest, assemble, renamed_in
 from mjcompose.build.bundle.bundle import Bundle
 from mjcompose.build.compose.compose import Composed, Composer
@@ -154,12 +155,18 @@ class Build:
 
         Warnings that the recipes allow are removed from the sink; with `context.strict` the others become errors.
         """
-        built, plan, request, context = self._build(), self.plan, self.request, self.context
+        plan, request, context = self.plan, self.request, self.context
+        log("building `%s` from %s", plan.name, plan.file)
+        built = self._build()
         alone = request.name is None and request.sample == 0 and not plan.cells
         acknowledge(plan, context.sink, context.shown, whole=request.verified and alone)
         if context.strict:
             context.sink.promote()
-        return None if context.sink.has_errors else built
+        if built is None or context.sink.has_errors:
+            log("`%s` has %d errors", plan.name, context.sink.error_count)
+            return None
+        log("built `%s`: %d files", plan.name, len(built.bundle.files))
+        return built
 
     def _build(self) -> Built | None:
         context, request = self.context, self.request

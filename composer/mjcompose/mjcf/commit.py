@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import copy
-import warnings
 from collections.abc import Collection, Iterator, Mapping
 
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import call_site
+from mjcompose.base.log import warn
 from mjcompose.base.suggest import did_you_mean
 from mjcompose.mjcf.asset import as_name, expects
 from mjcompose.mjcf.compile import settings
@@ -86,7 +86,10 @@ def commit(
             return
     if as_good is not None:
         _become(model, node, as_good)
-    _warn(f"{describe(model, node)} keeps needing its default class, which gives it what cannot be written")
+    message = (
+        f"{describe(model, node)} keeps needing its default class, which gives it what cannot be written"
+    )
+    warn(message, MjcfWarning)
 
 
 def _sections(found: DefaultClass) -> list[Node]:
@@ -142,9 +145,10 @@ def _become(model: Model, node: Node, other: Node) -> None:
     """Give an element the tag and attributes of another one. Existing references to its Element stay valid."""
     model.forget(node)
     if node.tag != other.tag:
-        _warn(
+        warn(
             f"{describe(model, node)} is written as a `{other.tag}`: its default class gives it what a "
-            f"`{node.tag}` cannot say"
+            f"`{node.tag}` cannot say",
+            MjcfWarning,
         )
         node.tag = other.tag
         view = model.views.get(node)
@@ -154,11 +158,6 @@ def _become(model: Model, node: Node, other: Node) -> None:
         del node.attrib[name]
     node.attrib.update({name: value for name, value in other.items() if name != "class"})
     model.note(node)
-
-
-def _warn(message: str) -> None:
-    place = call_site()
-    warnings.warn_explicit(message, MjcfWarning, place.file, place.line)
 
 
 _OF_ATTRIBUTE = "rgb"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import posixpath
 import re
-import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -16,6 +15,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Diagnostic, Note, call_site
+from mjcompose.base.log import warn
 from mjcompose.base.report import render
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.collect import collect, read
@@ -362,10 +362,9 @@ def issue_warnings(flat: Flat) -> None:
     _issue(flat.warnings)
 
 
-def _issue(told: list[Diagnostic]) -> None:
-    for each in told:
-        place = call_site()
-        warnings.warn_explicit(render(each), MjcfWarning, place.file, place.line)
+def _issue(diagnostics: list[Diagnostic]) -> None:
+    for each in diagnostics:
+        warn(render(each), MjcfWarning)
 
 
 def text(model: Model, conflict: Policy) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import posixpath
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -12,6 +11,7 @@ from typing import NamedTuple
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note, call_site
+from mjcompose.base.log import warn
 from mjcompose.base.sink import Sink
 from mjcompose.mjcf.asset import Asset, Files, asset_of, place
 from mjcompose.mjcf.copies import duplicate
@@ -98,9 +98,8 @@ def include_copy(model: Model, other: Model, override: bool) -> None:
             )
     _check_names(model, source, other, sink)
     raise_errors(sink)
-    place_of_call = call_site()
     for message in settled:
-        warnings.warn_explicit(message, MjcfWarning, place_of_call.file, place_of_call.line)
+        warn(message, MjcfWarning)
     files = _files(source)
     models = list(source.unit.root.iterfind("asset/model[@file]"))
     for setting in _settings(source.unit.root):

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 import posixpath
-import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import IO, Any, cast
 
 from mjcompose.base.access import Door
 from mjcompose.base.diagnostic import call_site
+from mjcompose.base.log import warn
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import MODEL, Bundle, BundleError, OutputError, check_paths
 from mjcompose.build.bundle.collect import collect
@@ -329,12 +329,11 @@ def from_spec(spec: Any) -> RootElement:
     for name, data in spec.assets.items():  # MuJoCo goes by the last part of a path alone
         assets.setdefault(posixpath.basename(name), data)
     if lost := _not_numbers(compiled):
-        place = call_site()
         message = (
             "MuJoCo leaves out attributes with a NaN when it writes a spec, so that they get their default:"
             f" the spec has NaN in {', '.join(lost)}"
         )
-        warnings.warn_explicit(message, MjcfWarning, place.file, place.line)
+        warn(message, MjcfWarning)
     return from_xml_string(text, assets=assets, base_dir=Path(folder) if folder else None)
 
 
@@ -358,7 +357,6 @@ def _text(compiled: Any) -> str:
         except (ValueError, engine().FatalError) as error:
             compiler.savecompiled = True
             why = " ".join(str(error).split())
-    place = call_site()
     message = f"MuJoCo writes the numbers of this spec in six digits only: {why}"
-    warnings.warn_explicit(message, MjcfWarning, place.file, place.line)
+    warn(message, MjcfWarning)
     return str(compiled.to_xml())

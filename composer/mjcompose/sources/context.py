@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.access import ALL, Door
 from mjcompose.base.dataclass import dataclass
+from mjcompose.base.log import log
 from mjcompose.base.sink import Sink
 
 if TYPE_CHECKING:
@@ -57,10 +58,12 @@ class Context:
 
     @contextmanager
     def timed(self, stage: str) -> Iterator[None]:
-        """Note the time of the block."""
+        """Note the time of the block, and log it."""
         start = perf_counter()
         yield
-        self.timings.append((stage, perf_counter() - start))
+        seconds = perf_counter() - start
+        self.timings.append((stage, seconds))
+        log("%s: %.3f s", stage, seconds, level=10)
 
     def door_of_text(self, folder: Path) -> Door:
         """Return what a recipe in a folder may name by a path."""

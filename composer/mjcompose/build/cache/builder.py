@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Severity
+from mjcompose.base.log import log
 from mjcompose.build.cache.cache_key import BuildOptions, CacheKey, now
 from mjcompose.model.merged_settings import Adopted
 from mjcompose.sources.blobs import key_of
@@ -222,6 +223,7 @@ class Maker:
 
             return None, (LOST,)
         _report(found.record, context, outcomes)
+        log("`%s` is unchanged and comes from the cache", made.name)
         return made, ()
 
     def make(
@@ -256,6 +258,7 @@ class Maker:
         if key is not None and self.options.text_beside is None and not context.sink.has_errors:
             known = self._recall_planned(plan, name, context, key=key, outcomes=outcomes)
             if known is not None:
+                log("`%s` is unchanged and comes from the cache", known.name)
                 return known
         if self._ahead is not None:  # from the previous model
             self._ahead.end()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import atexit
 import os
-import warnings
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import field
@@ -16,9 +15,10 @@ from threading import Lock
 from typing import Any, NamedTuple, TypeAlias
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Diagnostic, call_site, hide
+from mjcompose.base.diagnostic import Diagnostic, hide
 from mjcompose.base.files import read_regular
 from mjcompose.base.limits import in_force
+from mjcompose.base.log import warn
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
 from mjcompose.build.bundle.bundle import LARGEST_MANIFEST, MANIFEST, Bundle, is_address
@@ -266,7 +266,7 @@ def _check_version(manifest: Manifest, running: str, shown: str, is_binary: bool
         )
     said = "was verified by no MuJoCo" if made_with is None else f"was verified by MuJoCo {made_with}"
     message = f"`{shown}` {said}, and this is {running}"
-    _warn(message)
+    warn(message, BundleWarning)
 
 
 def _listed(mujoco: Any, model: Model) -> Any:
@@ -290,13 +290,7 @@ def _raise_or_warn(faults: Sequence[Diagnostic], allowed: bool) -> None:
     if faults and not allowed:
         raise LoadError(faults)
     for each in faults:
-        _warn(each.message)
-
-
-def _warn(message: str) -> None:
-    """Warn at the line outside of this package that loads the bundle, however it came here."""
-    place = call_site("mjcompose")
-    warnings.warn_explicit(message, BundleWarning, place.file, place.line)
+        warn(each.message, BundleWarning)
 
 
 def _failure(code: str, message: str, help: str | None = None) -> LoadError:
