@@ -116,7 +116,7 @@ class _UnitRenaming:
             elif policy == "none" and request.requested_keys is None:  # else the recipe may write it
                 self.linking.sink.error(
                     "unknown-name",
-                    f"a tuple refers to the key `{name}`, which `keyframes: none` leaves out",
+                    f"a tuple refers to the key `{name}`, which `drop: [key]` leaves out",
                     self.linking.span(unit, element, "objname"),
                     help="leave out the tuple, too: `drop: [tuple]`",
                     subjects=(name,),

@@ -248,7 +248,7 @@ def test_each_part_is_looked_at_as_often_as_what_it_waits_for_comes(
         return found(linking, part)
 
     found = bodies._find_mount
-    monkeypatch.setattr(bodies, "_mount", mount)
+    monkeypatch.setattr(bodies, "_find_mount", mount)
     count = 60
     parts = [f"  p{n}: {{model: ./p.xml, frame: f{n}}}" for n in reversed(range(count))]
     entries = [
