@@ -457,10 +457,6 @@ def _escaped(text: str) -> str:
     return text.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
 
 
-if TYPE_CHECKING:
-    pass
-
-
 def explain(
     path: Path, asked: query.Asked, context: Context, sample: int = 0, given: ConcreteGiven | None = None
 ) -> Explained | None:

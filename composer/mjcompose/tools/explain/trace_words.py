@@ -145,7 +145,11 @@ _COMPUTED = {
 
 
 class PassWords:
-    """Words for the changes that passes made in one trace."""
+    """Words for what passes did in one trace.
+
+    A method gets the element, what changed it, and the change; for an element that was made or has gone, without an
+    attribute.
+    """
 
     def __init__(self, trace: Trace) -> None:
         self.trace = trace
@@ -155,21 +159,19 @@ class PassWords:
         life = self.trace.written(unit, "compiler", name)
         return None if life is None else life.span(unit.origins, name)
 
-    def _names(self, change: Change, life: Life) -> Reason | None:
-        part = change.cause.part
+    def _names(self, life: Life, cause: Cause, change: Change) -> Reason | None:
+        part, span = cause.part, cause.part.span if cause.part else None
         if change.after is not None and change.before is None and change.attribute == "name":
-            return Reason("named after its file, with the prefix of the part", part.span if part else None)
+            return Reason("named after its file, with the prefix of the part", span)
         if part is not None and change.after == part.prefix + (change.before or ""):
             return Reason(f"prefix of the part `{part.called}`", part.span)
         if change.before == MAIN and change.attribute in ("class", "childclass"):
-            return Reason(f"the top class of {_file(change.cause.unit)} is called that here")
-        return Reason(
-            f"names of the part `{part.called}`" if part else "names of the base", part.span if part else None
-        )
+            return Reason(f"the top class of {_file(cause.unit)} is called that here")
+        return Reason(f"names of the part `{part.called}`" if part else "names of the base", span)
 
-    def _angles(self, change: Change, life: Life) -> Reason | None:
-        unit = change.cause.unit
-        if change.attribute in ORIENTATIONS and unit.settings.eulerseq != _sequence(change.cause):
+    def _angles(self, life: Life, cause: Cause, change: Change) -> Reason | None:
+        unit = cause.unit
+        if change.attribute in ORIENTATIONS and unit.settings.eulerseq != _sequence(cause):
             words = (
                 f"{_file(unit)} reads angles in the sequence `{unit.settings.eulerseq}`, the model does not"
             )
@@ -183,13 +185,7 @@ class PassWords:
             return Reason(f"its class gives it to joints that slide too; in radians here, {degrees}", span)
         return Reason(f"degrees → radians: {degrees}, the model in radians", span)
 
-    def _inertia(self, change: Change, life: Life) -> Reason | None:
-        return self._inertia_rule(change.cause)
-
-    def _inertia_made(self, life: Life, cause: Cause) -> Reason:
-        return self._inertia_rule(cause)
-
-    def _inertia_rule(self, cause: Cause) -> Reason:
+    def _inertia(self, life: Life, cause: Cause, change: Change) -> Reason:
         settings, unit = cause.unit.settings, cause.unit
         measured = [name for name in MEASURED if getattr(settings, name) != getattr(_DEFAULT, name)]
         if measured:
@@ -203,49 +199,37 @@ class PassWords:
                 return Reason(f'`{name}="{value}"` of {_file(unit)}, made explicit', self.setting(unit, name))
         return Reason(f"the inertia rules of {_file(unit)}, made explicit")
 
-    def _reductions(self, change: Change, life: Life) -> Reason | None:
-        return self._reduced(life, change.cause)
-
-    def _reduced(self, life: Life, cause: Cause) -> Reason:
+    def _reduced(self, life: Life, cause: Cause, change: Change) -> Reason:
         unit = cause.unit
         spans = {name: self.setting(unit, name) for name in ("fusestatic", "discardvisual")}
         names = " and ".join(f"`{name}`" for name, span in spans.items() if span is not None)
         first = next((span for span in spans.values() if span is not None), None)
         return Reason(f"as MuJoCo has it in {_file(unit)} alone, by its {names}", first)
 
-    def _unrolled(self, life: Life, cause: Cause) -> Reason:
+    def _unrolled(self, life: Life, cause: Cause, change: Change) -> Reason:
         words = f"a copy by the `<replicate>` of {_file(cause.unit)}, written out"
         return Reason(words, of_step(cause, life.owner, None).span)
 
-    def _fitting(self, change: Change, life: Life) -> Reason | None:
-        unit = change.cause.unit
+    def _fitting(self, life: Life, cause: Cause, change: Change) -> Reason | None:
+        unit = cause.unit
         words = f"fitted by MuJoCo to the mesh's bounding box: `fitaabb` of {_file(unit)}"
         return Reason(words, self.setting(unit, "fitaabb"))
 
-    def _lengthranges(self, change: Change, life: Life) -> Reason | None:
-        unit = change.cause.unit
-        rule = next(
-            (
-                each
-                for each in self.trace.lives.values()
-                if each.tag == "lengthrange" and each.root is unit.root
-            ),
-            None,
-        )
+    def _lengthranges(self, life: Life, cause: Cause, change: Change) -> Reason | None:
+        unit = cause.unit
+        rules = (each for each in self.trace.lives.values() if each.tag == "lengthrange")
+        rule = next((each for each in rules if each.root is unit.root), None)
         words = f"measured by MuJoCo on {_file(unit)} alone"
         if rule is None:
             return Reason(f"{words}, where nothing is attached to what the muscle moves", None)
         return Reason(f"{words}, by its own `<lengthrange>`", rule.span(unit.origins))
 
-    def _adopted(self, change: Change, life: Life) -> Reason | None:
-        return self._adopted_made(life, change.cause)
-
-    def _adopted_made(self, life: Life, cause: Cause) -> Reason:
+    def _adopted(self, life: Life, cause: Cause, change: Change) -> Reason:
         words = f'asked for by a model that {_file(cause.unit)} attaches, under its `conflict="merge"`'
         return Reason(words, self.setting(cause.unit, "conflict"))
 
-    def _agreement(self, change: Change, life: Life) -> Reason | None:
-        linking = change.cause.linking
+    def _agreement(self, life: Life, cause: Cause, change: Change) -> Reason | None:
+        linking = cause.linking
         if linking is None or change.after is None:
             return Reason("only one of these settings may be written")
         path = "/".join([*(str(each.tag) for each in reversed([*life.node.iterancestors()][:-1])), life.tag])
@@ -263,29 +247,20 @@ class PassWords:
                     return Reason(f"asked for by the part `{part.called}`", span)
         return Reason("room for what the parts have")
 
-    def _agreement_made(self, life: Life, cause: Cause) -> Reason:
+    def _agreement_made(self, life: Life, cause: Cause, change: Change) -> Reason:
         for name, value in life.attributes.items():
-            reason = self._agreement(Change(name, None, value, cause=cause, owner=life.owner), life)
-            if reason is not None:
+            if reason := self._agreement(
+                life, cause, Change(name, None, value, cause=cause, owner=life.owner)
+            ):
                 return reason
         return Reason("what the parts ask for")
 
-    def _files(self, change: Change, life: Life) -> Reason | None:
-        if change.attribute == "name":
-            return Reason("named after its file")
-        return Reason("where the bundle has the file")
-
-    def _same_file(self, change: Change, life: Life) -> Reason | None:
-        if change.attribute == "name":
-            return Reason("named after its file")
-        return Reason("a file with the same bytes is in the bundle already")
-
-    def _defaults(self, change: Change, life: Life) -> Reason | None:
+    def _defaults(self, life: Life, cause: Cause, change: Change) -> Reason | None:
         if change.before is None:
-            return Reason(f"what has no class of its own is of the top class of {_file(change.cause.unit)}")
-        return Reason(f"the top class of {_file(change.cause.unit)} is called that here")
+            return Reason(f"what has no class of its own is of the top class of {_file(cause.unit)}")
+        return Reason(f"the top class of {_file(cause.unit)} is called that here")
 
-    def _defaults_made(self, life: Life, cause: Cause) -> Reason:
+    def _defaults_made(self, life: Life, cause: Cause, change: Change) -> Reason:
         if life.tag == "default" and "class" in life.attributes:
             return Reason(f"the top class of {_file(cause.unit)}", self._top(cause.unit))
         return Reason("holds the default classes of the parts")
@@ -302,24 +277,20 @@ class PassWords:
                 return life.span(unit.origins)
         return None
 
-    def _agreement_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
-        change = Change(attribute, None, life.attributes.get(attribute), cause=cause, owner=life.owner)
-        return self._agreement(change, life)
-
-    def _compiler_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
+    def _compiler_value(self, life: Life, cause: Cause, change: Change) -> Reason | None:
         for source in life.sources:
-            if source.attributes.get(attribute) == life.attributes.get(attribute):
-                return Reason("", source.span(cause.unit.origins, attribute))
-        return self._compiler(Change(attribute, None, None, cause=cause, owner=life.owner), life)
+            if source.attributes.get(change.attribute) == change.after:
+                return Reason("", source.span(cause.unit.origins, change.attribute))
+        return self._compiler(life, cause, change)
 
-    def _defaults_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
-        if attribute == "class" and cause.part is not None:
+    def _defaults_value(self, life: Life, cause: Cause, change: Change) -> Reason | None:
+        if change.attribute == "class" and cause.part is not None:
             return Reason("named after the part", cause.part.span)
         return None
 
-    def _bodies_value(self, life: Life, cause: Cause, attribute: str) -> Reason | None:
+    def _bodies_value(self, life: Life, cause: Cause, change: Change) -> Reason | None:
         """Return the reason for a value on the attachment of a part: the recipe's pose and joints, or the place."""
-        part = cause.part
+        part, attribute = cause.part, change.attribute
         if part is None:
             return None
         span = cause.unit.origins.set_at(life.node, attribute)
@@ -341,7 +312,7 @@ class PassWords:
             return Reason(f"the pose of the {part.place.kind} `{part.place.name}`", hung_at(part))
         return Reason(f"for the part `{part.called}`", part.span)
 
-    def _bodies_made(self, life: Life, cause: Cause) -> Reason:
+    def _bodies_made(self, life: Life, cause: Cause, change: Change) -> Reason:
         part = cause.part
         if part is None:
             return Reason("holds what the parts bring")
@@ -358,15 +329,12 @@ class PassWords:
             return Reason(f"a body for the joint between the part `{part.called}` and its place", part.span)
         return Reason(f"joins the part `{part.called}` to its place", part.span)
 
-    def _weld(self, life: Life, cause: Cause) -> Reason:
+    def _weld(self, life: Life, cause: Cause, change: Change) -> Reason:
         part = cause.part
         return Reason("left out: `joint: none` fixes the part in its place", part.span if part else None)
 
-    def _section_made(self, life: Life, cause: Cause) -> Reason:
-        return Reason("holds what the parts bring")
-
-    def _compiler(self, change: Change, life: Life) -> Reason | None:
-        linking = change.cause.linking
+    def _compiler(self, life: Life, cause: Cause, change: Change) -> Reason | None:
+        linking = cause.linking
         if change.attribute in _FOLDERS:
             return Reason("every file is named by its path in the bundle")
         if change.attribute == "angle" and linking is not None:
@@ -375,31 +343,17 @@ class PassWords:
             return Reason("made explicit where it matters")
         return Reason("made explicit in what it governs, so that it does not reach other parts")
 
-    def _compiler_made(self, life: Life, cause: Cause) -> Reason:
+    def _compiler_made(self, life: Life, cause: Cause, change: Change) -> Reason:
         if len(life.sources) == 1:
             return Reason("the base's settings, as they hold for every part")
         return Reason("the settings that hold for every part")
 
-    def _keyframes_made(self, life: Life, cause: Cause) -> Reason:
+    def _keyframes_made(self, life: Life, cause: Cause, change: Change) -> Reason:
         if not isinstance(life.owner, str):
             return Reason("written in the recipe, laid out for the whole model", owned(life.owner, None))
         if len(life.sources) > 1:
             return Reason(f"{len(life.sources)} keys of that name made one, laid out for the whole model")
         return Reason("laid out anew for the whole model")
-
-    def _keyframes(self, change: Change, life: Life) -> Reason | None:
-        return Reason("laid out anew for the whole model")
-
-    def _settled(self, change: Change, life: Life) -> Reason | None:
-        span = owned(change.owner, change.attribute)
-        return Reason("written in the recipe, in the model's unit of angle", span)
-
-    def _held(self, change: Change, life: Life) -> Reason | None:
-        span = owned(change.owner, change.attribute)
-        return Reason("computed: what holds the pose of the key", span)
-
-    def _main(self, change: Change, life: Life) -> Reason | None:
-        return Reason("`main` is called that here: the top class of the base")
 
 
 def place(part: Part) -> str:
@@ -422,50 +376,62 @@ def _sequence(cause: Cause) -> str | None:
     return None if cause.linking is None else cause.linking.base.settings.eulerseq
 
 
-CHANGES: dict[Function | None, Callable[[PassWords, Change, Life], Reason | None]] = {
+Words = Callable[[PassWords, Life, Cause, Change], Reason | None]
+
+
+def _as(words: str) -> Words:
+    return lambda passes, life, cause, change: Reason(words)
+
+
+def _at_its_place(words: str) -> Words:
+    return lambda passes, life, cause, change: Reason(words, owned(change.owner, change.attribute))
+
+
+def _named_or(words: str) -> Words:
+    return lambda passes, life, cause, change: Reason(
+        "named after its file" if change.attribute == "name" else words
+    )
+
+
+CHANGES: dict[Function | None, Words] = {
     names: PassWords._names,
-    body_reduction: PassWords._reductions,
+    body_reduction: PassWords._reduced,
     angles: PassWords._angles,
     inertia: PassWords._inertia,
     fitted_sizes: PassWords._fitting,
     lengthranges: PassWords._lengthranges,
     submodel_options: PassWords._adopted,
     agreement: PassWords._agreement,
-    files: PassWords._files,
-    submodels: PassWords._files,
-    add_file: PassWords._files,
-    collect: PassWords._same_file,
+    **dict.fromkeys((files, submodels, add_file), _named_or("where the bundle has the file")),
+    collect: _named_or("a file with the same bytes is in the bundle already"),
     defaults: PassWords._defaults,
     compiler: PassWords._compiler,
-    keyframes: PassWords._keyframes,
-    settle_joints: PassWords._settled,
-    hold_poses: PassWords._held,
-    check_names: PassWords._main,
+    keyframes: _as("laid out anew for the whole model"),
+    settle_joints: _at_its_place("written in the recipe, in the model's unit of angle"),
+    hold_poses: _at_its_place("computed: what holds the pose of the key"),
+    check_names: _as("`main` is called that here: the top class of the base"),
 }
-
-MADE: dict[Function | None, Callable[[PassWords, Life, Cause], Reason]] = {
+MADE: dict[Function | None, Words] = {
     replicates: PassWords._unrolled,
     body_reduction: PassWords._reduced,
-    inertia: PassWords._inertia_made,
-    submodel_options: PassWords._adopted_made,
+    inertia: PassWords._inertia,
+    submodel_options: PassWords._adopted,
     agreement: PassWords._agreement_made,
     defaults: PassWords._defaults_made,
     bodies: PassWords._bodies_made,
     compiler: PassWords._compiler_made,
     keyframes: PassWords._keyframes_made,
-    sections: PassWords._section_made,
+    sections: _as("holds what the parts bring"),
 }
-
-VALUES: dict[Function | None, Callable[[PassWords, Life, Cause, str], Reason | None]] = {
-    agreement: PassWords._agreement_value,
+VALUES: dict[Function | None, Words] = {
+    agreement: PassWords._agreement,
     bodies: PassWords._bodies_value,
     compiler: PassWords._compiler_value,
     defaults: PassWords._defaults_value,
 }
-
-GONE: dict[Function | None, Callable[[PassWords, Life, Cause], Reason]] = {
+GONE: dict[Function | None, Words] = {
     body_reduction: PassWords._reduced,
-    inertia: PassWords._inertia_made,
+    inertia: PassWords._inertia,
     roots: PassWords._weld,
 }
 
@@ -482,39 +448,33 @@ class Causes:
     def __init__(self, trace: Trace) -> None:
         self.passes = PassWords(trace)
 
+    def _said(self, table: dict[Function | None, Words], life: Life, change: Change) -> Reason | None:
+        words = table.get(change.cause.function)
+        return None if words is None else words(self.passes, life, change.cause, change)
+
     def change(self, change: Change, life: Life) -> Reason:
         """Return why an attribute changed."""
-        cause = change.cause
-        known = CHANGES.get(cause.function)
-        if known is not None:
-            reason = known(self.passes, change, life)
-            if reason is not None:
-                return reason
-        return of_step(cause, change.owner, change.attribute, node=life.node)
+        said = self._said(CHANGES, life, change)
+        return said or of_step(change.cause, change.owner, change.attribute, node=life.node)
 
     def made(self, life: Life) -> Reason:
         """Return why an element exists that was read from no file."""
-        cause = life.made_by
-        assert cause is not None
-        known = MADE.get(cause.function)
-        if known is not None:
-            return known(self.passes, life, cause)
-        return of_step(cause, life.owner, None)
+        assert life.made_by is not None
+        said = self._said(MADE, life, Change("", None, None, cause=life.made_by, owner=life.owner))
+        return said or of_step(life.made_by, life.owner, None)
 
     def value(self, life: Life, attribute: str) -> Reason:
         """Return why an element that a pass created has this value of an attribute."""
-        cause = life.made_by
-        assert cause is not None
-        known = VALUES.get(cause.function)
-        reason = None if known is None else known(self.passes, life, cause, attribute)
-        return reason or self.made(life)
+        assert life.made_by is not None
+        value = life.attributes.get(attribute)
+        change = Change(attribute, None, value, cause=life.made_by, owner=life.owner)
+        return self._said(VALUES, life, change) or self.made(life)
 
     def gone(self, life: Life) -> Reason:
         """Return why an element no longer exists."""
-        cause = life.gone
-        assert cause is not None
-        known = GONE.get(cause.function)
-        return known(self.passes, life, cause) if known is not None else of_step(cause, None, None)
+        assert life.gone is not None
+        said = self._said(GONE, life, Change("", None, None, cause=life.gone, owner=life.owner))
+        return said or of_step(life.gone, None, None)
 
     def move(self, move: Move, life: Life) -> Reason | None:
         """Return why an element moved, or None if the move means nothing, as in a merged section."""

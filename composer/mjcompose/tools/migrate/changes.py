@@ -1,6 +1,4 @@
-"""All that changed in MJCF between versions of MuJoCo.
-
-All that became different in MJCF from MuJoCo 3.0 to 4.0, each with what a model needs to mean the same.
+"""All that became different in MJCF from MuJoCo 3.0 to 4.0, each with what a model needs to mean the same.
 
 Both directions, the page and the tests are made of this table. The facts are those of MuJoCo's changelog, and of what
 the wheel of each version compiles.
@@ -111,11 +109,8 @@ def keep_of_each(
     def act(value: str) -> Act:
         def carry_out(editing: Editing) -> None:
             for node in editing.at(*places.split()):
-                if (
-                    editing.value(node, attribute) is None
-                    and of(editing, node)
-                    and (editing.stage_reads(places.split()[0], attribute))
-                ):
+                is_meant = editing.value(node, attribute) is None and of(editing, node)
+                if is_meant and editing.stage_reads(places.split()[0], attribute):
                     editing.set(node, attribute, value)
 
         return carry_out
@@ -142,22 +137,25 @@ def advise(
     places: str, message: str, help: str | None, of: Callable[[Editing, Node], bool] | None = None
 ) -> Act:
     """What cannot be migrated by a rule: a located warning for each element that it is about."""
-
-    def carry_out(editing: Editing) -> None:
-        for node in editing.at(*places.split()):
-            if of is None or of(editing, node):
-                editing.warn(node, message.format(called=called(node)), help)
-
-    return carry_out
+    return _at_each(
+        places, of, lambda editing, node: editing.warn(node, message.format(called=called(node)), help)
+    )
 
 
 def refuse(places: str, message: str, help: str, of: Callable[[Editing, Node], bool] | None = None) -> Act:
     """What the other version cannot say at all: a located error for each element that it is about."""
+    return _at_each(
+        places, of, lambda editing, node: editing.refuse(node, message.format(called=called(node)), help)
+    )
 
+
+def _at_each(
+    places: str, of: Callable[[Editing, Node], bool] | None, report: Callable[[Editing, Node], None]
+) -> Act:
     def carry_out(editing: Editing) -> None:
         for node in editing.at(*places.split()):
             if of is None or of(editing, node):
-                editing.refuse(node, message.format(called=called(node)), help)
+                report(editing, node)
 
     return carry_out
 
@@ -555,14 +553,10 @@ def table() -> str:
     ]
     lines += [
         f"| {each.version.removesuffix('.0')} | `{each.name}` | {each.of} | {each.was} | {each.now} | {each.becomes}"
-        f" | {_back(each)} |"
+        f" | {'–' if each.backward is None else 'yes'} |"
         for each in ORDERED
     ]
     return "\n".join(lines) + "\n"
-
-
-def _back(change: Change) -> str:
-    return "yes" if change.backward is not None else "–"
 
 
 def with_table(page: str) -> str:

@@ -339,13 +339,8 @@ def _compare(array: str, one: _Side, two: _Side, pairs: Mapping[str, Array], out
     if x is None or y is None or (x.size != y.size and not (x.size and y.size)):
         here = y if x is None or not x.size else x
         if here is not None and here.size:
-            _alone(
-                array,
-                here,
-                x is None or not x.size,
-                side=one if y is None or not y.size else two,
-                outcome=outcome,
-            )
+            is_new = x is None or not x.size
+            _alone(array, here, is_new, side=one if y is None or not y.size else two, outcome=outcome)
         return
     kind = _PREFIXES.get(array.partition("_")[0], "")
     if x.shape != y.shape:
@@ -374,11 +369,17 @@ def _compare(array: str, one: _Side, two: _Side, pairs: Mapping[str, Array], out
     if not wrong.any():
         outcome.rounded.append(array)
         return
-    rows = np.flatnonzero(wrong.reshape(len(wrong), -1).any(axis=1)) if wrong.ndim else np.zeros(1, int)
-    row = int(rows[0])
-    element = _label(array, row, one) if wrong.ndim else "the model"
+    row, element, count = _first(array, wrong, one)
     before, after = (_shown(each[row] if each.ndim else each) for each in (x, y))
-    outcome.differences.append(Difference(array, element, before, after=after, count=len(rows)))
+    outcome.differences.append(Difference(array, element, before, after=after, count=count))
+
+
+def _first(array: str, wrong: Array, side: _Side) -> tuple[int, str, int]:
+    """Return the first row that differs, the element with it, and the number of such rows."""
+    if not wrong.ndim:
+        return 0, "the model", 1
+    rows = np.flatnonzero(wrong.reshape(len(wrong), -1).any(axis=1))
+    return int(rows[0]), _label(array, int(rows[0]), side), len(rows)
 
 
 def _scale(array: str, x: Array) -> Array | None:
@@ -408,12 +409,10 @@ def _alone(array: str, values: Array, is_new: bool, side: _Side, outcome: Outcom
     if not wrong.any():
         outcome.equal.append(array)
         return
-    rows = np.flatnonzero(wrong.reshape(len(wrong), -1).any(axis=1)) if wrong.ndim else np.zeros(1, int)
-    row = int(rows[0])
-    element = _label(array, row, side) if wrong.ndim else "the model"
+    row, element, count = _first(array, wrong, side)
     shown = _shown(values[row] if values.ndim else values)
     pair = ("not in that version", shown) if is_new else (shown, "not in this version")
-    outcome.differences.append(Difference(array, element, *pair, len(rows)))
+    outcome.differences.append(Difference(array, element, *pair, count))
 
 
 def _compare_flags(one: _Side, two: _Side, outcome: Outcome) -> None:

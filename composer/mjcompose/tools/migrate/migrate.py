@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+import os
+import shutil
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import field
 from importlib.metadata import PackageNotFoundError, version
-
-from lxml.etree import _Element as Node  # isort: skip
-import os
 from pathlib import Path
+
+from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.diagnostic import Cause, Note
@@ -24,7 +25,7 @@ from mjcompose.mujoco.messages import parse
 from mjcompose.sources.context import Context
 from mjcompose.sources.lock import resolve
 from mjcompose.sources.reference import SourceError
-from mjcompose.tools.migrate.changes import between
+from mjcompose.tools.migrate.changes import ORDERED, between
 from mjcompose.tools.migrate.compare import Outcome, compare
 from mjcompose.tools.migrate.editing import (
     RELEASED,
@@ -41,22 +42,23 @@ from mjcompose.tools.migrate.editing import (
 from mjcompose.tools.migrate.environments import Compiled, Other, OtherError, make, open_python, this_python
 
 
+def _own() -> str | None:
+    try:
+        return version("mujoco")
+    except PackageNotFoundError:
+        return None
+
+
 def installed() -> str:
     """The release that is installed here, or the last one that the table knows."""
-    try:
-        own = version("mujoco")
-    except PackageNotFoundError:
-        return RELEASED[-1]
-    return release(".".join(map(str, version_key(own)))) or RELEASED[-1]
+    own = _own()
+    return (own and release(".".join(map(str, version_key(own))))) or RELEASED[-1]
 
 
 def check_installed(context: Context) -> None:
     """A warning where a MuJoCo is installed that is newer than the table."""
-    try:
-        own = version("mujoco")
-    except PackageNotFoundError:
-        return
-    if version_key(own) > version_key(RELEASED[-1]):
+    own = _own()
+    if own is not None and version_key(own) > version_key(RELEASED[-1]):
         context.sink.warning(
             "migrate-version",
             f"MuJoCo {own} is installed, and what changed after {RELEASED[-1]} is not known",
@@ -168,7 +170,12 @@ def migrate(
             mark = _MARK if data.startswith(_MARK) else b""
             new = mark + text.encode("utf-8", "surrogateescape")
             if result.files.setdefault(path, (data, new))[1] != new:
-                _two_texts(path, context)
+                context.sink.error(
+                    "migrate-cannot",
+                    f"`{context.shown(path)}` is included by two of these models, and would have to be another text"
+                    " for each",
+                    help="make a copy of it for one of them",
+                )
                 return None
     result.steps = tuple(step for editing in whole for step in editing.steps)
     result.meanings = (*pieces.left, *(each for editing in whole for each in editing.meanings))
@@ -196,30 +203,25 @@ def _carried_out(whole: list[Editing], adopt: Collection[str]) -> list[str] | No
     return None if whole[0].sink.has_errors else adopted
 
 
-def _two_texts(path: Path, context: Context) -> None:
-    context.sink.error(
-        "migrate-cannot",
-        f"`{context.shown(path)}` is included by two of these models, and would have to be another text for each",
-        help="make a copy of it for one of them",
-    )
-
-
 def _leave_out(editing: Editing) -> None:
     """What the other version has not: taken away where it says what it would do anyhow, else an error."""
     for found in list(unread(editing.root, editing.after)):
         node, name = found.node, found.attribute
         if node in editing.refused:
             continue
-        if next(unread_in(node, editing.before, name, value=found.value), False):
+        unread_before = unread(editing.root, editing.before)
+        if any(
+            each.node is node and (each.attribute, each.value) == (name, found.value)
+            for each in unread_before
+        ):
             continue  # the version it was written for does not read it either
-        if name is None and not (found.since and version_key(found.since) > version_key(editing.after)):
-            editing.refuse(node, f"MuJoCo {editing.after} has no {found.called}: {found.when()}")
-        elif name is None:
+        lacks = f"MuJoCo {editing.after} has no {found.called}: {found.when()}"
+        if name is None:
+            is_new = found.since and later(found.since, editing.after)
+            help = "`mjcompose build --target plain` writes a model without frames and copies"
             editing.refuse(
-                node, f"MuJoCo {editing.after} has no {found.called}: {found.when()}",
-                "`mjcompose build --target plain` writes a model without frames and copies"
-                if node.tag in ("frame", "replicate", "attach") else None,
-            )  # fmt: skip
+                node, lacks, help if is_new and node.tag in ("frame", "replicate", "attach") else None
+            )
         elif found.value is None and _says_nothing(editing, node, name):
             editing.unset(node, name)
         elif f"{place(node)}@{name}" in _OF_THE_ENGINE:
@@ -227,9 +229,7 @@ def _leave_out(editing: Editing) -> None:
             editing.warn(node, words, None, attribute=name, arrays=(f"flags.{name}",))
             editing.unset(node, name)
         else:
-            editing.refuse(
-                node, f"MuJoCo {editing.after} has no {found.called}: {found.when()}", None, attribute=name
-            )
+            editing.refuse(node, lacks, None, attribute=name)
 
 
 _HARMLESS = {
@@ -260,14 +260,6 @@ def _says_nothing(editing: Editing, node: Node, name: str) -> bool:
     if key in _HARMLESS:
         return _HARMLESS[key] is None or node.get(name) == _HARMLESS[key]
     return node.get(name) == default_of(path, name)
-
-
-def unread_in(node: Node, version: str, name: str | None, value: str | None):  # type: ignore[no-untyped-def]
-    """Whether that is not read by this version either, once."""
-    for each in unread(node.getroottree().getroot(), version):
-        if each.node is node and each.attribute == name and each.value == value:
-            yield True
-            return
 
 
 def _sources(unit: Unit, context: Context) -> dict[Path, tuple[Source, bytes]] | None:
@@ -316,7 +308,7 @@ def _cannot_edit(path: Path, context: Context) -> None:
     )
 
 
-def _assets(unit: Unit):  # type: ignore[no-untyped-def]
+def _assets(unit: Unit) -> Iterator[Path]:
     """The files that the model reads beside its XML."""
     for element, _, name in file_attributes(unit.root):
         yield Path(join(str(unit.directory), written_path(unit.settings, element, name)))
@@ -401,8 +393,6 @@ def lay_out(migrated: Migrated, folder: Path, *, link: bool = False) -> dict[Pat
 
     With `link` what is not changed is only linked to. Raises OSError.
     """
-    import shutil
-
     every = [*migrated.files, *migrated.assets]
     top = os.path.commonpath([os.path.abspath(each.parent) for each in every])
     placed: dict[Path, Path] = {}
@@ -545,13 +535,16 @@ def _judge(result: Result, context: Context) -> None:
             context.sink.error(
                 "mujoco-rejects",
                 f"MuJoCo {compiled.version} rejects `{context.shown(result.model)}` {whose}: {said}{named}{line}",
-                help=_help(compiled is proof.before, migrated),
+                help=f"it is not written for {migrated.before}: say another version with `--from`"
+                if compiled is proof.before
+                else None,
             )
     outcome = proof.outcome
     report(migrated, context, () if outcome is None else outcome.settled)
     if outcome is None:
         return
-    known_arrays = {array for each in migrated.meanings for array in each.arrays} | _of_adopted(migrated)
+    known_arrays = {array for each in migrated.meanings for array in each.arrays}
+    known_arrays |= {array for each in ORDERED if each.name in migrated.adopted for array in each.arrays}
     if any(each.array in known_arrays for each in outcome.differences):
         known_arrays |= _FOLLOW
     for each in outcome.differences:
@@ -567,16 +560,3 @@ def _judge(result: Result, context: Context) -> None:
             f" {len(several)} array{'s' * (len(several) != 1)} differ{'s' * (len(several) == 1)}",
             notes=notes,
         )
-
-
-def _of_adopted(migrated: Migrated) -> set[str]:
-    from mjcompose.tools.migrate.changes import named
-
-    found = (named(name) for name in migrated.adopted)
-    return {array for each in found if each is not None for array in each.arrays}
-
-
-def _help(is_original: bool, migrated: Migrated) -> str | None:
-    if is_original:
-        return f"it is not written for {migrated.before}: say another version with `--from`"
-    return None

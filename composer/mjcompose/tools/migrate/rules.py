@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from mjcompose.model.classes import childclass_of, default_tag
+from mjcompose.model.files import stem
 from mjcompose.model.grammar import number_text
 from mjcompose.model.values import parse_int, parse_real
 from mjcompose.tools.migrate.editing import Editing, called, later
@@ -22,16 +24,6 @@ def _number_margins(editing: Editing, node: Node, name: str) -> float:
     text = editing.value(node, name)
     found = None if text is None else parse_real(text.split()[0]) if text.split() else None
     return 0.0 if found is None else found
-
-
-def gap_inside(editing: Editing) -> None:
-    """From 3.9 on the force begins at the margin and not at the margin less the gap."""
-    _shift(editing, -1.0)
-
-
-def gap_outside(editing: Editing) -> None:
-    """Before 3.9."""
-    _shift(editing, 1.0)
 
 
 def _shift(editing: Editing, sign: float) -> None:
@@ -53,19 +45,13 @@ def _shift(editing: Editing, sign: float) -> None:
         editing.set(node, "margin", number_text(round(new, 15)))
 
 
+gap_inside, gap_outside = partial(_shift, sign=-1.0), partial(_shift, sign=1.0)
+"""From 3.9 on the force begins at the margin and not at the margin less the gap; and the same back."""
+
+
 def _is_of_class(node: Node) -> bool:
     parent = node.getparent()
     return parent is not None and parent.tag == "default"
-
-
-def larger_of_two(editing: Editing) -> None:
-    """Before 3.5 a contact had the larger margin of its two geoms, since then their sum."""
-    _combine(editing, 0.5, "the larger", now="the sum")
-
-
-def sum_of_two(editing: Editing) -> None:
-    """The same for a model that goes back."""
-    _combine(editing, 2.0, "the sum", now="the larger")
 
 
 def _combine(editing: Editing, factor: float, was: str, now: str) -> None:
@@ -95,6 +81,11 @@ def _combine(editing: Editing, factor: float, was: str, now: str) -> None:
         )
 
 
+larger_of_two = partial(_combine, factor=0.5, was="the larger", now="the sum")
+sum_of_two = partial(_combine, factor=2.0, was="the sum", now="the larger")
+"""Before 3.5 a contact had the larger margin of its two geoms, since then their sum."""
+
+
 def _collides(editing: Editing, node: Node) -> bool:
     return any(editing.value(node, name) != "0" for name in ("contype", "conaffinity"))
 
@@ -106,7 +97,6 @@ def _is_copied(editing: Editing, node: Node) -> bool:
 
 ROLES = ("rgb", "occlusion", "roughness", "metallic", "normal", "opacity", "emissive", "rgba", "orm")
 _TURNED = ("euler", "axisangle", "xyaxes", "zaxis")
-_PLATE = 12
 
 
 def split_passive(editing: Editing) -> None:
@@ -193,7 +183,9 @@ def shells_of_meshes(editing: Editing) -> None:
         mesh = editing.value(node, "mesh")
         if mesh is not None and (editing.value(node, "type") or "sphere") == "mesh":
             wanted.setdefault(mesh, []).append((node, editing.value(node, "shellinertia") == "true"))
-    meshes = {str(node.get("name") or _stem(node)): node for node in editing.at("asset/mesh")}
+    meshes = {
+        str(node.get("name") or stem(str(node.get("file") or ""))): node for node in editing.at("asset/mesh")
+    }
     for name, uses in wanted.items():
         shells = [node for node, shell in uses if shell]
         if not shells:
@@ -221,7 +213,7 @@ def shells_of_geoms(editing: Editing) -> None:
     for mesh in editing.at("asset/mesh"):
         if editing.value(mesh, "inertia") != "shell":
             continue
-        name = str(mesh.get("name") or _stem(mesh))
+        name = str(mesh.get("name") or stem(str(mesh.get("file") or "")))
         for node in editing.at("body/geom"):
             if editing.value(node, "mesh") == name and (editing.value(node, "type") or "sphere") == "mesh":
                 editing.set(node, "shellinertia", "true")
@@ -230,38 +222,31 @@ def shells_of_geoms(editing: Editing) -> None:
         editing.warn(mesh, _SURFACES.format(name), "write the inertia of its body as `<inertial>`")
 
 
-def _stem(mesh: Node) -> str:
-    from mjcompose.model.files import stem
-
-    return stem(str(mesh.get("file") or ""))
+def _quats_beside(editing: Editing) -> Iterator[tuple[Node, str]]:
+    """Yield the elements with a `quat` whose class gives an orientation in another form, and that form."""
+    for node in editing.at("body/geom", "body/site", "body/camera"):
+        if node.get("quat") is None or any(node.get(name) is not None for name in _TURNED):
+            continue
+        force = editing.unit.classes.get(str(node.get("class") or childclass_of(node) or "main"))
+        given = force.orientation(str(node.tag))
+        if given is not None and given[0] in _TURNED:
+            yield node, given[0]
 
 
 def quats_that_were_ignored(editing: Editing) -> None:
     """Before 3.16 an orientation of a class in another form won over the `quat` of an element."""
-    for node in editing.at("body/geom", "body/site", "body/camera"):
-        if node.get("quat") is None or any(node.get(name) is not None for name in _TURNED):
-            continue
-        given = editing.unit.classes.get(str(node.get("class") or childclass_of(node) or "main")).orientation(
-            str(node.tag)
-        )
-        if given is not None and given[0] in _TURNED:
-            editing.unset(node, "quat")
+    for node, _ in _quats_beside(editing):
+        editing.unset(node, "quat")
 
 
 def quats_that_are_read(editing: Editing) -> None:
-    for node in editing.at("body/geom", "body/site", "body/camera"):
-        if node.get("quat") is None or any(node.get(name) is not None for name in _TURNED):
-            continue
-        given = editing.unit.classes.get(str(node.get("class") or childclass_of(node) or "main")).orientation(
-            str(node.tag)
+    for node, form in _quats_beside(editing):
+        editing.refuse(
+            node,
+            f"MuJoCo {editing.after} does not read the `quat` of {called(node)}, whose class gives `{form}`",
+            f"write it as `{form}`, or take that from the class",
+            attribute="quat",
         )
-        if given is not None and given[0] in _TURNED:
-            editing.refuse(
-                node,
-                f"MuJoCo {editing.after} does not read the `quat` of {called(node)}, whose class gives `{given[0]}`",
-                f"write it as `{given[0]}`, or take that from the class",
-                attribute="quat",
-            )
 
 
 def limits_that_were_ignored(editing: Editing) -> None:
@@ -339,14 +324,8 @@ def _elastic(editing: Editing) -> Iterator[tuple[Node, Node, float, float, float
     for flex, node in _flexes(editing):
         young, nu = _number(node, "young"), _number(node, "poisson")
         if young and not is_interpolated(flex):
-            yield (
-                flex,
-                node,
-                young,
-                nu,
-                _number(node, "thickness", -1.0),
-                str(node.get("elastic2d") or "none"),
-            )
+            thickness, mode = _number(node, "thickness", -1.0), str(node.get("elastic2d") or "none")
+            yield flex, node, young, nu, thickness, mode
 
 
 def elastic_constants(editing: Editing) -> None:
