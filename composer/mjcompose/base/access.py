@@ -58,12 +58,9 @@ class Door:
 
     @classmethod
     def of(
-        cls,
-        folders: list[str | os.PathLike[str]] | tuple[str | os.PathLike[str], ...],
-        whose: str = "what it came with",
-        help: str | None = None,
-        start: str | None = None,
-    ) -> Door:
+        cls, folders: list[str | os.PathLike[str]] | tuple[str | os.PathLike[str], ...],
+        whose: str = "what it came with", help: str | None = None, start: str | None = None,
+    ) -> Door:  # fmt: skip
         """Return a door to some folders, whose paths may contain links."""
         roots = dict.fromkeys(real_folder(os.fspath(each)) for each in folders)
         return cls(tuple(roots), whose, help, start)

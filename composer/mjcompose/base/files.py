@@ -154,12 +154,9 @@ class Refused(OSError):
         return f"the file `{call(Path(self.path))}`{leads} {self.why}"
 
     def report(
-        self,
-        sink: Sink,
-        span: Span | None,
-        notes: Iterable[Note] = (),
+        self, sink: Sink, span: Span | None, notes: Iterable[Note] = (),
         shown: Callable[[Path], str] | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         """Report it to the sink, at the place that names the file."""
         from pathlib import Path
 

@@ -180,12 +180,9 @@ class Helper:
             if self._process is not None or self.ends:
                 return
             self._process = Process(
-                [sys.executable, "-I", "-X", f"utf8={sys.flags.utf8_mode}", _SCRIPT],
-                watches=True,
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                cwd=self._folder,
-            )
+                [sys.executable, "-I", "-X", f"utf8={sys.flags.utf8_mode}", _SCRIPT], watches=True,
+                stdin=subprocess.PIPE, stdout=subprocess.PIPE, cwd=self._folder,
+            )  # fmt: skip
             self._is_open = False
         assert self._process.stdin is not None
         self._process.stdin.write(pickle.dumps((module_path(), self._modules)))

@@ -45,12 +45,9 @@ def call_confined(
             "memory": min(memory, _MEMORY), "seconds": seconds}  # fmt: skip
     try:
         process = Process(
-            [sys.executable, "-I", "-X", "utf8", __file__],
-            watches=True,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-        )
+            [sys.executable, "-I", "-X", "utf8", __file__], watches=True, stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        )  # fmt: skip
     except (OSError, ValueError) as error:
         return _failure(f"no process can be started: {error}", "start")
     try:

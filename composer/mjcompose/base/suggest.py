@@ -286,14 +286,11 @@ def unknown_name(
     """
     known = list(known)
     return Diagnostic(
-        "unknown-name",
-        message or f"the {kind} `{name}`{purpose} does not exist",
-        span,
+        "unknown-name", message or f"the {kind} `{name}`{purpose} does not exist", span,
         notes=(exists_note(kind, known, name), *notes),
-        help=help or did_you_mean(name, known, written) or otherwise,
-        subjects=frozenset((name, *about)),
+        help=help or did_you_mean(name, known, written) or otherwise, subjects=frozenset((name, *about)),
         fix=fix if help else renaming(name, known),
-    )
+    )  # fmt: skip
 
 
 def unknown_key(name: str, known: Iterable[str], span: Span, message: str) -> Diagnostic:

@@ -275,12 +275,9 @@ class Workspace:
         """Return the diagnostics of an MJCF file by itself."""
         sink = Sink()
         unit = parse_text(
-            text.encode("utf-8", "replace"),
-            sink,
-            file=shown(path, self.folder),
-            directory=path.parent,
+            text.encode("utf-8", "replace"), sink, file=shown(path, self.folder), directory=path.parent,
             label=path.stem,
-        )
+        )  # fmt: skip
         if unit is not None:
             check_source(unit, sink)
         return tuple(sink.sorted())
@@ -330,12 +327,9 @@ class Desk:
     """
 
     def __init__(
-        self,
-        folder: Path,
-        publish: Callable[[Path, list[Diagnostic]], None],
-        log: Callable[[str], None],
+        self, folder: Path, publish: Callable[[Path, list[Diagnostic]], None], log: Callable[[str], None],
         changed: Callable[[], None] = lambda: None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.folder = folder
         self.documents: dict[Path, Document] = {}
         self.workspace, self.verifier = Workspace(folder), Verifier(folder)

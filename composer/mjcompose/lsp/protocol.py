@@ -263,12 +263,9 @@ class Converter:
     def action(self, found: analysis.Action, path: Path) -> lsp.CodeAction:
         about = None if found.diagnostic is None else [self.diagnostic(found.diagnostic, path)]
         return lsp.CodeAction(
-            found.title,
-            found.kind,
-            about,
-            is_preferred=found.is_preferred or None,
+            found.title, found.kind, about, is_preferred=found.is_preferred or None,
             edit=self.edit(found.changes),
-        )
+        )  # fmt: skip
 
     def symbol(self, found: analysis.Symbol) -> lsp.DocumentSymbol:
         return lsp.DocumentSymbol(

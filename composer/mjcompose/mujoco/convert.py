@@ -82,13 +82,10 @@ def convert_urdf(
     meshes, folder = (read.value["meshes"], read.value["folder"]) if read.ok else ([], "")
     error = converted.value["error"] if converted.ok else converted.error
     return Converted(
-        converted.value.get("text") if converted.ok else None,
-        tuple(meshes),
-        folder,
+        converted.value.get("text") if converted.ok else None, tuple(meshes), folder,
         warnings=tuple(without_folder(text, path.parent) for text in read.warnings),
-        error=error and without_folder(error, path.parent),
-        crash=converted.crash,
-    )
+        error=error and without_folder(error, path.parent), crash=converted.crash,
+    )  # fmt: skip
 
 
 def _admit(read: Mapping[str, Any], path: Path, door: Door) -> None:

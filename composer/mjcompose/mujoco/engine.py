@@ -477,12 +477,9 @@ def call(session: Session, function: Callable[..., Any], models: Sequence[str], 
     """Run `function(mujoco, *models, argument)` in the session's child on models kept there by name."""
     answer = session.call(function, models, argument)
     return Called(
-        ok=answer["ok"],
-        value=answer.get("value"),
-        error=answer.get("error"),
-        crash=answer.get("crash"),
+        ok=answer["ok"], value=answer.get("value"), error=answer.get("error"), crash=answer.get("crash"),
         warnings=_distinct(answer.get("warnings", ())),
-    )
+    )  # fmt: skip
 
 
 def _run(requests: Iterable[Request], limits: Limits | None, session: Session | None) -> list[Measured]:

@@ -136,13 +136,10 @@ def decompose(mesh: Mesh, wanted: Mapping[str, Any]) -> list[Hull]:
 
     coacd.set_log_level("error")
     found = coacd.run_coacd(
-        coacd.Mesh(mesh.vertices, mesh.faces),
-        threshold=wanted["threshold"],
-        max_convex_hull=-1 if wanted["parts"] is None else wanted["parts"],
-        seed=wanted["seed"],
-        decimate=True,
-        max_ch_vertex=wanted["vertices"],
-    )
+        coacd.Mesh(mesh.vertices, mesh.faces), threshold=wanted["threshold"],
+        max_convex_hull=-1 if wanted["parts"] is None else wanted["parts"], seed=wanted["seed"],
+        decimate=True, max_ch_vertex=wanted["vertices"],
+    )  # fmt: skip
     pieces = []
     for vertices, _ in found:
         try:

@@ -129,10 +129,7 @@ class Index:
             keyframes=tuple(Keyframe(entry["name"], entry["time"]) for entry in data["keyframes"]),
             cameras=tuple(
                 Camera(
-                    entry["name"],
-                    entry["body"],
-                    entry["fovy"],
-                    unit=entry["unit"],
+                    entry["name"], entry["body"], entry["fovy"], unit=entry["unit"],
                     resolution=(entry["resolution"][0], entry["resolution"][1]),
                 )
                 for entry in data["cameras"]

@@ -482,15 +482,12 @@ def reference_differences(matching: Correspondence) -> list[Difference]:
     """Return changed references; one whose target is missing is not reported again."""
     return [
         Difference(
-            kind,
-            matching.composed.describe(kind, target),
-            mine.field,
-            expected=_expected(matching, mine),
+            kind, matching.composed.describe(kind, target), mine.field, expected=_expected(matching, mine),
             actual=_shown_references(matching.composed, other),
         )
         for kind, _, target, mine, other in unequal_references(matching)
         if mine is not None and other is not None and (mine.kind != other.kind or matching.targets(mine))
-    ]
+    ]  # fmt: skip
 
 
 def _expected(matching: Correspondence, link: Link) -> Value:

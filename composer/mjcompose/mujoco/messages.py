@@ -105,18 +105,15 @@ def read_sentence(message: str) -> Sentence:
     missing, size, plugin = _MISSING.search(message), _SIZE.search(message), _PLUGIN.search(message)
     return Sentence(
         next((topic for topic in Topic if re.search(topic.value, message)), None),
-        attribute["name"] if attribute else None,
-        unknown["name"] if unknown else None,
+        attribute["name"] if attribute else None, unknown["name"] if unknown else None,
         is_unknown_element=_UNKNOWN_ELEMENT.search(message) is not None,
         missing_attribute=missing["name"] if missing else None,
-        missing_element=missing["tag"] if missing else None,
-        names=tuple(_QUOTED.findall(message)),
-        words=frozenset(_WORD.findall(message)),
-        size_index=int(size["index"]) if size else None,
+        missing_element=missing["tag"] if missing else None, names=tuple(_QUOTED.findall(message)),
+        words=frozenset(_WORD.findall(message)), size_index=int(size["index"]) if size else None,
         plugin=int(plugin["id"]) if plugin else None,
         section=next((section for section, said in _SECTIONS.items() if said.search(message)), None),
         array=array["name"] if array else None,
-    )
+    )  # fmt: skip
 
 
 CRASHES = {"timeout": "mujoco-timeout", "missing": "mujoco-missing"}
@@ -185,12 +182,9 @@ def parse(text: str) -> Fault:
     if rest := text[trailer.end() :].strip():  # MuJoCo 3.12 puts the reason why a file cannot be read last
         message = f"{message}: {rest}"
     return Fault(
-        message,
-        line=_positive(fields["line"]),
-        column=_positive(fields.get("column")),
-        element=fields.get("element") or None,
-        name=fields.get("name") or None,
-    )
+        message, line=_positive(fields["line"]), column=_positive(fields.get("column")),
+        element=fields.get("element") or None, name=fields.get("name") or None,
+    )  # fmt: skip
 
 
 def _not_well_formed(found: re.Match[str]) -> Fault:

@@ -181,13 +181,10 @@ def _encoded(corners: Any, normals: Any, faces: Any, of_normals: Any, flat: Any,
     whole, low, step = steps(corners)
     triangles = index.astype(np.uint16 if len(corner) <= 1 << 16 else np.uint32)
     return packed(
-        np.array([len(corner), len(faces), flat is not None], np.uint32),
-        np.array([*low, *step], np.float32),
-        whole[corner],
-        _octahedral(normals[normal]),
-        *([] if flat is None else [flat[texture[0]].astype(np.float32)]),
-        triangles,
-    )
+        np.array([len(corner), len(faces), flat is not None], np.uint32), np.array([*low, *step], np.float32),
+        whole[corner], _octahedral(normals[normal]),
+        *([] if flat is None else [flat[texture[0]].astype(np.float32)]), triangles,
+    )  # fmt: skip
 
 
 def _unified(faces: list[Any]) -> tuple[Any, list[Any]]:

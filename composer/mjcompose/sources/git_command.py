@@ -294,12 +294,9 @@ def _check(blobs: Iterable[_Blob], packed: int) -> None:
 
 
 def _follow(
-    links: list[_Blob],
-    contents: Contents,
-    files: dict[str, _Blob],
-    written: dict[str, _Blob],
+    links: list[_Blob], contents: Contents, files: dict[str, _Blob], written: dict[str, _Blob],
     left_out: dict[str, str],
-) -> None:
+) -> None:  # fmt: skip
     """Put the targets of links into `written` under the names of the links, or the links into `left_out`."""
     targets = {link.name: b"".join(contents(link)).decode("utf-8", "surrogateescape") for link in links}
     real = {name: _real(name, targets) for name in targets}

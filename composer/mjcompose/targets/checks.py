@@ -61,10 +61,7 @@ READERS: Mapping[str, Reader] = {
         Reader("pinocchio", "pinocchio", "pinocchio", packages=("pin",)),
         Reader("pybullet", "pybullet", "pybullet", packages=("numpy", "pybullet"), single=True),
         Reader(
-            "newton",
-            "newton",
-            "newton",
-            packages=("newton", "trimesh", "scipy", "mujoco", "mujoco-warp"),
+            "newton", "newton", "newton", packages=("newton", "trimesh", "scipy", "mujoco", "mujoco-warp"),
             single=True,
         ),
         Reader("genesis", "genesis", "genesis", packages=("torch", "genesis-world")),
@@ -72,7 +69,7 @@ READERS: Mapping[str, Reader] = {
         Reader("warp", "warp", "mujoco_warp", packages=("mujoco-warp",), single=True),
         Reader("urdf", "pinocchio", "pinocchio", packages=("pin",)),
     )
-}
+}  # fmt: skip
 """By the name of the target that it reads."""
 
 check_rows("the programs of composer/mjcompose/targets/checks.py", READERS, READ_IN)

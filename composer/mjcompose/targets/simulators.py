@@ -241,13 +241,10 @@ def _is_elastic(model: Any, flex: int) -> bool:
 
 
 WARP_OPTIONS = refused_options(
-    "options",
-    "MuJoCo Warp",
-    (("solver", "mjtSolver", ("mjSOL_PGS",)),),
+    "options", "MuJoCo Warp", (("solver", "mjtSolver", ("mjSOL_PGS",)),),
     flags=("override", "fwdinv", "diagexact", "ipc", "speculative"),
-    help="write another one in the section `option` of the recipe",
-    together=_options,
-)
+    help="write another one in the section `option` of the recipe", together=_options,
+)  # fmt: skip
 
 
 WARP_PLUGINS = refused_elements("plugins", "body", with_plugins("body"), help=_OUT)

@@ -336,12 +336,9 @@ class UrdfReader:
         note = Note(f"no folder above `{self.shown(self.source.path)}` is called `{name}`")
         notes = (note, exists_note("package", known, name)) if known else (note,)
         self.sink.error(
-            "asset-missing",
-            f"the package `{name}` is not known",
-            at,
-            notes=(*notes, *self._asked()),
+            "asset-missing", f"the package `{name}` is not known", at, notes=(*notes, *self._asked()),
             help=f"say beside `model` where it is: `packages: {{{name}: {folder}}}`",
-        )
+        )  # fmt: skip
 
 
 def _is_of_inertia(converted: Converted) -> bool:

@@ -231,12 +231,9 @@ def _attribute_from(text: SourceText, owner: Span, attribute: str) -> Span | Non
     before = found.string[:start]
     line, column = before.count("\n"), start - (before.rfind("\n") + 1)
     return Span(
-        owner.file,
-        owner.line + line,
-        column + 1,
-        end_line=owner.line + line,
+        owner.file, owner.line + line, column + 1, end_line=owner.line + line,
         end_column=column + 1 + (end - start),
-    )
+    )  # fmt: skip
 
 
 _WRITTEN = re.compile(rb"""(?:filename\s*=\s*["']|load_yaml\(\s*["'])([^"'<>]*)["']""")

@@ -5,9 +5,6 @@ from __future__ import annotations
 from mjcompose.targets.target import Target, write_mjcf
 
 TARGET = Target(
-    "plain",
-    "MJCF without frames, classes, replicates and flexcomps, with inertias and OBJ meshes",
-    (),
-    write=write_mjcf,
-    package="mujoco",
-)
+    "plain", "MJCF without frames, classes, replicates and flexcomps, with inertias and OBJ meshes", (),
+    write=write_mjcf, package="mujoco",
+)  # fmt: skip

@@ -358,22 +358,16 @@ def contrast(mujoco: Any, a: Model, b: Model, given: Mapping[str, Any]) -> dict[
     matching = Correspondence(mine, theirs, prefix="", mount=Mount(), renamed=names, by_order=known is None)
     values = Values(mujoco, matching, float(given["tolerance"]))
     changes = [
-        *(_renamed(names, matching) if known is None else ()),
-        *_presence(matching),
-        *references(matching),
-        *values.changes(),
-        *_keys(matching, float(given["tolerance"])),
+        *(_renamed(names, matching) if known is None else ()), *_presence(matching), *references(matching),
+        *values.changes(), *_keys(matching, float(given["tolerance"])),
         *setting_changes(mujoco, a, b, tolerance=float(given["tolerance"])),
-    ]
+    ]  # fmt: skip
     arrays = [name for name, *_ in compare.unequal_attributes(a, b)]
     contrast = Contrast(
-        identical=not arrays,
-        changes=tuple(changes),
-        moves=tuple(moves(matching)),
-        counts=tuple(counts(a, b, float(given["tolerance"]))),
-        arrays=() if changes else tuple(arrays),
+        identical=not arrays, changes=tuple(changes), moves=tuple(moves(matching)),
+        counts=tuple(counts(a, b, float(given["tolerance"]))), arrays=() if changes else tuple(arrays),
         elements={kind: (mine.count(kind), theirs.count(kind)) for kind in KINDS},
-    )
+    )  # fmt: skip
     return asdict(contrast)
 
 

@@ -75,12 +75,9 @@ class Proposal:
 
 
 def propose(
-    merged: Unit,
-    parts: list[Unit],
-    references: list[str],
-    relative: Callable[[Path], str],
+    merged: Unit, parts: list[Unit], references: list[str], relative: Callable[[Path], str],
     likeness: Callable[[Instance, Names], Likeness] = lambda _, __: Likeness(),
-) -> Proposal:
+) -> Proposal:  # fmt: skip
     """Return the recipe that makes `merged` from `parts`, which `references` name; `relative` writes file paths.
 
     `likeness` returns which elements of a part compile to the same; without it, any difference in writing counts.

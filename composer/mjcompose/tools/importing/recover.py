@@ -269,12 +269,9 @@ class _Recovery:
     def proposal(self, likeness: Callable[[Instance, elements.Names], elements.Likeness]) -> Proposal:
         references = [self.references.get(path) or _reference(path, self.out.parent) for path in self.parts]
         return propose(
-            self.units[0],
-            self.units[1:],
-            references,
-            relative=lambda file: _reference(file, self.out.parent),
-            likeness=likeness,
-        )
+            self.units[0], self.units[1:], references,
+            relative=lambda file: _reference(file, self.out.parent), likeness=likeness,
+        )  # fmt: skip
 
     def settled(self, proposal: Proposal) -> Recovered:
         """Return the proposal without the entries that do not build, and with the keys that it lacked."""

@@ -69,12 +69,9 @@ def serve(
 
 
 def _watch(
-    server: Server,
-    before: dict[Path, Mark],
-    stop: Event,
-    said: Callable[[Shown], None],
+    server: Server, before: dict[Path, Mark], stop: Event, said: Callable[[Shown], None],
     failed: list[Exception],
-) -> None:
+) -> None:  # fmt: skip
     """Build again whenever a file changes, until `stop` is set."""
     try:
         watch = Watch(stop)

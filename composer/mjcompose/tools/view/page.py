@@ -148,16 +148,6 @@ Place = list[int] | None
 """The number of a file, a line and a column."""
 
 
-@dataclass(slots=True)
-class _Table:
-    """Repeated texts, each stored once."""
-
-    rows: dict[str, int] = field(default_factory=dict)
-
-    def number(self, text: str) -> int:
-        return self.rows.setdefault(text, len(self.rows))
-
-
 class Origins:
     """The origins of elements for the page.
 
@@ -168,7 +158,8 @@ class Origins:
     def __init__(self, side: Side, names: Names) -> None:
         self.side, self.names = side, names
         self.absolute: dict[str, str] = {}
-        self._files, self._parts = _Table(), _Table()
+        self._files: dict[str, int] = {}
+        self._parts: dict[str, int] = {}
         self._part_places: list[Any] = []
         self._numbers: dict[str, int] = {}
 
@@ -186,7 +177,7 @@ class Origins:
             else {kind: self._of_kind(kind, names[kind], traced) for kind in KINDS if kind in names}
         )
         exclude = self._of_excludes(excluded)  # the files that it names are listed, too
-        return {"files": list(self._files.rows), "parts": self._part_places, "of": of, "exclude": exclude}
+        return {"files": list(self._files), "parts": self._part_places, "of": of, "exclude": exclude}
 
     def _of_excludes(self, pairs: Sequence[tuple[str, str]]) -> list[Any]:
         """Return for each pair its place, words, and why it is excluded, or null: `exclude: auto` has a reason."""
@@ -226,10 +217,10 @@ class Origins:
         return [what, change.before, change.after, change.reason.words, self._place(change.reason.span)]
 
     def _part(self, words: str, span: Span | None) -> int:
-        number = self._parts.number(words)
-        if number == len(self._part_places):
+        if words not in self._parts:
+            self._parts[words] = len(self._parts)
             self._part_places.append([words, self._place(span)])
-        return number
+        return self._parts[words]
 
     def _place(self, span: Span | None) -> Place:
         if span is None or span.file.startswith("--"):
@@ -244,7 +235,7 @@ class Origins:
         name = self.names.of(operand.located(span).file)
         if os.path.isfile(path := os.path.abspath(operand.context.folder / span.file)):
             self.absolute.setdefault(name, path)
-        return self._files.number(name)
+        return self._files.setdefault(name, len(self._files))
 
 
 @dataclass(frozen=True, slots=True)
@@ -398,7 +389,7 @@ def _engine(files: AbcMapping[str, bytes]) -> str:
     """Return MuJoCo for the page, and the model that it compiles there."""
     program = lzma.decompress((BUILT / "mujoco.wasm.xz").read_bytes())
     data = _packed("physics", b"null", [*files.items(), ("mujoco.wasm", program)])
-    return f"{data}<script>{_in_script((BUILT / 'physics.js').read_text(encoding='utf-8'))}</script>\n"
+    return f"{data}<script>{_in_script(_built('physics.js'))}</script>\n"
 
 
 def live(title: str) -> str:
@@ -411,11 +402,9 @@ def live(title: str) -> str:
 
 def shell(title: str, head: str, body: str, style: str | None = None, script: str | None = None) -> str:
     """Return the page around a model; `style` and `script` replace the program's own, which is included otherwise."""
-    notice = (BUILT / "NOTICE").read_text(encoding="utf-8")
-    style = (
-        style if style is not None else f"<style>{(BUILT / 'page.css').read_text(encoding='utf-8')}</style>"
-    )
-    script = script if script is not None else f"<script>{_in_script(_program())}</script>"
+    notice = _built("NOTICE")
+    style = f"<style>{_built('page.css')}</style>" if style is None else style
+    script = f"<script>{_in_script(_built('page.js'))}</script>" if script is None else script
     return (
         "<!doctype html>\n<html lang=en>\n<meta charset=utf-8>\n"
         '<meta name=viewport content="width=device-width,initial-scale=1">\n'
@@ -425,8 +414,8 @@ def shell(title: str, head: str, body: str, style: str | None = None, script: st
     )
 
 
-def _program() -> str:
-    return (BUILT / "page.js").read_text(encoding="utf-8")
+def _built(name: str) -> str:
+    return (BUILT / name).read_text(encoding="utf-8")
 
 
 def _in_script(text: str) -> str:

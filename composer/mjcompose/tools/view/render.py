@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, replace
@@ -108,15 +109,9 @@ def color_of(text: str) -> Color | None:
     >>> color_of("#ff8000")
     (255, 128, 0, 1)
     """
-    if text in COLORS:
-        return COLORS[text]
-    digits = text.removeprefix("#")
-    if len(digits) != 6 or digits == text:
-        return None
-    try:
-        red, green, blue = bytes.fromhex(digits)
-    except ValueError:
-        return None
+    if re.fullmatch("#[0-9A-Fa-f]{6}", text) is None:
+        return COLORS.get(text)
+    red, green, blue = bytes.fromhex(text[1:])
     return red, green, blue, 1
 
 
@@ -126,11 +121,11 @@ def size_of(text: str) -> tuple[int, int] | None:
     >>> size_of("640x480")
     (640, 480)
     """
-    width, _, height = text.lower().partition("x")
-    if not (width.isascii() and width.isdigit() and height.isascii() and height.isdigit()):
+    found = re.fullmatch("([0-9]+)x([0-9]+)", text.lower())
+    if found is None:
         return None
-    found = int(width), int(height)
-    return found if all(16 <= each <= MOST_PIXELS for each in found) else None
+    width, height = int(found[1]), int(found[2])
+    return (width, height) if min(width, height) >= 16 and max(width, height) <= MOST_PIXELS else None
 
 
 HELP = "without a display set `MUJOCO_GL=egl` or `MUJOCO_GL=osmesa`, and install EGL or OSMesa"
@@ -251,13 +246,8 @@ def render_sheet(
     workers = min(len(cells), jobs or min(cores(), max(1, len(cells) // _CELLS_A_PROCESS))) - 1
     with ExitStack() as held:
         folder = held.enter_context(scratch("pictures"))
-        job = _Job(
-            replace(operand, context=context_for_worker(context)),
-            wish,
-            given,
-            folder=folder,
-            limits=in_force(),
-        )
+        handed = replace(operand, context=context_for_worker(context))
+        job = _Job(handed, wish, given, folder=folder, limits=in_force())
         pool = held.enter_context(Pool[tuple[int, Cell], Drawn](workers, _MODULES))
         results = pool.results(job.opened, enumerate(cells), partial(job.draw, session, {}))
         for number, (cell, result) in enumerate(zip(cells, results, strict=True)):

@@ -28,7 +28,8 @@ from mjcompose.sources.context import Context
 from mjcompose.text.expression_values import Value
 from mjcompose.tools.worlds.load import Loaded, load
 from mjcompose.tools.worlds.many import load_many
-from mjcompose.tools.worlds.worlds import Table, Varying, Worlds, failure, model_sha256, read
+from mjcompose.tools.worlds.names import failure
+from mjcompose.tools.worlds.worlds import Table, Varying, Worlds, model_sha256, read
 
 CODE = "not-a-world"
 _HFIELD, _MESH = 1, 7

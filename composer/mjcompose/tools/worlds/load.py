@@ -28,7 +28,7 @@ from mjcompose.build.bundle.read import ReadError, ReadLimits, named_model, outs
 from mjcompose.build.bundle.staging import manifest_beside, write_files
 from mjcompose.mujoco import index as compiled_index
 from mjcompose.mujoco.attributes import names
-from mjcompose.tools.worlds.names import BundleWarning, Index, LoadError
+from mjcompose.tools.worlds.names import BundleWarning, Index, LoadError, failure
 
 Model: TypeAlias = Any
 """A `mujoco.MjModel`, which has no type stubs."""
@@ -74,7 +74,7 @@ def _downloaded(address: str, folder: Path) -> Path:
     try:
         return download(address, folder, limits.files, size=limits.bytes)
     except RemoteError as error:
-        raise _failure("file-unreadable", f"cannot read `{hide(address)}`: {error}") from error
+        raise failure("file-unreadable", f"cannot read `{hide(address)}`: {error}") from error
 
 
 def _load(path: Path, shown: str, *, allow_changes: bool) -> Loaded:
@@ -117,9 +117,9 @@ def _checked(path: Path, shown: str) -> _Checked:
                 return _Checked(key, kept.manifest, None, kept=kept)
         return _compare(read(path, content=content), shown, content)
     except OSError as error:
-        raise _failure("file-unreadable", f"cannot read `{path}`: {error.strerror or error}") from error
+        raise failure("file-unreadable", f"cannot read `{path}`: {error.strerror or error}") from error
     except ReadError as error:
-        raise _failure(error.code, error.message, error.help) from error
+        raise failure(error.code, error.message, error.help) from error
 
 
 def _compare(bundle: Bundle, shown: str, content: bytes | None = None) -> _Checked:
@@ -140,12 +140,12 @@ def _read_binary(path: Path, shown: str) -> _Checked:
         manifest = read_regular(beside, LARGEST_MANIFEST)
     except FileNotFoundError as error:
         if not os.path.exists(path):
-            raise _failure("file-not-found", f"the file `{path}` does not exist") from error
+            raise failure("file-not-found", f"the file `{path}` does not exist") from error
         message = f"`{beside}`, the manifest of `{path.name}`, does not exist"
-        raise _failure("bundle-manifest", message, "keep the two together") from error
+        raise failure("bundle-manifest", message, "keep the two together") from error
     except OSError as error:
         file = error.filename or path
-        raise _failure("file-unreadable", f"cannot read `{file}`: {error.strerror or error}") from error
+        raise failure("file-unreadable", f"cannot read `{file}`: {error.strerror or error}") from error
     named = named_model(manifest)
     model = named if named.endswith(".mjb") and Path(named).name == named else path.name
     return _compare(Bundle({model: content, MANIFEST: manifest}, model), shown)
@@ -249,7 +249,7 @@ def _compiled(mujoco: Any, file: Path, shown: str) -> Model:
         return mujoco.MjModel.from_xml_path(str(file))
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
         said = " ".join(str(error).replace(str(file.parent), "").split())
-        raise _failure(
+        raise failure(
             "mujoco-rejects", f"MuJoCo {mujoco.__version__} does not load `{shown}`: {said}"
         ) from error
 
@@ -259,7 +259,7 @@ def _check_version(manifest: Manifest, running: str, shown: str, is_binary: bool
     if made_with == running:
         return
     if is_binary:
-        raise _failure(
+        raise failure(
             "mujoco-rejects",
             f"`{shown}` was compiled by MuJoCo {made_with}, and this is {running}: no other version reads it",
             f"build it again, or install `mujoco=={made_with}`",
@@ -291,9 +291,3 @@ def _raise_or_warn(faults: Sequence[Diagnostic], allowed: bool) -> None:
         raise LoadError(faults)
     for each in faults:
         warn(each.message, BundleWarning)
-
-
-def _failure(code: str, message: str, help: str | None = None) -> LoadError:
-    sink = Sink()
-    sink.error(code, message, help=help)
-    return LoadError(sink.errors)

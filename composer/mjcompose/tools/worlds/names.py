@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Diagnostic
+from mjcompose.base.diagnostic import Diagnostic, Note
 from mjcompose.base.report import MjcomposeError
 from mjcompose.base.suggest import did_you_mean, exists_note
 from mjcompose.build.bundle.manifest import Actuator, Joint
@@ -21,6 +21,11 @@ from mjcompose.mujoco.arrays import BY_WORD
 
 class LoadError(MjcomposeError):
     """A bundle that cannot be loaded, or does not match its manifest."""
+
+
+def failure(code: str, message: str, help: str | None = None, notes: Sequence[str] = ()) -> LoadError:
+    """Return an exception with one diagnostic."""
+    return LoadError([Diagnostic(code, message, notes=tuple(map(Note, notes)), help=help)])
 
 
 class UnknownNameError(MjcomposeError, KeyError):
@@ -280,14 +285,11 @@ class Index:
         """Controls of actuators, with their limits."""
         entries = [
             Entry(
-                each.name,
-                each.ctrl,
-                (each.unit,) * each.ctrl_size,
-                limits=tuple(map(_limits, each.ranges)),
+                each.name, each.ctrl, (each.unit,) * each.ctrl_size, limits=tuple(map(_limits, each.ranges)),
                 origin=each.origin,
             )
             for each in self._listed.actuators
-        ]
+        ]  # fmt: skip
         return self._vector("ctrl", "actuator", entries)
 
     @cached_property

@@ -20,8 +20,8 @@ from mjcompose.mujoco.varying import MEANS, flat, put, value_of, whose
 from mjcompose.targets.solver import OPTION
 from mjcompose.targets.table import TARGETS
 from mjcompose.targets.target import Refusal
-from mjcompose.tools.worlds.names import LoadError
-from mjcompose.tools.worlds.worlds import Worlds, failure
+from mjcompose.tools.worlds.names import LoadError, failure
+from mjcompose.tools.worlds.worlds import Worlds
 
 
 def mujoco(worlds: Worlds, nthread: int = 0, *, persistent: bool = False) -> Any:

@@ -25,9 +25,9 @@ from mjcompose.sources.context import Context
 from mjcompose.tools.worlds.join import CODE, Group, Joining, Part, Tree, common
 from mjcompose.tools.worlds.join import parts as joined_parts
 from mjcompose.tools.worlds.load import load
-from mjcompose.tools.worlds.names import LoadError
+from mjcompose.tools.worlds.names import LoadError, failure
 from mjcompose.tools.worlds.union_values import Mapped, derived, numbers, silenced
-from mjcompose.tools.worlds.worlds import Varying, Worlds, failure
+from mjcompose.tools.worlds.worlds import Varying, Worlds
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,8 +107,7 @@ def compose_union(
 
 def bodies_of(trees: Sequence[Tree], each: Placed) -> Iterator[str]:
     """Yield the names in a union of the bodies of a part."""
-    for body in trees[each.source].below(each.part.body):
-        yield each.prefix + body
+    return (each.prefix + body for body in trees[each.source].below(each.part.body))
 
 
 _LICENSES = "LICENSES/"
@@ -185,10 +184,8 @@ def unite(joining: Joining, name: str, context: Context, session: Session) -> tu
     loaded = load(folder)
     union, count = loaded.model, sum(len(each.worlds) for each in groups)
     found = Differences(union, count)
-    for group, active in zip(groups, plan.active, strict=True):
-        prefix_of = {
-            body: each.prefix for each in active for body in _own_bodies(trees, groups.index(group), each)
-        }
+    for group, tree, active in zip(groups, trees, plan.active, strict=True):
+        prefix_of = {body: each.prefix for each in active for body in tree.below(each.part.body)}
         mapped = Mapped(union, group.first.loaded.model, group.first.name, prefix_of=prefix_of)
         unused = [body for each in plan.placed if each not in active for body in bodies_of(trees, each)]
         mapped.check_no_more_acts(unused)
@@ -211,10 +208,6 @@ def _label(group: Group, groups: Sequence[Group]) -> str:
     ours, first = group.first.cell, groups[0].first.cell
     other = [str(value) for axis, value in ours.items() if axis != "name" and first.get(axis) != value]
     return "-".join(Path(each).stem for each in other) or str(ours["name"])
-
-
-def _own_bodies(trees: Sequence[Tree], number: int, each: Placed) -> list[str]:
-    return list(trees[number].below(each.part.body))
 
 
 def _models(group: Group) -> Iterator[Model]:

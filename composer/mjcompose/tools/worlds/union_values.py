@@ -19,7 +19,7 @@ from mjcompose.mujoco.attributes import KINDS, Model, NameTable
 from mjcompose.mujoco.references import links
 from mjcompose.mujoco.varying import Rows, owners, rows_of_size
 from mjcompose.tools.worlds.join import CODE
-from mjcompose.tools.worlds.worlds import failure
+from mjcompose.tools.worlds.names import failure
 
 Label = Callable[[str, int], str]
 """Returns an element's name by kind and number."""

@@ -7,7 +7,7 @@ import hashlib
 import json
 import os
 import zipfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import field, replace
 from io import BytesIO
 from os import PathLike
@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjcompose.base.dataclass import dataclass
-from mjcompose.base.diagnostic import Diagnostic, Note
 from mjcompose.base.files import read_regular
 from mjcompose.base.report import MjcomposeError
 from mjcompose.build.bundle.bundle import DRAWS, WORLDS, OutputError
@@ -31,13 +30,7 @@ from mjcompose.mujoco.varying import Whose, flat, put, stored, value_of, whose
 from mjcompose.text.expression_values import Value
 from mjcompose.tools.worlds.load import Model as LoadModel
 from mjcompose.tools.worlds.load import load as load_bundle
-from mjcompose.tools.worlds.names import Index, LoadError
-
-
-def failure(code: str, message: str, help: str | None = None, notes: Sequence[str] = ()) -> LoadError:
-    """Return an exception with one diagnostic."""
-    return LoadError([Diagnostic(code, message, notes=tuple(map(Note, notes)), help=help)])
-
+from mjcompose.tools.worlds.names import Index, failure
 
 _TABLES = frozenset({DRAWS, WORLDS, "samples.csv"})
 
