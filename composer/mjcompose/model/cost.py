@@ -205,7 +205,7 @@ def check_size(
         return
     made, model = _made(unit.root, attached, lambda flexcomp: file_points(flexcomp, unit))
     expansion = model.elements - elements
-    if _is_within(unit, model._replace(elements=expansion), made, sink) and check_reserved(
+    if _is_within(unit, model._replace(elements=expansion), made, sink=sink) and check_reserved(
         unit, elements + expansion, sink
     ):
         check_meshes(unit, model.points, sink, opens_files=opens_files)

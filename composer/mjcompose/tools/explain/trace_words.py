@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mjcompose.base.diagnostic import Span
@@ -147,7 +148,7 @@ _COMPUTED = {
 class PassWords:
     """Words for what passes did in one trace.
 
-    A method gets the element, what changed it, and the change; for an element that was made or has gone, without an
+    A method gets the element and the change; for an element that was made or has gone, without an
     attribute.
     """
 
@@ -159,19 +160,19 @@ class PassWords:
         life = self.trace.written(unit, "compiler", name)
         return None if life is None else life.span(unit.origins, name)
 
-    def _names(self, life: Life, cause: Cause, change: Change) -> Reason | None:
-        part, span = cause.part, cause.part.span if cause.part else None
+    def _names(self, life: Life, change: Change) -> Reason | None:
+        part, span = change.cause.part, change.cause.part.span if change.cause.part else None
         if change.after is not None and change.before is None and change.attribute == "name":
             return Reason("named after its file, with the prefix of the part", span)
         if part is not None and change.after == part.prefix + (change.before or ""):
             return Reason(f"prefix of the part `{part.called}`", part.span)
         if change.before == MAIN and change.attribute in ("class", "childclass"):
-            return Reason(f"the top class of {_file(cause.unit)} is called that here")
+            return Reason(f"the top class of {_file(change.cause.unit)} is called that here")
         return Reason(f"names of the part `{part.called}`" if part else "names of the base", span)
 
-    def _angles(self, life: Life, cause: Cause, change: Change) -> Reason | None:
-        unit = cause.unit
-        if change.attribute in ORIENTATIONS and unit.settings.eulerseq != _sequence(cause):
+    def _angles(self, life: Life, change: Change) -> Reason | None:
+        unit = change.cause.unit
+        if change.attribute in ORIENTATIONS and unit.settings.eulerseq != _sequence(change.cause):
             words = (
                 f"{_file(unit)} reads angles in the sequence `{unit.settings.eulerseq}`, the model does not"
             )
@@ -185,8 +186,8 @@ class PassWords:
             return Reason(f"its class gives it to joints that slide too; in radians here, {degrees}", span)
         return Reason(f"degrees → radians: {degrees}, the model in radians", span)
 
-    def _inertia(self, life: Life, cause: Cause, change: Change) -> Reason:
-        settings, unit = cause.unit.settings, cause.unit
+    def _inertia(self, life: Life, change: Change) -> Reason:
+        settings, unit = change.cause.unit.settings, change.cause.unit
         measured = [name for name in MEASURED if getattr(settings, name) != getattr(_DEFAULT, name)]
         if measured:
             names = " and ".join(f"`{name}`" for name in measured)
@@ -199,24 +200,24 @@ class PassWords:
                 return Reason(f'`{name}="{value}"` of {_file(unit)}, made explicit', self.setting(unit, name))
         return Reason(f"the inertia rules of {_file(unit)}, made explicit")
 
-    def _reduced(self, life: Life, cause: Cause, change: Change) -> Reason:
-        unit = cause.unit
+    def _reduced(self, life: Life, change: Change) -> Reason:
+        unit = change.cause.unit
         spans = {name: self.setting(unit, name) for name in ("fusestatic", "discardvisual")}
         names = " and ".join(f"`{name}`" for name, span in spans.items() if span is not None)
         first = next((span for span in spans.values() if span is not None), None)
         return Reason(f"as MuJoCo has it in {_file(unit)} alone, by its {names}", first)
 
-    def _unrolled(self, life: Life, cause: Cause, change: Change) -> Reason:
-        words = f"a copy by the `<replicate>` of {_file(cause.unit)}, written out"
-        return Reason(words, of_step(cause, life.owner, None).span)
+    def _unrolled(self, life: Life, change: Change) -> Reason:
+        words = f"a copy by the `<replicate>` of {_file(change.cause.unit)}, written out"
+        return Reason(words, of_step(change.cause, life.owner, None).span)
 
-    def _fitting(self, life: Life, cause: Cause, change: Change) -> Reason | None:
-        unit = cause.unit
+    def _fitting(self, life: Life, change: Change) -> Reason | None:
+        unit = change.cause.unit
         words = f"fitted by MuJoCo to the mesh's bounding box: `fitaabb` of {_file(unit)}"
         return Reason(words, self.setting(unit, "fitaabb"))
 
-    def _lengthranges(self, life: Life, cause: Cause, change: Change) -> Reason | None:
-        unit = cause.unit
+    def _lengthranges(self, life: Life, change: Change) -> Reason | None:
+        unit = change.cause.unit
         rules = (each for each in self.trace.lives.values() if each.tag == "lengthrange")
         rule = next((each for each in rules if each.root is unit.root), None)
         words = f"measured by MuJoCo on {_file(unit)} alone"
@@ -224,12 +225,12 @@ class PassWords:
             return Reason(f"{words}, where nothing is attached to what the muscle moves", None)
         return Reason(f"{words}, by its own `<lengthrange>`", rule.span(unit.origins))
 
-    def _adopted(self, life: Life, cause: Cause, change: Change) -> Reason:
-        words = f'asked for by a model that {_file(cause.unit)} attaches, under its `conflict="merge"`'
-        return Reason(words, self.setting(cause.unit, "conflict"))
+    def _adopted(self, life: Life, change: Change) -> Reason:
+        words = f'asked for by a model that {_file(change.cause.unit)} attaches, under its `conflict="merge"`'
+        return Reason(words, self.setting(change.cause.unit, "conflict"))
 
-    def _agreement(self, life: Life, cause: Cause, change: Change) -> Reason | None:
-        linking = cause.linking
+    def _agreement(self, life: Life, change: Change) -> Reason | None:
+        linking = change.cause.linking
         if linking is None or change.after is None:
             return Reason("only one of these settings may be written")
         path = "/".join([*(str(each.tag) for each in reversed([*life.node.iterancestors()][:-1])), life.tag])
@@ -247,22 +248,20 @@ class PassWords:
                     return Reason(f"asked for by the part `{part.called}`", span)
         return Reason("room for what the parts have")
 
-    def _agreement_made(self, life: Life, cause: Cause, change: Change) -> Reason:
+    def _agreement_made(self, life: Life, change: Change) -> Reason:
         for name, value in life.attributes.items():
-            if reason := self._agreement(
-                life, cause, Change(name, None, value, cause=cause, owner=life.owner)
-            ):
+            if reason := self._agreement(life, replace(change, attribute=str(name), after=str(value))):
                 return reason
         return Reason("what the parts ask for")
 
-    def _defaults(self, life: Life, cause: Cause, change: Change) -> Reason | None:
+    def _defaults(self, life: Life, change: Change) -> Reason | None:
         if change.before is None:
-            return Reason(f"what has no class of its own is of the top class of {_file(cause.unit)}")
-        return Reason(f"the top class of {_file(cause.unit)} is called that here")
+            return Reason(f"what has no class of its own is of the top class of {_file(change.cause.unit)}")
+        return Reason(f"the top class of {_file(change.cause.unit)} is called that here")
 
-    def _defaults_made(self, life: Life, cause: Cause, change: Change) -> Reason:
+    def _defaults_made(self, life: Life, change: Change) -> Reason:
         if life.tag == "default" and "class" in life.attributes:
-            return Reason(f"the top class of {_file(cause.unit)}", self._top(cause.unit))
+            return Reason(f"the top class of {_file(change.cause.unit)}", self._top(change.cause.unit))
         return Reason("holds the default classes of the parts")
 
     def _top(self, unit: Unit) -> Span | None:
@@ -277,25 +276,25 @@ class PassWords:
                 return life.span(unit.origins)
         return None
 
-    def _compiler_value(self, life: Life, cause: Cause, change: Change) -> Reason | None:
+    def _compiler_value(self, life: Life, change: Change) -> Reason | None:
         for source in life.sources:
             if source.attributes.get(change.attribute) == change.after:
-                return Reason("", source.span(cause.unit.origins, change.attribute))
-        return self._compiler(life, cause, change)
+                return Reason("", source.span(change.cause.unit.origins, change.attribute))
+        return self._compiler(life, change)
 
-    def _defaults_value(self, life: Life, cause: Cause, change: Change) -> Reason | None:
-        if change.attribute == "class" and cause.part is not None:
-            return Reason("named after the part", cause.part.span)
+    def _defaults_value(self, life: Life, change: Change) -> Reason | None:
+        if change.attribute == "class" and change.cause.part is not None:
+            return Reason("named after the part", change.cause.part.span)
         return None
 
-    def _bodies_value(self, life: Life, cause: Cause, change: Change) -> Reason | None:
+    def _bodies_value(self, life: Life, change: Change) -> Reason | None:
         """Return the reason for a value on the attachment of a part: the recipe's pose and joints, or the place."""
-        part, attribute = cause.part, change.attribute
+        part, attribute = change.cause.part, change.attribute
         if part is None:
             return None
-        span = cause.unit.origins.set_at(life.node, attribute)
-        if span is None and cause.linking is not None:
-            span = cause.linking.base.origins.set_at(life.node, attribute)
+        span = change.cause.unit.origins.set_at(life.node, attribute)
+        if span is None and change.cause.linking is not None:
+            span = change.cause.linking.base.origins.set_at(life.node, attribute)
         is_pose = attribute == "pos" or attribute in ORIENTATIONS
         if span is not None and attribute == "name":
             return Reason(f"named there, with the prefix of the part `{part.called}`", span)
@@ -312,8 +311,8 @@ class PassWords:
             return Reason(f"the pose of the {part.place.kind} `{part.place.name}`", hung_at(part))
         return Reason(f"for the part `{part.called}`", part.span)
 
-    def _bodies_made(self, life: Life, cause: Cause, change: Change) -> Reason:
-        part = cause.part
+    def _bodies_made(self, life: Life, change: Change) -> Reason:
+        part = change.cause.part
         if part is None:
             return Reason("holds what the parts bring")
         if life.tag == "frame" and life.attributes.get("childclass") == part.top_class:
@@ -329,12 +328,12 @@ class PassWords:
             return Reason(f"a body for the joint between the part `{part.called}` and its place", part.span)
         return Reason(f"joins the part `{part.called}` to its place", part.span)
 
-    def _weld(self, life: Life, cause: Cause, change: Change) -> Reason:
-        part = cause.part
+    def _weld(self, life: Life, change: Change) -> Reason:
+        part = change.cause.part
         return Reason("left out: `joint: none` fixes the part in its place", part.span if part else None)
 
-    def _compiler(self, life: Life, cause: Cause, change: Change) -> Reason | None:
-        linking = cause.linking
+    def _compiler(self, life: Life, change: Change) -> Reason | None:
+        linking = change.cause.linking
         if change.attribute in _FOLDERS:
             return Reason("every file is named by its path in the bundle")
         if change.attribute == "angle" and linking is not None:
@@ -343,12 +342,12 @@ class PassWords:
             return Reason("made explicit where it matters")
         return Reason("made explicit in what it governs, so that it does not reach other parts")
 
-    def _compiler_made(self, life: Life, cause: Cause, change: Change) -> Reason:
+    def _compiler_made(self, life: Life, change: Change) -> Reason:
         if len(life.sources) == 1:
             return Reason("the base's settings, as they hold for every part")
         return Reason("the settings that hold for every part")
 
-    def _keyframes_made(self, life: Life, cause: Cause, change: Change) -> Reason:
+    def _keyframes_made(self, life: Life, change: Change) -> Reason:
         if not isinstance(life.owner, str):
             return Reason("written in the recipe, laid out for the whole model", owned(life.owner, None))
         if len(life.sources) > 1:
@@ -376,19 +375,19 @@ def _sequence(cause: Cause) -> str | None:
     return None if cause.linking is None else cause.linking.base.settings.eulerseq
 
 
-Words = Callable[[PassWords, Life, Cause, Change], Reason | None]
+Words = Callable[[PassWords, Life, Change], Reason | None]
 
 
 def _as(words: str) -> Words:
-    return lambda passes, life, cause, change: Reason(words)
+    return lambda passes, life, change: Reason(words)
 
 
 def _at_its_place(words: str) -> Words:
-    return lambda passes, life, cause, change: Reason(words, owned(change.owner, change.attribute))
+    return lambda passes, life, change: Reason(words, owned(change.owner, change.attribute))
 
 
 def _named_or(words: str) -> Words:
-    return lambda passes, life, cause, change: Reason(
+    return lambda passes, life, change: Reason(
         "named after its file" if change.attribute == "name" else words
     )
 
@@ -450,7 +449,7 @@ class Causes:
 
     def _said(self, table: dict[Function | None, Words], life: Life, change: Change) -> Reason | None:
         words = table.get(change.cause.function)
-        return None if words is None else words(self.passes, life, change.cause, change)
+        return None if words is None else words(self.passes, life, change)
 
     def change(self, change: Change, life: Life) -> Reason:
         """Return why an attribute changed."""
