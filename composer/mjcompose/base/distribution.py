@@ -56,31 +56,32 @@ class Distribution(ABC):
     def _draw(self, bits: Any, by: Arithmetic) -> Any: ...
 
 
-@dataclass(frozen=True)
-class Uniform(Distribution):
-    """All numbers between two are equally likely."""
-
+class _Between(Distribution):
     low: float
     high: float
 
     @property
     def support(self) -> Support:
         return self.low, self.high
+
+
+@dataclass(frozen=True)
+class Uniform(_Between):
+    """All numbers between two are equally likely."""
+
+    low: float
+    high: float
 
     def _draw(self, bits: Any, by: Arithmetic) -> Any:
         return by.within(self.low + (self.high - self.low) * by.fraction(bits), *self.support)
 
 
 @dataclass(frozen=True)
-class LogUniform(Distribution):
+class LogUniform(_Between):
     """The logarithm is uniform: as many numbers between 0.1 and 1 as between 1 and 10. Both ends are positive."""
 
     low: float
     high: float
-
-    @property
-    def support(self) -> Support:
-        return self.low, self.high
 
     @cached_property
     def _logarithms(self) -> tuple[float, float]:
@@ -107,17 +108,13 @@ class Normal(Distribution):
 
 
 @dataclass(frozen=True)
-class TruncNormal(Distribution):
+class TruncNormal(_Between):
     """A normal distribution, restricted to the numbers between two."""
 
     mean: float
     std: float
     low: float
     high: float
-
-    @property
-    def support(self) -> Support:
-        return self.low, self.high
 
     @property
     def is_empty(self) -> bool:
@@ -155,15 +152,11 @@ class LogNormal(Distribution):
 
 
 @dataclass(frozen=True)
-class Integers(Distribution):
+class Integers(_Between):
     """Whole numbers from the first to the last, both included."""
 
     low: int
     high: int
-
-    @property
-    def support(self) -> Support:
-        return self.low, self.high
 
     def _draw(self, bits: Any, by: Arithmetic) -> Any:
         return self.low + by.below(bits, self.high - self.low + 1)

@@ -499,15 +499,7 @@ def untrusted(folder: str | os.PathLike[str]) -> str | None:
     >>> untrusted("/no/such/folder") is None
     True
     """
-    try:
-        status = _status(folder)
-    except Exception as error:
-        return _unknown(error)
-    if status is None:
-        return None
-    if status.st_uid != os.geteuid():
-        return "it belongs to another user"
-    return "every user may write to it" if status.st_mode & stat.S_IWOTH else None
+    return _untrusted(folder)
 
 
 def untrusted_for_temporary(folder: str | os.PathLike[str] | None = None) -> str | None:
@@ -516,32 +508,24 @@ def untrusted_for_temporary(folder: str | os.PathLike[str] | None = None) -> str
         import tempfile  # the store, whose owner is asked by every build, is elsewhere
 
         folder = tempfile.gettempdir()
-    try:
-        status = _status(folder)
-    except Exception as error:
-        return _unknown(error)
-    if status is None:
-        return None
-    if status.st_uid not in (os.geteuid(), 0):
-        return "it belongs to another user"
-    is_open = status.st_mode & stat.S_IWOTH and not status.st_mode & stat.S_ISVTX
-    return "every user may remove what others have in it" if is_open else None
+    return _untrusted(folder, is_temporary=True)
 
 
-def _status(folder: str | os.PathLike[str]) -> os.stat_result | None:
-    """Return the status; None also on systems without such owners, as on Windows. Raises OSError and ValueError."""
-    if not hasattr(os, "geteuid"):
+def _untrusted(folder: str | os.PathLike[str], is_temporary: bool = False) -> str | None:
+    if not hasattr(os, "geteuid"):  # a system without such owners, as Windows
         return None
     try:
-        return os.stat(folder)
+        status = os.stat(folder)
     except (FileNotFoundError, NotADirectoryError):
         return None
-
-
-def _unknown(error: Exception) -> str:
-    return (
-        f"nobody can tell whose it is: {(getattr(error, 'strerror', None) or type(error).__name__).lower()}"
-    )
+    except Exception as error:
+        said = getattr(error, "strerror", None) or type(error).__name__
+        return f"nobody can tell whose it is: {said.lower()}"
+    if status.st_uid != os.geteuid() and not (is_temporary and status.st_uid == 0):
+        return "it belongs to another user"
+    if not status.st_mode & stat.S_IWOTH or (is_temporary and status.st_mode & stat.S_ISVTX):
+        return None
+    return "every user may remove what others have in it" if is_temporary else "every user may write to it"
 
 
 @dataclass(frozen=True, slots=True)

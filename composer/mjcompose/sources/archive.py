@@ -55,18 +55,7 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
 
 
 KIND = SourceKind(
-    name="archive",
-    forms=(_FORM, _PINNED),
-    local_schemes=("http",),
-    separator="#",
-    is_local=False,
-    is_fetched=True,
-    runs_code=False,
-    pins=frozenset({"sha256"}),
-    variables=(),
-    libraries=(),
-    parse=_parse,
-    resolve=_resolve,
-    host=_host,
-    is_of_this_machine=never,
-)
+    name="archive", forms=(_FORM, _PINNED), local_schemes=("http",), separator="#", is_local=False,
+    is_fetched=True, runs_code=False, pins=frozenset({"sha256"}), variables=(), libraries=(), parse=_parse,
+    resolve=_resolve, host=_host, is_of_this_machine=never,
+)  # fmt: skip

@@ -77,18 +77,7 @@ def _resolve(reference: Reference, lookup: Lookup) -> Source:
 
 
 KIND = SourceKind(
-    name="git",
-    forms=_FORMS,
-    local_schemes=("git+http",),
-    separator="#",
-    is_local=False,
-    is_fetched=True,
-    runs_code=False,
-    pins=frozenset({"commit", "tree"}),
-    variables=(),
-    libraries=(),
-    parse=_parse,
-    resolve=_resolve,
-    host=_host,
-    is_of_this_machine=_is_of_this_machine,
-)
+    name="git", forms=_FORMS, local_schemes=("git+http",), separator="#", is_local=False, is_fetched=True,
+    runs_code=False, pins=frozenset({"commit", "tree"}), variables=(), libraries=(), parse=_parse,
+    resolve=_resolve, host=_host, is_of_this_machine=_is_of_this_machine,
+)  # fmt: skip

@@ -107,15 +107,12 @@ def _found(reference: Reference, path: Path, root: Path) -> Source:
     if not licenses and owner is not None:
         licenses = tuple(sorted(_licenses_of(owner)))
     return Source(
-        path,
-        reference.kind,
-        reference.text,
+        path, reference.kind, reference.text,
         package=owner.metadata["Name"] if owner is not None else reference.name,
-        version=owner.version if owner is not None else None,
-        licenses=licenses,
+        version=owner.version if owner is not None else None, licenses=licenses,
         origin=Origin(reference.id, reference.kind, root),
         license=None if owner is None else _license_of(owner),
-    )
+    )  # fmt: skip
 
 
 def _license_of(owner: Distribution) -> str | None:

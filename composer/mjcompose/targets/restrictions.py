@@ -286,12 +286,9 @@ NO_FRICTION = without_attribute("friction", ".//joint", "frictionloss", what="dr
 NO_DAMPING = without_attribute("damping", ".//joint", "damping", what="damping")
 NO_ARMATURE = without_attribute("armature", ".//joint", "armature", what="armature")
 NO_EFFORT = without_attribute(
-    "effort",
-    ".//joint",
-    "actuatorfrcrange",
-    what="the greatest force",
+    "effort", ".//joint", "actuatorfrcrange", what="the greatest force",
     also=("actuatorfrclimited", "actuatorgravcomp"),
-)
+)  # fmt: skip
 NO_TEXTURES = Limit("textures", Outcome.LEFT_OUT, _plain_colors)
 NO_YIELD = without_attribute("springs", ".//joint", "springyield", what="`springyield`")
 NO_POLYNOMIALS = Limit("polynomials", Outcome.LEFT_OUT, _linear)
