@@ -440,7 +440,7 @@ def autolimits(linking: Linking) -> None:
 
 def _check(linking: Linking, unit: Unit, element: Node) -> None:
     kind = kind_of(element)
-    joint = text_in_effect(element, kind, "type", unit.classes) if element.tag == "joint" else None
+    joint = text_in_effect(element, kind, "type", classes=unit.classes) if element.tag == "joint" else None
     for name, limited in _LIMITED_BY.items():
         if (
             name not in kind.attributes
@@ -448,9 +448,9 @@ def _check(linking: Linking, unit: Unit, element: Node) -> None:
             or joint in _IGNORED_BY.get(name, ())
         ):
             continue
-        if not any(read(text_in_effect(element, kind, name, unit.classes) or "")):
+        if not any(read(text_in_effect(element, kind, name, classes=unit.classes) or "")):
             continue
-        if (text_in_effect(element, kind, limited, unit.classes) or "auto") == "auto":
+        if (text_in_effect(element, kind, limited, classes=unit.classes) or "auto") == "auto":
             called = (
                 f"{element.tag} `{element.get('name')}`"
                 if element.get("name")

@@ -271,7 +271,7 @@ def note_flexes(linking: Linking) -> None:
     for unit, part in [(linking.base, None), *((part.unit, part) for part in linking.parts)]:
         for worldbody in unit.root.iterchildren("worldbody"):
             found = (child for child in through_frames(worldbody) if child.tag == "flexcomp")
-            linking.notes.flexes.extend(Flex(flex, unit, part, top_joint(unit)) for flex in found)
+            linking.notes.flexes.extend(Flex(flex, unit, part, joint=top_joint(unit)) for flex in found)
 
 
 def in_world(linking: Linking) -> Iterator[Flex]:

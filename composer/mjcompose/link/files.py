@@ -226,7 +226,7 @@ def _give_paths(
             alone: tuple[str, bytes | None] = (source, None)
             if taken.setdefault(path.lower(), alone) == alone:
                 element.set(attribute, path)
-                use(FileUse(element, attribute, path, source, None))
+                use(FileUse(element, attribute, path, source=source, content=None))
                 continue
         written = written_path(unit.settings, element, name)
         known = unit.contents.get(written) if unit.contents else None
@@ -243,7 +243,7 @@ def _give_paths(
             content = _skin(linking, unit, element, prefix=prefix, source=source, content=content)
         path = _free_path(unit, tag, written, source=source, content=content, taken=taken)
         element.set(attribute, path)
-        use(FileUse(element, attribute, path, source, content))
+        use(FileUse(element, attribute, path, source=source, content=content))
 
 
 def _readable_path(linking: Linking, unit: Unit, element: Node, attribute: str, path: str) -> Passed | None:
@@ -331,4 +331,4 @@ def add_file(
         number += 1
         path = f"{ASSETS}/{number}/{inside}"
     element.set(attribute, path)
-    linking.files.append(FileUse(element, attribute, path, source, None))
+    linking.files.append(FileUse(element, attribute, path, source=source, content=None))

@@ -115,7 +115,7 @@ def _read(unit: Unit, file: str) -> Unit | None:
     """Return a sub-model, or None if it has errors, which are reported when it is bundled."""
     known = unit.contents.get(file) if file else None
     if isinstance(known, bytes):
-        return parse_held(unit, file, known, Sink())
+        return parse_held(unit, file, known, sink=Sink())
     path = known or Path(join(str(unit.directory), file))
     return parse_file(path, Sink(), door=door_of_submodel(unit, path, known)) if file else None
 
@@ -219,7 +219,7 @@ def _bundle(
     _count(linking, unit, element, depth=len(above))
     before = linking.sink.error_count
     if isinstance(known, bytes):
-        shown, sub = file, parse_held(unit, file, known, linking.sink)
+        shown, sub = file, parse_held(unit, file, known, sink=linking.sink)
     else:
         shown = _shown(unit, source) if known is None else source
         at = linking.span(unit, element, "file")
@@ -239,7 +239,9 @@ def _bundle(
     sub.origins.own(sub.root, shown)
     unit.origins.adopt(sub.origins)  # a file that it lacks is reported where it names it
     element.set("file", f"{path}.xml")
-    linking.files.append(FileUse(element, "file", f"{path}.xml", source, write(sub.root), shared=False))
+    linking.files.append(
+        FileUse(element, "file", f"{path}.xml", source=source, content=write(sub.root), shared=False)
+    )
 
 
 class _TooManyError(Exception):
@@ -305,12 +307,12 @@ def _bundled_before(linking: Linking, unit: Unit, element: Node, file: str, mode
         number += 1
         free = f"{folder}-{number}"
     element.set("file", free + file.removeprefix(folder))
-    if (again := parse_held(unit, file, model, Sink())) is not None:
+    if (again := parse_held(unit, file, model, sink=Sink())) is not None:
         linking.notes.attached[element] = again.root
     for path, content in files.items():
         data = content if isinstance(content, bytes) else None
         source = held(folder + path if isinstance(content, bytes) else content)
-        linking.files.append(FileUse(element, "file", free + path, source, data, shared=False))
+        linking.files.append(FileUse(element, "file", free + path, source=source, content=data, shared=False))
 
 
 def _same_bytes(one: bytes | Path, other: bytes | Path) -> bool:
@@ -364,7 +366,9 @@ def _own_files(linking: Linking, sub: Unit, path: str, keyed: bool, above: tuple
             name = f"{number}/{below}"
         element.set(attribute, f"{beside}/{name}")
         content = known if isinstance(known, bytes) else None
-        linking.files.append(FileUse(element, attribute, f"{path}/{name}", source, content, shared=False))
+        linking.files.append(
+            FileUse(element, attribute, f"{path}/{name}", source=source, content=content, shared=False)
+        )
     for nested in sub.root.findall("asset/model"):
         model_file = nested.get("file")
         if model_file:

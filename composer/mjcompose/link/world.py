@@ -368,7 +368,7 @@ def _check_free_motors(linking: Linking, hung: _MovedWorld, degrees: bool, seque
         joint = linking.names.find("joint", str(actuator.get("joint") or actuator.get("jointinparent")))
         if joint is None or not _is_free(joint, linking):
             continue
-        gear = numbers.read(str(text_in_effect(actuator, kind, "gear", unit.classes) or "1"))
+        gear = numbers.read(str(text_in_effect(actuator, kind, "gear", classes=unit.classes) or "1"))
         push, twist = ([*gear, *[0.0] * 6][at : at + 3] for at in (0, 3))
         # MuJoCo 4.0 turns a free body about its own axes, or about those of the world with `jointinparent`.
         along = [push, twist] if actuator.get("jointinparent") else [push]
