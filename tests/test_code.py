@@ -27,27 +27,16 @@ FUNCTIONS_LEFT = Counter(
 )
 # fmt: off
 CALLS_LEFT = Counter(
-    ActuatorModel=1, Change=41, Choice=1,
-    Comparison=1, Converter=1, Cursor=4, Diagnostic=1, Document=1, DroppedElement=1, ExpressionError=12,
-    FileUse=6, Flat=1, Flex=1, Floating=2, Item=9, Key=2, Keyed=8, Known=1, Lens=2, Linking=2, Mass=1,
-    MemoryRequest=1, Model=1, Names=1, NewName=1, Question=2, Selection=1, Selector=1, Settable=2, Slot=1,
-    Span=11, Symbol=2, Target=1, Traced=1, Unary=2, Unit=3, Use=2, _Clash=2, _Conflict=1, _Download=1,
-    _Frame=1, _Misnamed=3, _Mounted=1, _MovedWorld=1, _Multiplied=1, _Setting=2, _Suspect=1, _Wish=1,
-    _added=2, _all=6, _analysed=1, _angles=1, _bad_value=1, _bundle=3, _bundled_before=1, _candidates=1,
-    _carry=1, _carry_slot=2, _check_attributes=3, _check_copies_part_keys=1, _check_flexes=1,
-    _check_free_motors=1, _check_name=1, _check_names=1, _commit=2, _complete=1, _composed=1, _count=2,
-    _cut_element=2, _element=2, _error=4, _find=1, _flag=6, _flat=3, _free_inside=1, _free_joint=1,
-    _free_path=1, _give_paths=1, _in_recipe=2, _inner=2, _insert=4, _is_angle=1, _is_sound=2,     _joint=1, _linked=2, Converter=1, Cursor=4, Diagnostic=1, Document=1, Item=8, Key=1, Keyed=8,
+    ActuatorModel=1, Change=41, Converter=1, Cursor=4, Diagnostic=1, Document=1, Item=8, Key=1, Keyed=8,
     Known=1, Lens=2, Mass=1, Model=1, Names=1, Question=2, Selection=1, Selector=1, Settable=2, Span=11,
     Symbol=2, Target=1, Traced=1, Use=2, _Download=1, _Frame=1, _added=2, _all=6, _analysed=1, _angles=1,
-    _composed=1, _count=1, _error=4, _flag=6, _in_recipe=2, _insert=4, _is_sound=2, _is_within=1, _noted=2,
-    _of_use=1, _pattern=1, _rename_parameter=1, _rename_part=1, _selected=1, _span=1, _text=1, _unknown=1,
+    _composed=1, _count=1, _error=4, _flag=6, _in_recipe=2, _insert=4, _is_sound=2, _noted=2, _of_use=1,
+    _pattern=1, _rename_parameter=1, _rename_part=1, _selected=1, _span=1, _text=1, _unknown=1,
     _up_to_the_next=1, _walk=6, _where=1, add=8, advise=6, attribute_of=2, carried=1, check=1, check_one=2,
     drop=4, element=11, failed=13, fetch=2, finish=1, glob_of=2, in_brackets=2, items=1, keep_default=3,
-    keep_of_each=1, name_for=1, names_of=1, numbers_of=1, of_key=1, one=1, open=1, pack=4, packed=1,
-    read_selector=2, refuse=4, refused=1, rename=3, renamed=2, row=1, run=4, same=1, step=1, syscall=3,
-    unknown=4, unknown_attribute=1, unmet=4, unread_in=1, with_item=1, with_key=2, word=4, write_facts=2,
-    write_whole=1
+    keep_of_each=1, names_of=1, numbers_of=1, of_key=1, one=1, open=1, pack=4, packed=1, read_selector=2,
+    refuse=4, refused=1, rename=3, renamed=2, row=1, run=4, same=1, step=1, syscall=3, unknown=4,
+    unknown_attribute=1, unmet=4, unread_in=1, with_item=1, with_key=2, word=4, write_facts=2, write_whole=1
 )
 # fmt: on
 
