@@ -131,7 +131,7 @@ def nested_document(at: Path, question: Question) -> Mapping | None:
     analysis = question.analysis
     if analysis.plan is None:
         return None
-    step = analysis.plan.base if at == ("base",) else part_at(at, analysis.plan)
+    step = part_at(at, analysis.plan)
     model = None if step is None else step.model
     if not isinstance(model, Plan):
         return None
@@ -266,7 +266,7 @@ def part_named_at(question: Question) -> Path | None:
     if wanted is None or PART not in wanted.namespaces or plan is None:
         return None
     at: Path = ("base",) if cursor.whole == "base" else ("attach", cursor.whole)
-    return at if at == ("base",) or part_at(at, plan) is not None else None
+    return None if part_at(at, plan) is None else at
 
 
 def declared_at(known: Known, analysis: Analysis) -> Iterator[Span]:

@@ -279,11 +279,11 @@ WHOLE = """<mujoco model="whole">
   <keyframe><key name="k" qpos=".1 .2 .3" ctrl="4 5"/></keyframe></mujoco>"""
 
 
-@pytest.mark.parametrize("keyframes", ["merge", "prefix", "none"])
-def test_a_subtree_is_compared_with_that_body_of_its_source(tmp_path: Path, run: Run, keyframes: str) -> None:
+@pytest.mark.parametrize("keys", ["keys: merge", "keys: prefix", "drop: [key]"])
+def test_a_subtree_is_compared_with_that_body_of_its_source(tmp_path: Path, run: Run, keys: str) -> None:
     run("recipe: 1\nbase: ./base.xml\n")
     (tmp_path / "whole.xml").write_text(WHOLE)
-    part = f"{{model: ./whole.xml, subtree: hand, pos: [1, 0, 0], keyframes: {keyframes}}}"
+    part = f"{{model: ./whole.xml, subtree: hand, pos: [1, 0, 0], {keys}}}"
     recipe = f"recipe: 1\nbase: ./base.xml\nattach:\n  a: {part}\ncheck: {{a: {{unchanged: {{part: a}}}}}}\n"
     built, told = run(recipe)
     assert built is not None, told
