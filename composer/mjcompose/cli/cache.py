@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import json
-import sys
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, NoReturn
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from mjcompose.cli.reporting import FINDINGS, USAGE, format_options, report, reporting_options, say
+from mjcompose.base.dataclass import dataclass
+from mjcompose.cli.options import JSON, ReportOptions, formats
+from mjcompose.cli.reporting import FINDINGS, USAGE, say
+from mjcompose.cli.run import Answer, Run, Stop, command, flag, group, option
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
-    from mjcompose.sources.context import Context
     from mjcompose.sources.reference import SourceError
     from mjcompose.sources.store import Store
 
@@ -22,69 +22,70 @@ _FIX = "run `mjcompose cache verify --fix`, which removes it; it is fetched agai
 
 
 @click.group()
-def command() -> None:
+def cache() -> None:
     """Inspect and clean the store of fetched sources and built models.
 
     The environment variable MJCOMPOSE_CACHE sets its folder, MJCOMPOSE_CACHE_SIZE its maximum size.
     """
 
 
-@command.command()
-@format_options(("text", "json"))
-def info(form: str) -> None:
+@dataclass(frozen=True, slots=True)
+class InfoOptions:
+    """The options of `cache info`."""
+
+    form: str = formats("text", "json")
+    json: bool = JSON
+
+
+@command(InfoOptions, within=cache)
+def info(options: InfoOptions, run: Run) -> Answer:
     """Print the location, the size and the contents of the store."""
     from mjcompose.sources.blobs import blobs_in, mujocos_in
 
-    store, _ = _store()
+    store = _store(run)
     entries = store.entries()
     built = list(blobs_in(store.folder))
     mujocos = sorted(mujocos_in(store.folder), key=lambda each: each.used, reverse=True)
     size_built = sum(blob.size for blob in built)
     size = size_built + sum(entry.size for entry in entries) + sum(each.size for each in mujocos)
-    if form == "json":
-        answer = [
-            {
-                "kind": each.kind,
-                "key": each.key,
-                "source": each.origin,
-                "size": each.size,
-                "files": len(each.files),
-            }
+
+    def lines() -> Iterator[str]:
+        yield f"{store.folder}: {_bytes(size)} of at most {_bytes(store.limit)}, {_count(entries)}"
+        if built:
+            yield f"  {_bytes(size_built):>9}  built models, {len(built)} files"
+        for each in mujocos:
+            yield f"  {_bytes(each.size):>9}  MuJoCo {each.version}, for `migrate`"
+        for entry in reversed(entries):
+            yield f"  {_bytes(entry.size):>9}  {entry.kind} {entry.key[:12]}  {entry.origin}"
+        if unfinished := store.unfinished():
+            yield f"  {len(unfinished)} unfinished, being fetched now or broken off"
+
+    data = {
+        "folder": str(store.folder),
+        "size": size,
+        "limit": store.limit,
+        "entries": [
+            {"kind": each.kind, "key": each.key, "source": each.origin, "size": each.size, "files": len(each.files)}
             for each in entries
-        ]
-        click.echo(
-            json.dumps(
-                {
-                    "folder": str(store.folder),
-                    "size": size,
-                    "limit": store.limit,
-                    "entries": answer,
-                    "builds": {"size": size_built, "files": len(built)},
-                    "mujocos": [{"version": each.version, "size": each.size} for each in mujocos],
-                }
-            )
-        )
-        return
-    click.echo(f"{store.folder}: {_bytes(size)} of at most {_bytes(store.limit)}, {_count(entries)}")
-    if built:
-        click.echo(f"  {_bytes(size_built):>9}  built models, {len(built)} files")
-    for each in mujocos:
-        click.echo(f"  {_bytes(each.size):>9}  MuJoCo {each.version}, for `migrate`")
-    for entry in reversed(entries):
-        click.echo(f"  {_bytes(entry.size):>9}  {entry.kind} {entry.key[:12]}  {entry.origin}")
-    if unfinished := store.unfinished():
-        click.echo(f"  {len(unfinished)} unfinished, being fetched now or broken off")
+        ],
+        "builds": {"size": size_built, "files": len(built)},
+        "mujocos": [{"version": each.version, "size": each.size} for each in mujocos],
+    }  # fmt: skip
+    return Answer(lambda: "\n".join(lines()), data, is_outcome=True)
 
 
-@command.command()
-@click.option(
-    "--size",
-    metavar="SIZE",
-    help="Keep at most this much, such as 500M or 2G. Default: the store's maximum size.",
-)
-@click.option("--all", "everything", is_flag=True, help="Remove everything.")
-@reporting_options
-def prune(size: str | None, everything: bool, form: str) -> None:
+@dataclass(frozen=True, slots=True)
+class PruneOptions:
+    """The options of `cache prune`."""
+
+    size: str | None = option("--size", metavar="SIZE", help="Keep at most this much, such as 500M or 2G. Default: the"
+                              " store's maximum size.")  # fmt: skip
+    everything: bool = flag("--all", help="Remove everything.")
+    reporting: ReportOptions = group(ReportOptions)
+
+
+@command(PruneOptions, within=cache)
+def prune(options: PruneOptions, run: Run) -> Answer:
     """Remove least recently used entries, and files of killed processes.
 
     Without options, entries used in the last hour stay, because a build may be reading them.
@@ -94,7 +95,7 @@ def prune(size: str | None, everything: bool, form: str) -> None:
     from mjcompose.sources.reference import SourceError
     from mjcompose.sources.store import GRACE
 
-    store, context = _store()
+    store, size, everything = _store(run), options.size, options.everything
     sweep_temporary()
     limit = 0 if everything else store.limit if size is None else parse_size(size)
     if limit is None:
@@ -102,20 +103,22 @@ def prune(size: str | None, everything: bool, form: str) -> None:
     try:
         removed = store.prune(limit, grace=GRACE if size is None and not everything else 0)
     except SourceError as error:
-        _fail(error, context, form=form)
+        raise _failed(error, run) from None
     size_removed = sum(entry.size for entry in removed)
-    if form == "json":
-        click.echo(json.dumps({"removed": len(removed), "size": size_removed}))
-        return
-    say(f"removed {_count(removed)}, {_bytes(size_removed)}")
+    words = f"removed {_count(removed)}, {_bytes(size_removed)}"
+    return Answer(words, {"removed": len(removed), "size": size_removed}, is_outcome=True)
 
 
-@command.command()
-@click.option(
-    "--fix", is_flag=True, help="Remove damaged files. They are fetched again when they are needed."
-)
-@reporting_options
-def verify(fix: bool, form: str) -> None:
+@dataclass(frozen=True, slots=True)
+class VerifyOptions:
+    """The options of `cache verify`."""
+
+    fix: bool = flag("--fix", help="Remove damaged files. They are fetched again when they are needed.")
+    reporting: ReportOptions = group(ReportOptions)
+
+
+@command(VerifyOptions, within=cache)
+def verify(options: VerifyOptions, run: Run) -> Answer | None:
     """Hash every file in the store again, and report damaged files.
 
     Damaged files of built models are always removed. They are built again when they are needed.
@@ -124,47 +127,39 @@ def verify(fix: bool, form: str) -> None:
     from mjcompose.sources.blobs import blobs_in
     from mjcompose.sources.reference import SourceError
 
-    store, context = _store()
+    store, sink = _store(run), run.context.sink
     entries = store.entries()
     built = list(blobs_in(store.folder))
     for blob in built:
         if blob.is_damaged:
             blob.path.unlink(missing_ok=True)
-            _say_removed(blob.path, form)
+            _say_removed(blob.path, run.form)
     for folder in (headless := store.headless(entries)):
-        if fix:
+        if options.fix:
             store.remove_headless(folder)
-            _say_removed(folder, form)
+            _say_removed(folder, run.form)
         else:
-            context.sink.error(
-                "store-unusable",
-                f"`{folder}` is damaged: nothing says what it is",
-                help=_FIX,
-            )
+            sink.error("store-unusable", f"`{folder}` is damaged: nothing says what it is", help=_FIX)
     for entry in entries:
         if not (damage := store.damage(entry)):
             continue
-        if fix:
+        if options.fix:
             try:
                 store.remove(entry)
             except SourceError as error:
-                _fail(error, context, form=form)
-            _say_removed(entry.folder, form)
+                raise _failed(error, run) from None
+            _say_removed(entry.folder, run.form)
             continue
-        context.sink.error(
+        sink.error(
             "store-unusable",
             f"`{entry.folder}`, from `{entry.origin}`, is damaged",
             notes=[Note(line.replace("was locked", "was stored")) for line in damage[:8]],
             help=_FIX,
         )
-    report(context, form)
-    if context.sink.has_errors:
-        sys.exit(FINDINGS)
+    if sink.has_errors:
+        return None
     looked_at = [*entries, *headless, *built]
-    if form == "json":
-        click.echo(json.dumps({"looked_at": len(looked_at)}))
-        return
-    say(f"looked at {_count(looked_at)}")
+    return Answer(f"looked at {_count(looked_at)}", {"looked_at": len(looked_at)}, is_outcome=True)
 
 
 def _say_removed(path: Path, form: str) -> None:
@@ -174,22 +169,20 @@ def _say_removed(path: Path, form: str) -> None:
     say(f"removed {path}: it was damaged")
 
 
-def _store() -> tuple[Store, Context]:
-    from mjcompose.sources.context import Context
+def _store(run: Run) -> Store:
     from mjcompose.sources.reference import SourceError
     from mjcompose.sources.store import Store
 
-    context = Context()
     try:
-        return Store.of(context.environment), context
+        return Store.of(run.context.environment)
     except SourceError as error:
-        _fail(error, context, USAGE)
+        run.form = "text"
+        raise _failed(error, run, USAGE) from None
 
 
-def _fail(error: SourceError, context: Context, code: int = FINDINGS, form: str = "text") -> NoReturn:
-    context.sink.add(error.diagnostic)
-    report(context, form)
-    sys.exit(code)
+def _failed(error: SourceError, run: Run, code: int = FINDINGS) -> Stop:
+    run.context.sink.add(error.diagnostic)
+    return Stop(code)
 
 
 def _count(entries: Sequence[object]) -> str:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import click
 
+from mjcompose.base.dataclass import dataclass
+from mjcompose.cli.run import Answer, Run, argument, command
+
 _LINES = {
     "bash": 'eval "$(_MJCOMPOSE_COMPLETE=bash_source mjcompose)"',
     "zsh": 'eval "$(_MJCOMPOSE_COMPLETE=zsh_source mjcompose)"',
@@ -11,8 +14,14 @@ _LINES = {
 }
 
 
-@click.command()
-@click.argument("shell", type=click.Choice(tuple(_LINES)))
-def command(shell: str) -> None:
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options of `completion`."""
+
+    shell: str = argument(type=click.Choice(tuple(_LINES)))
+
+
+@command(Options)
+def completion(options: Options, run: Run) -> Answer:
     """Print the line that enables completion of commands, options, cells and names; put it in SHELL's start file."""
-    click.echo(_LINES[shell])
+    return Answer(_LINES[options.shell])

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import json
 import os
 import platform
 import shutil
 import subprocess
-import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import asdict
 from importlib import metadata
 
-import click
-
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.scratch import scratch
-from mjcompose.cli.reporting import FINDINGS, format_options
+from mjcompose.cli.options import JSON, formats
+from mjcompose.cli.reporting import FINDINGS
+from mjcompose.cli.run import Answer, Run, command
 
 _CORE = ("numpy", "pydantic", "lxml", "pyyaml", "click", "platformdirs", "filelock", "urllib3", "regex")
 _MODEL = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
@@ -32,22 +30,28 @@ class Finding:
     fine: bool | None = True
 
 
-@click.command()
-@format_options(("text", "json"))
-def command(form: str) -> None:
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options of `doctor`."""
+
+    form: str = formats("text", "json")
+    json: bool = JSON
+
+
+@command(Options)
+def doctor(options: Options, run: Run) -> Answer:
     """Check this installation, and show what it can do.
 
     The exit code is 1 if something that every build needs is missing.
     """
     findings = [*_installed(), *_mujoco(), _git(), _store(), _templates(), *_extras(), *_extensions()]
-    if form == "json":
-        click.echo(json.dumps([asdict(each) for each in findings], indent=2))
-    else:
-        width = max(len(each.what) for each in findings)
-        for each in findings:
-            mark = {True: "ok", None: "--", False: "!!"}[each.fine]
-            click.echo(f"{mark}  {each.what:{width}}  {each.found}")
-    sys.exit(FINDINGS if any(each.fine is False for each in findings) else 0)
+    width = max(len(each.what) for each in findings)
+    mark = {True: "ok", None: "--", False: "!!"}
+    return Answer(
+        "\n".join(f"{mark[each.fine]}  {each.what:{width}}  {each.found}" for each in findings),
+        [asdict(each) for each in findings],
+        code=FINDINGS if any(each.fine is False for each in findings) else 0,
+    )
 
 
 def _installed() -> Iterator[Finding]:

@@ -9,35 +9,35 @@ from typing import TYPE_CHECKING
 
 import click
 
+from mjcompose.base.dataclass import dataclass
 from mjcompose.base.report import Paint, printable
 from mjcompose.cli.fmt import difference, rewrite
-from mjcompose.cli.options import Choices, choice_options, fetching, fetching_options, limit_option
-from mjcompose.cli.reporting import (
-    FINDINGS,
-    USAGE,
-    exit_code,
-    on_terminal,
-    report,
-    reporting_options,
-    say,
-    use_color,
-)
+from mjcompose.cli.options import RECIPE, Choices, FetchOptions, LimitOptions, ReportOptions
+from mjcompose.cli.reporting import FINDINGS, on_terminal, say, use_color
+from mjcompose.cli.run import Run, command, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.sources.context import Context
     from mjcompose.tools.fix import Fixed
 
 
-@click.command()
-@click.argument("recipe", type=click.Path(path_type=Path))
-@click.option("--write/--diff", "write", default=None,
-              help="Write the changes without asking, or only show them.")  # fmt: skip
-@click.option("-y", "--yes", is_flag=True, help="The same as --write.")
-@choice_options
-@fetching_options
-@limit_option
-@reporting_options
-def command(recipe: Path, write: bool | None, yes: bool, choices: Choices, form: str) -> None:
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options of `fix`."""
+
+    recipe: Path = RECIPE
+    write: bool | None = option(
+        "--write/--diff", default=None, help="Write the changes without asking, or only show them."
+    )
+    yes: bool = flag("-y", "--yes", help="The same as --write.")
+    choices: Choices = group(Choices)
+    fetching: FetchOptions = group(FetchOptions)
+    limits: LimitOptions = group(LimitOptions)
+    reporting: ReportOptions = group(ReportOptions)
+
+
+@command(Options)
+def fix(options: Options, run: Run) -> int:
     """Apply the exact fixes of error messages to RECIPE: misspelled names and keys, quotes, units, numbers.
 
     The changes are shown first. On a terminal, the command asks before it writes; elsewhere it writes only with
@@ -45,37 +45,29 @@ def command(recipe: Path, write: bool | None, yes: bool, choices: Choices, form:
 
     Exit codes: 0 no errors are left, 1 fixes are not written or errors need a decision, 2 wrong usage.
     """
-    from mjcompose.sources.context import Context
     from mjcompose.tools.fix import fix
 
-    context = Context(fetching=fetching())
-    given = choices.values(context)
-    if context.sink.has_errors:
-        report(context, form)
-        sys.exit(USAGE)
-    found = fix(recipe, context, given)
+    context = run.context
+    found = fix(options.recipe, context, options.choices.given(run))
     for diagnostic in found.left:
         context.sink.add(diagnostic)
-    wanted = True if yes else write
-    if form != "json":
+    writes = True if options.yes else options.write
+    if run.form != "json":
         _show(found, context)
-        if wanted is None and found.files and is_asked():
-            wanted = click.confirm(f"write {_amount(found)}?", err=True)
-    written = bool(wanted) and _written(found, context)
-    if form == "json":
+        if writes is None and found.files and is_asked():
+            writes = click.confirm(f"write {_amount(found)}?", err=True)
+    written = bool(writes) and _written(found, context)
+    if run.form == "json":
         _say_data(found, context, written=written)
     elif found.files:
         say(f"{'fixed' if written else 'can fix'} {_amount(found)}{'' if written else '; --write does it'}")
     elif not context.sink.has_errors:
         say("nothing to fix")
-    report(
-        context,
-        form,
-        texts={} if written else {context.shown(path): text for path, (_, text) in found.files.items()},
-    )
+    if not written:
+        run.texts = {context.shown(path): text for path, (_, text) in found.files.items()}
     if context.sink.has_errors:
-        sys.exit(exit_code(context.folder, [recipe]))
-    sys.exit(FINDINGS if found.files and not written else 0)
+        return run.code_of_failure(options.recipe)
+    return FINDINGS if found.files and not written else 0
 
 
 def is_asked() -> bool:

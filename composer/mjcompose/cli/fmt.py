@@ -14,10 +14,13 @@ from typing import TYPE_CHECKING
 import click
 
 from mjcompose.base import report as github
+from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.report import printable
-from mjcompose.cli.reporting import FINDINGS, exit_code, report, reporting_options, say
+from mjcompose.cli.options import ReportOptions
+from mjcompose.cli.reporting import FINDINGS, say
+from mjcompose.cli.run import Run, argument, command, flag, group
 
 if TYPE_CHECKING:
     from mjcompose.sources.context import Context
@@ -25,22 +28,25 @@ if TYPE_CHECKING:
 STDIN = "-"
 
 
-@click.command()
-@click.argument("recipes", nargs=-1, required=True)
-@reporting_options
-@click.option(
-    "--check", is_flag=True, help="Write nothing. Print the changes, and exit with 1 if there are any."
-)
-def command(recipes: tuple[str, ...], check: bool, form: str) -> None:
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options of `fmt`."""
+
+    recipes: tuple[str, ...] = argument(nargs=-1, required=True)
+    reporting: ReportOptions = group(ReportOptions)
+    check: bool = flag("--check", help="Write nothing. Print the changes, and exit with 1 if there are any.")
+
+
+@command(Options)
+def fmt(options: Options, run: Run) -> int:
     """Format each of RECIPES in the canonical layout. `-` formats standard input to standard output.
 
     Comments, blank lines, anchors and the choice between block and bracket style are kept. Before a file is written,
     its values are read again and compared.
     """
-    from mjcompose.sources.context import Context
     from mjcompose.text.layout import format_recipe
 
-    context = Context()
+    context, recipes, check = run.context, options.recipes, options.check
     differing, unchanged = 0, 0
     for recipe in recipes:
         source = _read(recipe, context)
@@ -55,17 +61,17 @@ def command(recipes: tuple[str, ...], check: bool, form: str) -> None:
                 raise OSError("standard output is closed")
             sys.stdout.buffer.write(result)
         elif result != source and check:
-            _report(shown, difference(source, result, shown, done="formatted"), form)
+            _report(shown, difference(source, result, shown, done="formatted"), run.form)
         elif result != source and rewrite(Path(recipe), result, context):
-            _report(shown, None, form)
-    if unchanged and form == "text" and STDIN not in recipes:
+            _report(shown, None, run.form)
+    if unchanged and run.form == "text" and STDIN not in recipes:
         say(f"{unchanged} file{'s' * (unchanged != 1)} left unchanged")
-    report(context, form)
+    run.report()
     if check and differing:
         click.echo(f"{differing} of {len(recipes)} would change", err=True)
     if context.sink.has_errors:
-        sys.exit(exit_code(context.folder, [Path(each) for each in recipes if each != STDIN]))
-    sys.exit(FINDINGS if check and differing else 0)
+        return run.code_of_failure(*(Path(each) for each in recipes if each != STDIN))
+    return FINDINGS if check and differing else 0
 
 
 def _report(file: str, difference: str | None, form: str) -> None:

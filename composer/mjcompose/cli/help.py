@@ -4,20 +4,28 @@ from __future__ import annotations
 
 import click
 
+from mjcompose.base.dataclass import dataclass
 from mjcompose.cli import completing
+from mjcompose.cli.run import Answer, Run, argument, command
 
 
-@click.command()
-@click.argument("names", metavar="[COMMAND]...", nargs=-1, shell_complete=completing.commands)
-@click.pass_context
-def command(ctx: click.Context, names: tuple[str, ...]) -> None:
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options of `help`."""
+
+    names: tuple[str, ...] = argument(metavar="[COMMAND]...", nargs=-1, shell_complete=completing.commands)
+
+
+@command(Options)
+def help(options: Options, run: Run) -> Answer:
     """Print the help of COMMAND, or the list of commands."""
-    about = ctx.find_root()
-    for name in names:
+    context = click.get_current_context()
+    about = context.find_root()
+    for name in options.names:
         group = about.command
         if not isinstance(group, click.Group):
-            raise click.UsageError(f"`{group.name}` has no commands of its own", ctx)
+            raise click.UsageError(f"`{group.name}` has no commands of its own", context)
         found, command, _ = group.resolve_command(about, [name])
         assert command is not None
         about = click.Context(command, info_name=found, parent=about)
-    click.echo(about.get_help())
+    return Answer(about.get_help())

@@ -4,56 +4,61 @@ from __future__ import annotations
 
 import json
 import os
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 
 import click
 
+from mjcompose.base.dataclass import dataclass
 from mjcompose.build.bundle.bundle import is_address
 from mjcompose.build.bundle.listing import COLUMNS
-from mjcompose.cli.reporting import FINDINGS, USAGE, format_options, quiet_option, report, say
+from mjcompose.cli.options import JSON, QUIET, formats
+from mjcompose.cli.reporting import FINDINGS, USAGE, say
+from mjcompose.cli.run import Run, argument, command, option
 from mjcompose.text.expression_values import Value, shown
 
 
-@click.command()
-@click.argument("folder", type=click.Path())
-@click.option("--where", metavar="EXPRESSION", help="List only the models for which this is true: an expression of the"
-              " columns of models.csv, such as `payload > 2 and nv == 15`.")  # fmt: skip
-@quiet_option
-@format_options(("text", "json"))
-def command(folder: str, where: str | None, form: str) -> None:
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options of `ls`."""
+
+    folder: str = argument(type=click.Path())
+    where: str | None = option(
+        "--where", metavar="EXPRESSION",
+        help="List only the models for which this is true: an expression of the columns of models.csv, such as"
+        " `payload > 2 and nv == 15`.",
+    )  # fmt: skip
+    quiet: bool = QUIET
+    form: str = formats("text", "json")
+    json: bool = JSON
+
+
+@command(Options)
+def ls(options: Options, run: Run) -> int:
     """List the models that `build --all` wrote to FOLDER.
 
     FOLDER is a folder with the index of the models, or the file of an index; either may be a URL. Each line has the
     path of a model, and its values from the matrix and from draws. JSON has all columns of the index.
     """
     from mjcompose.build.bundle.listing import Condition, ListingError, rows
-    from mjcompose.sources.context import Context
 
-    context = Context()
-    condition = None
+    context, folder, condition = run.context, options.folder, None
+    write = _json if run.form == "json" else _line
     try:
-        condition = Condition(where or "true")
+        condition = Condition(options.where or "true")
         for row in rows(folder if is_address(folder) else Path(folder), folder):
             if condition.holds(row):
                 path = row.file if isinstance(row.file, str) else context.shown(row.file)
-                click.echo(_json(path, row.values) if form == "json" else _line(path, row.values))
+                click.echo(write(path, row.values))
         condition.check()
     except ListingError as error:
         context.sink.add(error.diagnostic)
-    report(context, form)
-    for name, count in (
-        condition.lacking.items() if condition is not None and not context.sink.has_errors else ()
-    ):
+        is_there = is_address(folder) or os.path.exists(folder)
+        return USAGE if condition is None or not is_there else FINDINGS
+    run.report()
+    for name, count in condition.lacking.items():
         say(f"{count} models have no `{name}`, and are not listed", err=True)
-    sys.exit(_code(folder, condition is None) if context.sink.has_errors else 0)
-
-
-def _code(folder: str, no_condition: bool) -> int:
-    """Return the exit code of a run with errors."""
-    is_there = is_address(folder) or os.path.exists(folder)
-    return USAGE if no_condition or not is_there else FINDINGS
+    return 0
 
 
 def _line(path: str, values: Mapping[str, Value]) -> str:

@@ -4,13 +4,22 @@ from __future__ import annotations
 
 import click
 
+from mjcompose.base.dataclass import dataclass
+from mjcompose.cli.run import Run, command, flag
+
 _EXTRA = ("pygls", "lsprotocol", "cattrs", "attrs", "attr")
 
 
-@click.command()
-@click.option("--stdio", is_flag=True, help="Use standard input and output. This is always the case; the option exists"
-              " because many editors pass it.")  # fmt: skip
-def command(stdio: bool) -> None:
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options of `lsp`."""
+
+    stdio: bool = flag("--stdio", help="Use standard input and output. This is always the case; the option exists"
+                       " because many editors pass it.")  # fmt: skip
+
+
+@command(Options)
+def lsp(options: Options, run: Run) -> None:
     """Run the language server, which gives an editor errors, completion and more while you write a recipe.
 
     An editor starts it and uses the Language Server Protocol over standard input and output. docs/editors.md has the

@@ -4,27 +4,19 @@ from __future__ import annotations
 
 import json
 import os
-import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from mjcompose.base.dataclass import dataclass
 from mjcompose.base.report import Paint
 from mjcompose.cli import completing
 from mjcompose.cli.fmt import difference, rewrite
-from mjcompose.cli.options import fetching, fetching_options, output_option, timeout_option
-from mjcompose.cli.reporting import (
-    FINDINGS,
-    exit_code,
-    is_strict,
-    progress,
-    report,
-    reporting_options,
-    say,
-    strict_option,
-    use_color,
-)
+from mjcompose.cli.options import STRICT, FetchOptions, ReportOptions, TimeOptions, output
+from mjcompose.cli.reporting import FINDINGS, progress, use_color
+from mjcompose.cli.run import PATH, Answer, Run, Stop, argument, command, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.sources.context import Context
@@ -35,38 +27,37 @@ _RECIPES = (".yaml", ".yml")
 _SHOWN = 5
 
 
-@click.command()
-@click.argument("model", shell_complete=completing.files)
-@click.option("--from", "before", metavar="VERSION",
-              help="The MuJoCo version that MODEL is written for, 3.0 to 4.0.")  # fmt: skip
-@click.option("--mujoco", "after", metavar="VERSION",
-              help="The MuJoCo version to write for, which may be older.  [default: the installed one]")  # fmt: skip
-@output_option("Where to write the result: a new FILE.xml next to MODEL, or a new folder with all files.")
-@click.option(
-    "--in-place", is_flag=True, help="Write the changes to MODEL and the files that it includes or attaches."
-)
-@click.option("--adopt", multiple=True, metavar="CHANGE",
-              help="Adopt a changed default instead of writing out the old one, as in --adopt native-ccd.")  # fmt: skip
-@click.option("--with-python", "pythons", multiple=True, metavar="PATH", type=click.Path(path_type=Path),
-              help="A Python with the other MuJoCo, to prove that the model stays the same.")  # fmt: skip
-@click.option("--prove", is_flag=True,
-              help="Prove that the model stays the same. Install the other MuJoCo into a separate"
-              " environment if needed.")  # fmt: skip
-@fetching_options
-@timeout_option
-@strict_option
-@reporting_options
-def command(
-    model: str,
-    before: str | None,
-    after: str | None,
-    out: str | None,
-    in_place: bool,
-    adopt: tuple[str, ...],
-    pythons: tuple[Path, ...],
-    prove: bool,
-    form: str,
-) -> None:
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options of `migrate`."""
+
+    model: str = argument(shell_complete=completing.files)
+    before: str | None = option("--from", metavar="VERSION",
+                                help="The MuJoCo version that MODEL is written for, 3.0 to 4.0.")  # fmt: skip
+    after: str | None = option("--mujoco", metavar="VERSION", help="The MuJoCo version to write for, which may be"
+                               " older.  [default: the installed one]")  # fmt: skip
+    out: str | None = output(
+        "Where to write the result: a new FILE.xml next to MODEL, or a new folder with all files."
+    )
+    in_place: bool = flag(
+        "--in-place", help="Write the changes to MODEL and the files that it includes or attaches."
+    )
+    adopt: tuple[str, ...] = option("--adopt", multiple=True, metavar="CHANGE", help="Adopt a changed default instead"
+                                    " of writing out the old one, as in --adopt native-ccd.")  # fmt: skip
+    pythons: tuple[Path, ...] = option(
+        "--with-python", multiple=True, metavar="PATH", type=PATH,
+        help="A Python with the other MuJoCo, to prove that the model stays the same.",
+    )  # fmt: skip
+    prove: bool = flag("--prove", help="Prove that the model stays the same. Install the other MuJoCo into a separate"
+                       " environment if needed.")  # fmt: skip
+    fetching: FetchOptions = group(FetchOptions)
+    limits: TimeOptions = group(TimeOptions)
+    strict: bool = STRICT
+    reporting: ReportOptions = group(ReportOptions)
+
+
+@command(Options)
+def migrate(options: Options, run: Run) -> Answer | int:
     """Rewrite MODEL, an MJCF file for one version of MuJoCo, for another version.
 
     Without -o and --in-place, the changes are only shown. The model keeps its meaning: attributes get their new names,
@@ -74,45 +65,53 @@ def command(
 
     Exit codes: 0 success, 1 changes are not written, something cannot be kept, or the model differs, 2 wrong usage.
     """
-    from mjcompose.sources.context import Context
-    from mjcompose.tools.migrate.changes import TABLE
-    from mjcompose.tools.migrate.migrate import Wish, run
+    from mjcompose.tools.migrate.migrate import Wish
+    from mjcompose.tools.migrate.migrate import run as migrated
 
-    _check_usage(model, out, in_place, adopt=adopt, changes=[each.name for each in TABLE])
-    context = Context(fetching=fetching())
+    _check_usage(options)
+    model, out, context = options.model, options.out, run.context
     progress(f"reading {model}")
-    result = run(Wish(model, before, after, adopt=adopt, pythons=pythons, proves=prove), context, progress)
-    if is_strict():
+    wish = Wish(
+        model,
+        options.before,
+        options.after,
+        adopt=options.adopt,
+        pythons=options.pythons,
+        proves=options.prove,
+    )
+    result = migrated(wish, context, progress)
+    if run.is_strict:
         context.sink.promote()
     written: Path | None = None
     is_whole = result is not None and not context.sink.has_errors
-    if result is not None and is_whole and (out is not None or in_place):
+    if result is not None and is_whole and (out is not None or options.in_place):
         written = _written(result, out, context)
-    if result is not None and form == "json":
+    if result is not None and run.form == "json":
         click.echo(json.dumps(_data(result, written, context), ensure_ascii=False))
-    elif result is not None and is_whole and out is None and not in_place:
+    elif result is not None and is_whole and out is None and not options.in_place:
         _show(result, context)
-    report(context, form)
     if result is None or context.sink.has_errors:
-        sys.exit(exit_code(context.folder, [Path(model)] if ":" not in model else []))
-    if form != "json":
-        _say(result, written, in_place, context=context)
+        raise Stop(run.code_of_failure(*([Path(model)] if ":" not in model else [])))
     left = bool(result.migrated.changed) and written is None
-    sys.exit(FINDINGS if left or result.unexplained else 0)
+    code = FINDINGS if left or result.unexplained else 0
+    if run.form == "json":
+        return code
+    words = "\n".join(_lines(result, written, options.in_place, context=context))
+    return Answer(words, code=code, is_outcome=True)
 
 
-def _check_usage(
-    model: str, out: str | None, in_place: bool, adopt: tuple[str, ...], changes: list[str]
-) -> None:
+def _check_usage(options: Options) -> None:
     from mjcompose.base.suggest import closest
+    from mjcompose.tools.migrate.changes import TABLE
 
+    model, out, changes = options.model, options.out, [each.name for each in TABLE]
     if Path(model).suffix.lower() in _RECIPES:
         raise click.UsageError(f"{model} is a recipe: migrate the models that it is made of")
-    if out is not None and in_place:
+    if out is not None and options.in_place:
         raise click.UsageError("--in-place writes into MODEL itself: leave -o out")
     if out is not None and os.path.lexists(out):
         raise click.UsageError(f"{out} exists already and is left as it is: choose another name with -o")
-    for name in adopt:
+    for name in options.adopt:
         if name not in changes:
             near = closest(name, changes)
             meant = f" Did you mean `{near[0]}`?" if near else " `docs/migrate.md` lists them."
@@ -166,36 +165,35 @@ def _show(result: Result, context: Context) -> None:
             click.echo(paint(style, line) if style else line, color=use_color(out=True))
 
 
-def _say(result: Result, written: Path | None, in_place: bool, context: Context) -> None:
-    """What was done, and what is known of it."""
+def _lines(result: Result, written: Path | None, in_place: bool, context: Context) -> Iterator[str]:
+    """Yield what was done, and what is known of it."""
     migrated, proof = result.migrated, result.proof
     shown = context.shown(result.model)
     way = f"from MuJoCo {migrated.before} to {migrated.after}"
     count = f"{len(migrated.steps)} change{'s' * (len(migrated.steps) != 1)}"
     if not migrated.changed and (written is None or in_place):
-        say(f"{shown} is the same text for MuJoCo {migrated.before} and {migrated.after}")
+        yield f"{shown} is the same text for MuJoCo {migrated.before} and {migrated.after}"
     elif written is None:
-        say(f"can migrate {shown} {way} with {count}; `-o NEW.xml` or `--in-place` writes it")
+        yield f"can migrate {shown} {way} with {count}; `-o NEW.xml` or `--in-place` writes it"
     else:
-        say(f"wrote {written}: {way} with {count}")
+        yield f"wrote {written}: {way} with {count}"
     outcome = proof.outcome
     if outcome is not None:
         arrays = len(outcome.equal) + len(outcome.rounded)
         but = f", {len(outcome.rounded)} of them up to rounding" if outcome.rounded else ""
         if outcome.same:
-            say(f"proved: MuJoCo {migrated.after} compiles the same model; {arrays} arrays are equal{but}")
+            yield f"proved: MuJoCo {migrated.after} compiles the same model; {arrays} arrays are equal{but}"
         elif not result.unexplained:
-            say(f"compared: {arrays} arrays are equal{but}; what differs is said above:")
-        for words in result.explained:
-            say(f"  {words}")
+            yield f"compared: {arrays} arrays are equal{but}; what differs is said above:"
+        yield from (f"  {words}" for words in result.explained)
         if outcome.recut:
             several = ", ".join(outcome.recut[:_SHOWN]) + (", …" if len(outcome.recut) > _SHOWN else "")
-            say(f"  the same surface in other triangles: {several}")
+            yield f"  the same surface in other triangles: {several}"
         if outcome.apart:
-            say(f"  not compared, for they have another form: {', '.join(outcome.apart)}")
+            yield f"  not compared, for they have another form: {', '.join(outcome.apart)}"
     elif migrated.before != migrated.after:
         lack = " and ".join(result.missing)
-        say(
+        yield (
             f"not proved: MuJoCo {lack} is not here; `--prove` installs it, `--with-python PATH` names one that has it"
         )
 

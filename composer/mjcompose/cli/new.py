@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import shlex
-import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,51 +13,51 @@ import click
 
 from mjcompose.base.dataclass import dataclass
 from mjcompose.base.files import read_regular
-from mjcompose.cli.reporting import FINDINGS, report, reporting_options, say
+from mjcompose.cli.options import ReportOptions
+from mjcompose.cli.run import PATH, Answer, Run, argument, command, flag, group
 
 if TYPE_CHECKING:
     from mjcompose.sources.context import Context
 
 
-@click.command()
-@click.argument("path", type=click.Path(path_type=Path), required=False)
-@click.option(
-    "--project",
-    is_flag=True,
-    help="Write a repository to the folder PATH: recipe, lock, parts, CI and README. Existing files are kept.",
-)
-@click.option(
-    "--examples",
-    is_flag=True,
-    help="Write the recipes and models of the docs to the folder PATH (default: recipes). Existing files are kept.",
-)
-@reporting_options
-def command(path: Path | None, project: bool, examples: bool, form: str) -> None:
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options of `new`."""
+
+    path: Path | None = argument(type=PATH, required=False)
+    project: bool = flag(
+        "--project",
+        help="Write a repository to the folder PATH: recipe, lock, parts, CI and README. Existing files are kept.",
+    )
+    examples: bool = flag(
+        "--examples",
+        help="Write the recipes and models of the docs to the folder PATH (default: recipes). Existing files are kept.",
+    )
+    reporting: ReportOptions = group(ReportOptions)
+
+
+@command(Options)
+def new(options: Options, run: Run) -> Answer | None:
     """Write a commented starter recipe to PATH (default: model.yaml). It builds without changes."""
     from mjcompose.build.bundle.bundle import OutputError, unwritable_error
-    from mjcompose.sources.context import Context
 
-    if project and examples:
+    path, context = options.path, run.context
+    if options.project and options.examples:
         raise click.UsageError("--project and --examples exclude each other")
-    context = Context()
-    outcome = _Outcome("", (), ())
     try:
-        if examples:
+        if options.examples:
             outcome = _examples(path or Path("recipes"))
+        elif options.project:
+            outcome = _project(path, context)
         else:
-            outcome = _project(path, context) if project else _recipe(path or Path("model.yaml"), context)
+            outcome = _recipe(path or Path("model.yaml"), context)
     except OutputError as error:
         context.sink.add(error.diagnostic)
     except OSError as error:
-        failure = unwritable_error(path or Path("model.yaml"), error)
-        context.sink.add(failure.diagnostic)
-    report(context, form)
+        context.sink.add(unwritable_error(path or Path("model.yaml"), error).diagnostic)
     if context.sink.has_errors:
-        sys.exit(FINDINGS)
-    if form == "json":
-        click.echo(json.dumps({"wrote": list(outcome.wrote), "kept": list(outcome.kept)}))
-        return
-    say(outcome.words)
+        return None
+    return Answer(outcome.words, {"wrote": list(outcome.wrote), "kept": list(outcome.kept)}, is_outcome=True)
 
 
 @dataclass(frozen=True, slots=True)

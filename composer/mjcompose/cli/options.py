@@ -57,6 +57,9 @@ VERBOSE = flag("-v", "--verbose", help="Also print how long each stage took, and
 STRICT = flag("--strict", help="Treat warnings as errors, except those that the recipe allows.")
 NO_CACHE = flag("--no-cache", help="Do not read models from the build cache or store them in it.")
 RECIPE = argument(type=PATH)
+JOBS = option("--jobs", "-j", type=click.IntRange(min=1), metavar="NUMBER", envvar="MJCOMPOSE_JOBS",
+              help="The number of processes. Default: MJCOMPOSE_JOBS, or one for each core if there are enough"
+              " cells.")  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -479,6 +482,34 @@ class CellOptions:
         """Return the values with those of the chosen cell, and the number of the sample."""
         cell = self.chosen(recipe, given, run=run, verb=verb)
         return (given, self.sample or 0) if cell is None else ({**given, **cell.given}, cell.sample)
+
+
+@dataclass(frozen=True, slots=True)
+class CellsOptions:
+    """The choice of several cells and samples; without any, a command is about one model."""
+
+    every: bool = flag("--all", help="Select every cell of the recipe's matrix, and every sample.")
+    picks: tuple[str, ...] = option("--pick", multiple=True, metavar="CELL", shell_complete=completing.cells,
+                                    help="Select this cell of the matrix or this sample, or with AXIS=VALUE"
+                                    "[,AXIS=VALUE...] all cells that have these values.")  # fmt: skip
+    only_samples: tuple[int, ...] = option("--sample", multiple=True, type=click.IntRange(min=0), metavar="NUMBER",
+                                           shell_complete=completing.samples, help="Select only this sample, of all"
+                                           " cells or of those of --pick. 0 is the model without draws.")  # fmt: skip
+
+    @property
+    def one(self) -> bool:
+        return not self.every and not self.picks and not self.only_samples
+
+    def chosen(
+        self, recipe: Path, given: dict[str, Node], context: Context, verb: str, *, worlds: bool = False
+    ) -> tuple[list[Cell], int]:
+        """Return the selected cells, none if the recipe is one model, and the exit code, 0 without errors.
+
+        Errors go to the context's sink.
+        """
+        return chosen_cells(
+            recipe, self.picks, self.only_samples, given=given, context=context, verb=verb, worlds=worlds
+        )
 
 
 def chosen_cells(

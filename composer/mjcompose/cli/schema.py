@@ -4,25 +4,28 @@ from __future__ import annotations
 
 import click
 
+from mjcompose.base.dataclass import dataclass
+from mjcompose.cli.run import Answer, Run, argument, command
 
-@click.command()
-@click.argument("what", type=click.Choice(["recipe", "manifest", "reference"]), default="recipe")
-def command(what: str) -> None:
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options of `schema`."""
+
+    what: str = argument(type=click.Choice(["recipe", "manifest", "reference"]), default="recipe")
+
+
+@command(Options)
+def schema(options: Options, run: Run) -> Answer:
     """Print the JSON Schema of recipes or manifests for editors and other tools, or the reference page of all keys."""
-    if what == "manifest":
-        from mjcompose.build.bundle.manifest import schema as manifest_schema
+    if options.what == "manifest":
+        from mjcompose.build.bundle.manifest import schema as text
+    elif options.what == "reference":
+        from mjcompose.language.reference_page import page as text
+    else:
+        from mjcompose.build.plan.extensions import load_all
+        from mjcompose.language.schema import text
 
-        click.echo(manifest_schema(), nl=False)
-        return
-    if what == "reference":
-        from mjcompose.language.reference_page import page
-
-        click.echo(page(), nl=False)
-        return
-    from mjcompose.build.plan.extensions import load_all
-    from mjcompose.language.schema import text
-
-    for error in load_all():
-        click.echo(error.message, err=True)
-
-    click.echo(text(), nl=False)
+        for error in load_all():
+            click.echo(error.message, err=True)
+    return Answer(text().removesuffix("\n"))

@@ -3,35 +3,36 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from mjcompose.cli.options import timeout_option
-from mjcompose.cli.reporting import (
-    exit_code,
-    is_strict,
-    progress,
-    report,
-    reporting_options,
-    say,
-    strict_option,
-)
+from mjcompose.base.dataclass import dataclass
+from mjcompose.cli.options import STRICT, ReportOptions, TimeOptions
+from mjcompose.cli.reporting import progress, say
+from mjcompose.cli.run import PATH, Run, argument, command, group, option
 
 if TYPE_CHECKING:
     from mjcompose.build.verify.stored import VerifiedBundle
 
 
-@click.command()
-@click.argument("bundles", metavar="BUNDLE...", type=click.Path(path_type=Path), nargs=-1, required=True)
-@click.option("--recipe", type=click.Path(path_type=Path),
-              help="The recipe that the bundle was built from, to find the sources of its parts.")  # fmt: skip
-@timeout_option
-@strict_option
-@reporting_options
-def command(bundles: tuple[Path, ...], recipe: Path | None, form: str) -> None:
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options of `verify`."""
+
+    bundles: tuple[Path, ...] = argument(metavar="BUNDLE...", type=PATH, nargs=-1, required=True)
+    recipe: Path | None = option(
+        "--recipe", type=PATH,
+        help="The recipe that the bundle was built from, to find the sources of its parts.",
+    )  # fmt: skip
+    limits: TimeOptions = group(TimeOptions)
+    strict: bool = STRICT
+    reporting: ReportOptions = group(ReportOptions)
+
+
+@command(Options)
+def verify(options: Options, run: Run) -> int:
     """Verify each BUNDLE: a folder, .zip or .mjz.
 
     A bundle is valid if its files have the hashes in the manifest, MuJoCo compiles it, the order of joints, actuators,
@@ -39,22 +40,21 @@ def command(bundles: tuple[Path, ...], recipe: Path | None, form: str) -> None:
     """
     from mjcompose.build.verify.stored import verify_stored
     from mjcompose.mujoco.engine import Session
-    from mjcompose.sources.context import Context
 
-    code = 0
-    for bundle in bundles:
-        context = Context(strict=is_strict())
+    code, recipe = 0, options.recipe
+    for bundle in options.bundles:
+        context = run.new_context()
         progress(f"verifying {bundle}")
         with Session() as session:
             stored = verify_stored(bundle, context, session, recipe=recipe)
         if context.strict:
             context.sink.promote()
-        report(context, form)
+        run.report(context)
         if context.sink.has_errors:
-            code = max(code, exit_code(context.folder, [bundle, *([] if recipe is None else [recipe])]))
+            code = max(code, run.code_of_failure(bundle, *([] if recipe is None else [recipe])))
         if stored is not None:
-            _say(stored, str(bundle), form, ok=not context.sink.has_errors)
-    sys.exit(code)
+            _say(stored, str(bundle), run.form, ok=not context.sink.has_errors)
+    return code
 
 
 def _say(stored: VerifiedBundle, path: str, form: str, *, ok: bool) -> None:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-import click
-
+from mjcompose.base.dataclass import dataclass
 from mjcompose.base.version import __version__
+from mjcompose.cli.run import Answer, Run, command
 
 
-@click.command()
-def command() -> None:
+@dataclass(frozen=True, slots=True)
+class Options:
+    """`version` has no options."""
+
+
+@command(Options)
+def version(options: Options, run: Run) -> Answer:
     """Print the version. `mjcompose doctor` prints the versions of all dependencies."""
-    click.echo(f"mjcompose, version {__version__}")
+    return Answer(f"mjcompose, version {__version__}")

@@ -3,94 +3,71 @@
 from __future__ import annotations
 
 import os
-import sys
-from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from mjcompose.base.dataclass import dataclass
 from mjcompose.cli import completing
-from mjcompose.cli.options import (
-    Choices,
-    cell_options,
-    choice_options,
-    fetching,
-    fetching_options,
-    timeout_option,
-)
-from mjcompose.cli.reporting import FINDINGS, USAGE, progress, report, reporting_options, say, words_of
+from mjcompose.cli.options import CellOptions, Choices, FetchOptions, ReportOptions, TimeOptions
+from mjcompose.cli.reporting import FINDINGS, USAGE, progress, say, words_of
+from mjcompose.cli.run import Answer, Run, Stop, argument, command, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.engine import Session
-    from mjcompose.sources.context import Context
     from mjcompose.text.node import Node
     from mjcompose.tools.diff.sides import Operand
     from mjcompose.tools.view.builder import Shown, Workshop
     from mjcompose.tools.view.live import Service
 
 
-@click.command()
-@click.argument("target")
-@click.option("--html", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
-              help="Write a page that needs no server and no network, and exit.")  # fmt: skip
-@click.option(
-    "--physics",
-    is_flag=True,
-    help="With --html: include MuJoCo (3.5 MB) in the page, so that it can run the simulation.",
-)
-@click.option("--key", metavar="KEY", help="The keyframe at the start. Default: the first one.",
-              shell_complete=completing.keys)  # fmt: skip
-@click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="The address to listen on. With"
-              " another one, people who know the token can view the model too.")  # fmt: skip
-@click.option(
-    "--port",
-    type=click.IntRange(0, 65535),
-    default=0,
-    metavar="PORT",
-    help="The port to listen on. Default: a free one.",
-)
-@click.option("--no-open", is_flag=True, help="Do not open a browser.")
-@click.option("--editor", metavar="ADDRESS", help="The link that opens a line in your editor, with {file},"
-              " {line} and {column}. Default: the environment variable MJCOMPOSE_EDITOR, or"
-              " vscode://file{file}:{line}:{column}.")  # fmt: skip
-@choice_options
-@cell_options
-@timeout_option
-@fetching_options
-@reporting_options
-def command(
-    target: str,
-    html: Path | None,
-    physics: bool,
-    key: str | None,
-    host: str,
-    port: int,
-    no_open: bool,
-    editor: str | None,
-    choices: Choices,
-    pick: str | None,
-    sample: int | None,
-    form: str,
-) -> None:
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options of `view`."""
+
+    target: str = argument()
+    html: Path | None = option("--html", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE",
+                               help="Write a page that needs no server and no network, and exit.")  # fmt: skip
+    physics: bool = flag(
+        "--physics",
+        help="With --html: include MuJoCo (3.5 MB) in the page, so that it can run the simulation.",
+    )
+    key: str | None = option("--key", metavar="KEY", help="The keyframe at the start. Default: the first one.",
+                             shell_complete=completing.keys)  # fmt: skip
+    host: str = option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS", help="The address to listen"
+                       " on. With another one, people who know the token can view the model too.")  # fmt: skip
+    port: int = option("--port", type=click.IntRange(0, 65535), default=0, metavar="PORT",
+                       help="The port to listen on. Default: a free one.")  # fmt: skip
+    no_open: bool = flag("--no-open", help="Do not open a browser.")
+    editor: str | None = option("--editor", metavar="ADDRESS", help="The link that opens a line in your editor, with"
+                                " {file}, {line} and {column}. Default: the environment variable MJCOMPOSE_EDITOR, or"
+                                " vscode://file{file}:{line}:{column}.")  # fmt: skip
+    choices: Choices = group(Choices)
+    cell: CellOptions = group(CellOptions)
+    limits: TimeOptions = group(TimeOptions)
+    fetching: FetchOptions = group(FetchOptions)
+    reporting: ReportOptions = group(ReportOptions)
+
+
+@command(Options)
+def view(options: Options, run: Run) -> Answer | int:
     """Show TARGET in the browser: a recipe, an MJCF or URDF file, or a bundle.
 
     All files of the model are watched. When you save one, the page updates; errors appear above the last valid model.
     """
     from mjcompose.mujoco.engine import Session
-    from mjcompose.sources.context import Context
     from mjcompose.tools.diff.sides import as_recipe, read_operand
 
-    if physics and html is None:
+    html = options.html
+    if options.physics and html is None:
         raise click.UsageError("--physics is for a page with --html: a live one runs physics on the server.")
-    context = Context(fetching=fetching())
-    given = choices.values(context)
+    given = options.choices.given(run)
     with ExitStack() as opened:
-        operand = None if context.sink.has_errors else read_operand(target, context, opened)
+        operand = read_operand(options.target, run.context, opened)
         if operand is None:
-            report(context, form)
-            sys.exit(USAGE)
+            raise Stop(USAGE)
         session = opened.enter_context(Session(remembers=html is None))
         if html is None:
             from mjcompose.tools.view.builder import EDITOR, Workshop
@@ -98,39 +75,28 @@ def command(
             from mjcompose.tools.view.page import Asked
 
             workshop = Workshop(
-                target, Asked(given, pick, sample), session, open=_opener(), words=words_of, key=key,
-                editor=editor or os.environ.get("MJCOMPOSE_EDITOR") or EDITOR,
+                options.target, Asked(given, options.cell.pick, options.cell.sample), session, open=run.new_context,
+                words=words_of, key=options.key,
+                editor=options.editor or os.environ.get("MJCOMPOSE_EDITOR") or EDITOR,
             )  # fmt: skip
-            sys.exit(_live(workshop, Service(host, port, not no_open), context, form=form))
-        if physics:
+            return _live(workshop, Service(options.host, options.port, not options.no_open), run)
+        if options.physics:
             operand = as_recipe(operand, opened)
-        words = _page(
-            operand, html, key, given=given, pick=pick, sample=sample, session=session, physics=physics
-        )
-        operand.report(context.sink)
-    report(context, form)
-    if words is not None:
-        say(words, form=form)
-    sys.exit(FINDINGS if words is None or context.sink.has_errors else 0)
+        words = _page(operand, html, options, given=given, session=session)
+        operand.report(run.context.sink)
+    if words is None:
+        raise Stop(FINDINGS)
+    return Answer(words, is_outcome=True)
 
 
-def _opener() -> Callable[[], Context]:
-    """Return a function that makes the context of each build, so that files are read again."""
-    from mjcompose.sources.context import Context
-
-    how = fetching()
-    return lambda: Context(fetching=how)
-
-
-def _live(workshop: Workshop, service: Service, context: Context, form: str) -> int:
+def _live(workshop: Workshop, service: Service, run: Run) -> int:
     """Serve until interrupted; return the exit code."""
     from threading import Event
 
     from mjcompose.tools.view.live import serve, started
 
-    server = started(workshop, service, context)
+    server = started(workshop, service, run.context)
     if server is None:
-        report(context, form)
         return FINDINGS
     stop = Event()
 
@@ -138,7 +104,7 @@ def _live(workshop: Workshop, service: Service, context: Context, form: str) -> 
         if shown.fault is not None:
             click.echo(shown.fault, err=True)
         else:
-            say(f"{shown.title}: shown, built in {shown.seconds:.2f} s", form=form)
+            say(f"{shown.title}: shown, built in {shown.seconds:.2f} s", form=run.form)
 
     try:
         serve(server, service.opens, click.echo, stop=stop, said=announce)
@@ -148,14 +114,7 @@ def _live(workshop: Workshop, service: Service, context: Context, form: str) -> 
 
 
 def _page(
-    operand: Operand,
-    out: Path,
-    key: str | None,
-    given: dict[str, Node],
-    pick: str | None,
-    sample: int | None,
-    session: Session,
-    physics: bool,
+    operand: Operand, out: Path, options: Options, given: dict[str, Node], session: Session
 ) -> str | None:
     """Write the page; return the report, or None if there is none."""
     from mjcompose.tools.diff.sides import load
@@ -165,8 +124,11 @@ def _page(
     if not check_given(operand, given):
         return None
     progress(f"building {operand.label}")
-    side = load(operand, "view", session, given=given, pick=pick, sample=sample, whole=physics)
+    cell = options.cell
+    side = load(
+        operand, "view", session, given=given, pick=cell.pick, sample=cell.sample, whole=options.physics
+    )
     if side is None or operand.context.sink.has_errors:
         return None
-    size = write_page(side, out, key, context=operand.context, session=session)
+    size = write_page(side, out, options.key, context=operand.context, session=session)
     return None if size is None else f"wrote {out}, {size / 1e6:.1f} MB: open it in a browser"
